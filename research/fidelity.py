@@ -21,7 +21,7 @@ from servo_keepers import servo_players
 
 from hitab_world.inprocess import play
 from keepaway_world.parameters import variant
-from keepaway_world.reference_keepers import reference_players
+from keepaway_world.players import KEEPERS, offered
 from keepaway_world.verbs.evaluation import mean_and_error
 from keepaway_world.world import KeepawayWorld
 
@@ -63,7 +63,7 @@ def measure(case: Case, episodes: int, seed: int) -> dict[str, Any]:
     """Play a case and return its figures."""
     world = KeepawayWorld(variant("standard", **case.parameters), seed)
     servo = case.keepers == "servo"
-    players = servo_players(world) if servo else reference_players(world, case.keepers)
+    players = servo_players(world) if servo else offered(KEEPERS, case.keepers)(world)
     played = play(world, players, episodes)
     ended = Counter(result.ended for result in played)
     return {

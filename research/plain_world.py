@@ -16,7 +16,7 @@ import numpy as np
 from rclpy.node import Node
 
 from hitab_core.automaton import START, Automaton
-from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind
+from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.use import Use
 from hitab_ros.spinning import run
@@ -56,10 +56,7 @@ def _column(index: int) -> dict[str, Any]:
     def read(body: PlainBody) -> float:
         return body.values[index]
 
-    def read_all(percepts: BatchPercepts) -> Any:
-        return percepts.values[:, index]
-
-    return {"read": read, "read_all": read_all}
+    return {"read": read}
 
 
 X = Feature("X", **_column(0), unit="m")

@@ -12,15 +12,15 @@ import math
 from collections.abc import Mapping, Sequence
 
 from hitab_world.inprocess import Player
+from keepaway_research.reference.eyes import Eyes
+from keepaway_research.reference.keepers import DirectBody
+from keepaway_research.reference.positioning import ARRIVED, open_point
+from keepaway_research.reference.prediction import FULL
+from keepaway_research.reference.view import Seen, View
+from keepaway_world.action import Order
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.body import YELL
-from keepaway_world.interception import Order
 from keepaway_world.kicking import PASS_ARRIVAL_SPEED, off_place
-from keepaway_world.reference.eyes import Eyes
-from keepaway_world.reference.positioning import ARRIVED, open_point
-from keepaway_world.reference.prediction import FULL
-from keepaway_world.reference.view import Seen, View
-from keepaway_world.reference_keepers import DirectBody
 from keepaway_world.world import KeepawayWorld
 
 PRESSED = 5.0  # m: it passes if a taker is nearer

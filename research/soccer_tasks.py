@@ -31,10 +31,8 @@ from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
-from hitab_commander.kind_reader import KIND_FILE, parse_kind, read_kind
+from hitab_commander.kind_reader import KIND_FILE, described_kind, read_kind
 from hitab_core import Automaton, Domain, Repertoire, Use
-from hitab_core.library import Fields
-from hitab_core.library.yaml_places import Complaints, Document
 from hitab_world.inprocess import AutomatonPlayer, Player, perform, play
 from keepaway_world.domain import DOMAIN
 from keepaway_world.parameters import PAPER
@@ -334,10 +332,7 @@ class Drill(CaptainTask):
             "features": {"Apart": {"group": "spread"}},
             "report_period": 0.1,
         }
-        fields = Fields(Complaints(Document("", described, {(): 1})))
-        kind = parse_kind("DrillCaptain", fields)
-        fields.complaints.raise_any()
-        return kind
+        return described_kind("DrillCaptain", described)
 
     def rules(self) -> Sequence[Team]:
         """Return captains with one rule for each order."""

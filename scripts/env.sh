@@ -13,6 +13,7 @@ _hitab_scripts=$(cd "$(dirname "${BASH_SOURCE[0]:-$0}")" && pwd -P)
 _hitab_venv=${HITAB_VENV:-${_hitab_scripts%/*}/.venv}
 _hitab_ros=${HITAB_ROS:-/opt/ros/jazzy}
 _hitab_sources=${_hitab_scripts%/*}/ros2_ws/src
+_hitab_measuring=${_hitab_scripts%/*}/research/src
 
 # Prints a list of folders without those inside the folders of another list.
 _hitab_without() {
@@ -60,13 +61,13 @@ if [ -n "$_hitab_installed" ]; then
   # checkout, the messages and what both need. The packages are named one by one, since Python heeds
   # editable installations only in its own folders. What ROS itself has comes before the rest.
   _hitab_packages=$(
-    find "$_hitab_sources" -mindepth 2 -maxdepth 2 -name setup.py 2>/dev/null |
+    find "$_hitab_sources" "$_hitab_measuring" -mindepth 2 -maxdepth 2 -name setup.py 2>/dev/null |
       LC_ALL=C sort | sed 's|/[^/]*$||' | tr '\n' ':'
   )
   _hitab_site=$(
     find "$_hitab_venv/lib" -maxdepth 2 -path '*/python3*/site-packages' 2>/dev/null | tr '\n' ':'
   )
-  PYTHONPATH=$(_hitab_without "${PYTHONPATH:-}" "$_hitab_venv:$_hitab_sources")
+  PYTHONPATH=$(_hitab_without "${PYTHONPATH:-}" "$_hitab_venv:$_hitab_sources:$_hitab_measuring")
   PYTHONPATH=$(_hitab_without "$_hitab_packages:$PYTHONPATH:$_hitab_site" "")
   unset _hitab_packages _hitab_site
   [ -z "$_hitab_unset" ] || set -u
@@ -104,4 +105,4 @@ export MPLCONFIGDIR="${MPLCONFIGDIR:-$_hitab_venv/matplotlib}"
 if [ -z "${HOME:-}" ]; then export HOME=~; fi # ROS logs there, and does not start without
 
 unset -f _hitab_without
-unset _hitab_dds _hitab_scripts _hitab_sources _hitab_venv _hitab_ros _hitab_installed _hitab_unset
+unset _hitab_dds _hitab_measuring _hitab_scripts _hitab_sources _hitab_venv _hitab_ros _hitab_installed _hitab_unset

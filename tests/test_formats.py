@@ -11,67 +11,14 @@ from hitab_bringup import parse_swarm, read_swarm
 from hitab_client.bootstrapping import read_generations
 from hitab_client.lessons import read_lesson
 from hitab_commander import read_kind
-from hitab_core import Agent, BehaviorLibrary, HitabError, load_domain
-from hitab_core.library import read_bundle_file
+from hitab_core import HitabError
 from hitab_studio.replay import Recording
 from keepaway_world.world import KeepawayWorld
 
 FORMATS = Path(__file__).parent / "data" / "formats"
 
 
-@pytest.fixture
-def library(tmp_path):
-    shutil.copytree(FORMATS / "library", tmp_path / "library")
-    return BehaviorLibrary(tmp_path / "library", load_domain("keepaway"))
-
-
-def test_a_library_from_before_loads_and_can_be_performed(library):
-    behaviors = library.load()
-    counts = {name: len(b.examples) for name, b in behaviors.items()}
-    assert counts == {"ApproachBall": 18, "ControlBall": 10, "GotoBall": 10, "Keepaway": 8}
-    assert library.problems == {}
-    assert list(behaviors["ControlBall"].transitions["Stop"].predict([[2.0, 1.0]])) == ["Pass"]
-
-
-AROUND = ("all_around", "GotoBall", "ApproachBall"), ("all_around=True", "all_around=False")
-AHEAD = ("without_look_ahead", "ControlBall", "Stop"), ("look_ahead=False", "look_ahead=True")
-
-
-@pytest.mark.parametrize(
-    ("behavior", "setting", "at", "meant", "means_now"),
-    [
-        (*AROUND, [0.16], "ApproachBall", "TurnToBall"),
-        (*AROUND, [1.0], "ApproachBall", "TurnToBall"),
-        (*AHEAD, [4.0, 1.0], "Pass", "Stop"),
-    ],
-)
-def test_behaviors_mean_what_they_did_when_trees_were_learned_otherwise(
-    library, behavior, setting, at, meant, means_now
-):
-    folder, name, state = behavior
-    shutil.copy(FORMATS / folder / f"{name}.hfa.yaml", library.folder)
-
-    def decision(behavior):
-        (found,) = library.load()[behavior].transitions[state].predict([at])
-        return found
-
-    assert decision(name) == meant
-    assert library.problems == {}
-    assert setting[0] in library.file(name).classifier
-    library.rename(name, "Renamed", with_users=True)  # which writes it anew
-    assert decision("Renamed") == meant
-    path = library.path("Renamed")
-    path.write_text(path.read_text(encoding="utf-8").replace(*setting))
-    library.accept_edits("Renamed")
-    assert decision("Renamed") == means_now
-
-
-def test_files_of_each_other_kind_from_before_are_read(tmp_path):
-    bundle = read_bundle_file(FORMATS / "GotoBall.bundle.yaml")
-    library = BehaviorLibrary(tmp_path / "library", load_domain(bundle.domain))
-    assert library.install(bundle.texts) == ["ApproachBall", "GotoBall"]
-    assert sorted(library.load()) == ["ApproachBall", "GotoBall"]
-
+def test_files_of_each_kind_from_before_are_read(tmp_path):
     lesson = read_lesson(FORMATS / "lessons" / "control_ball.yaml")
     assert (lesson.name, lesson.agent) == ("ControlBall", "keeper_1")
     assert lesson.steps
@@ -91,19 +38,6 @@ def test_files_of_each_other_kind_from_before_are_read(tmp_path):
     world = KeepawayWorld()
     world.restore(snapshot)
     assert world.snapshot() == snapshot
-
-
-def test_a_journal_from_before_is_resumed(tmp_path):
-    shutil.copy(FORMATS / "training.jsonl", tmp_path)
-    domain = load_domain("keepaway")
-    agent = Agent("keeper_1", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
-    assert agent.session is not None
-    assert [(e.state, e.next_state, e.is_default) for e in agent.session.examples] == [
-        ("Start", "GoFast", False),
-        ("GoFast", "GoFast", True),
-        ("GoFast", "Stop", False),
-        ("Stop", "Stop", True),
-    ]
 
 
 def test_a_recording_from_before_shows_the_same_moments_back_and_forth():

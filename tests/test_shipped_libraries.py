@@ -12,9 +12,6 @@ from hitab_core import BehaviorLibrary
 from keepaway_world.verbs.evaluation import evaluate, trained_keepers
 from keepaway_world.verbs.paper import HOLD_TIME_S, PASSES, TABLE_1
 
-UT_HAND_S = 53.5
-"""Mean hold time of UT Austin's hand-coded keepers against quarter-speed takers, s."""
-
 
 def school(name: str) -> SwarmDescription:
     described = read_swarm(find_file(name, "swarms", "swarm"))
@@ -68,16 +65,6 @@ def test_the_captains_lessons_teach_it_and_its_keepers_what_is_shipped(home, tmp
     ("swarm", "lessons", "library"),
     [
         (
-            lambda: keepers("keepaway_predictive"),
-            [f"predictive/{n}" for n in ("take_ball", "pass_ball", "play_ball", "keepaway")],
-            "keepaway_predictive",
-        ),
-        (
-            lambda: keepers("keepaway_fullspeed", taker_speed=1.0, ball_collides=True),
-            ["fullspeed/play_ball", "fullspeed/keepaway"],
-            "keepaway_fullspeed",
-        ),
-        (
             lambda: read_swarm(find_file("foraging_school", "swarms", "swarm")),
             [f"foraging_{n}" for n in ("search", "goto", "carry", "forage")],
             "foraging",
@@ -115,21 +102,3 @@ def test_trained_keepers_keep_the_ball_at_least_as_long_as_the_papers():
     # Rules without one example last that long as well. What was learned last is worth more than
     # what it is made of: the same keepers, on the same episodes, without their top automaton.
     assert whole >= 2.0 * figures("keepaway", 40, behavior="ControlBall")[0]
-
-
-@pytest.mark.long
-def test_keepers_that_look_ahead_last_longer_than_hand_coded_ones_and_than_their_own_parts():
-    """Against slow takers each episode may last minutes; against fast ones forty tell enough."""
-    assert figures("keepaway_predictive", 5, 11)[0] >= UT_HAND_S
-    fast = {"episodes": 40, "taker_speed": 1.0}
-    whole, _ = figures("keepaway_predictive", **fast)
-    assert whole >= 1.2 * figures("keepaway", **fast)[0]
-    assert whole >= 1.5 * figures("keepaway_predictive", behavior="PlayBall", **fast)[0]
-
-
-def test_keepers_for_full_speed_last_longer_there_than_others():
-    game = {"taker_speed": 1.0, "sight": "quantised", "taker_policy": "reference"}
-    assert (
-        figures("keepaway_fullspeed", 6, **game)[0]
-        >= 1.3 * (figures("keepaway_predictive", 6, **game)[0])
-    )

@@ -111,9 +111,7 @@ def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, apa
     assert which.returncode == 1
     assert all(record.identity in which.stderr for record in both.values())
     other = next(r for f, r in both.items() if f.path == apart / "other")
-    first = next(r for r in both.values() if r != other)
-    assert f"another lone is up already: {first.identity}, in " in second.stderr
-    assert f"this one is {other.identity}" in second.stderr
+    assert f"look with `hitab status --swarm {other.identity}`" in second.stdout
     status = hitab("status", "--swarm", str(apart / "other"), "--json", "-")
     assert json.loads(status.stdout)["identity"] == other.identity
     assert hitab("down", "--swarm", other.identity).stdout == f"{other.identity} is down\n"

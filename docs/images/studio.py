@@ -184,7 +184,9 @@ def robot() -> None:
         chrome = stack.enter_context(browser())
         url = stack.enter_context(studio(home / "robot.log"))
         person = stack.enter_context(page(chrome, url, agent=ROBOT))
-        person.page.wait_for_function("studioField.robots.map && studioField.robots.clouds[0]")
+        person.page.wait_for_function(
+            "studioField.robots.map?.canvas && studioField.robots.points.length"
+        )
         person.click("new")
         person.type("new-name", "Wander")
         person.tick("feature-RangeAhead")

@@ -44,8 +44,6 @@ setup(
         "hitab.domains": [
             "keepaway = keepaway_world.domain:DOMAIN",
             "keepaway_handcoded = keepaway_world.hand_coded_team:DOMAIN",
-            "keepaway_predictive = keepaway_world.predictive.domain:DOMAIN",
-            "keepaway_fullspeed = keepaway_world.fullspeed.domain:DOMAIN",
         ],
         "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],
         "hitab.verbs": ["keepaway = keepaway_world.verbs.commands"],

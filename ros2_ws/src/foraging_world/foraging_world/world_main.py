@@ -15,7 +15,6 @@ from rclpy.node import Node
 
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
-from hitab_core import HitabError
 from hitab_ros import run
 from hitab_world import run_world
 from hitab_world.figures import declare_figures
@@ -27,10 +26,7 @@ def make_world(node: Node, seed: int) -> ForagingWorld:
     Raises:
         HitabError: if a figure is invalid, or there is no room for all boxes and obstacles.
     """
-    try:
-        return ForagingWorld(declare_figures(node, ForagingParameters), seed)
-    except ValueError as error:
-        raise HitabError(str(error)) from error
+    return ForagingWorld(declare_figures(node, ForagingParameters), seed)
 
 
 def main() -> None:

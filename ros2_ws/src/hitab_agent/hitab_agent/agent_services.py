@@ -196,7 +196,7 @@ class AgentServices:
 
     def _set_caution(self, request: srv.SetCaution.Request, response: Any) -> str:
         caution = Caution.parse(request.when_unsure, request.support, request.distance)
-        self._agent.be_cautious(caution)
+        self._agent.monitor.set(caution)
         return f"{self._agent.name}: {caution}"
 
     def _list_examples(self, request: srv.ListExamples.Request, response: Any) -> str:

@@ -61,7 +61,7 @@ class CommandReceiver:
         self._status = status
         self._settle = settle
         self._recent: RecentRequests[str] = RecentRequests()  # why refused, or ""
-        for request in agent.requests:
+        for request in agent.session.requests if agent.session is not None else ():
             # Obeyed before a crash: their demonstrators may not know it and send them again.
             self._recent.keep(*request, "")
             status.message.last_command_sequence = request.number

@@ -19,6 +19,7 @@ from hitab_core import (
     to_be_saved,
 )
 from hitab_core.library import difference, scale_of
+from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import example_message, feature_message
 
@@ -38,7 +39,8 @@ class InspectionServices:
     def _read_features(
         self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
     ) -> srv.ReadFeatures.Response:
-        readings = self._agent.live_features([Use.parse(text) for text in request.also])
+        agent, also = self._agent, [Use.parse(text) for text in request.also]
+        readings = live_features(agent.running, agent.context, also)
         answer.readings = [
             msg.Reading(automaton=automaton, feature=feature, value=value)
             for automaton, feature, value in readings
@@ -128,7 +130,7 @@ class InspectionServices:
         _fill_in(answer, file.automaton, self._agent.domain)
         if request.compare_with:
             before = library.version(name, request.compare_with)
-            answer.difference = str(difference(before, file))
+            answer.difference = difference(before, file)
 
 
 def _origin(provenance: Any) -> str:

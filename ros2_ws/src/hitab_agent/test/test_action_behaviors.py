@@ -13,7 +13,6 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-import numpy as np
 import pytest
 from hitab_msgs import msg
 from hitab_msgs.action import Perform
@@ -25,14 +24,11 @@ from rclpy.task import Future
 from hitab_agent.actions.action_clients import ActionClients, check_actions
 from hitab_agent.actions.goal import Limits, OrphanedGoal
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.host.agent_batches import WORTH_IT, AgentBatches
 from hitab_core import (
     START,
     ActionBehavior,
-    Agent,
     Automaton,
     BasicBehavior,
-    BehaviorLibrary,
     Domain,
     Feature,
     HandWritten,
@@ -42,7 +38,6 @@ from hitab_core import (
     calls_of,
     feedback_feature,
 )
-from hitab_core.running import RunningAutomaton
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.testing import NumberBody, wait_until
 
@@ -455,17 +450,6 @@ def test_an_agent_that_ends_cancels_its_goal(make, process):
     process.until(lambda: one.call.accepted)
     process.close()
     wait_until(lambda: server.goals[0].is_cancel_requested)
-
-
-def test_agents_of_a_host_whose_behaviors_are_actions_decide_one_by_one(tmp_path):
-    kind = domain()
-    agents = []
-    for number in range(WORTH_IT):
-        library = BehaviorLibrary(tmp_path / "library", kind)
-        agents.append(Agent(f"agent_{number}", kind, library))
-        agents[-1].perform(Use("Walk"))
-    AgentBatches().decide(agents, np.zeros((WORTH_IT, 1)), {})
-    assert all(isinstance(agent.performance, RunningAutomaton) for agent in agents)
 
 
 def test_what_is_mistyped_is_refused_at_the_start_with_its_place():

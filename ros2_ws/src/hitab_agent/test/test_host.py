@@ -1,6 +1,5 @@
 """A host goes on whatever is wrong with percepts and bodies, and forgets what is over."""
 
-import gc
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,18 +10,15 @@ from hitab_msgs import msg
 from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.host.agent_batches import WORTH_IT
 from hitab_agent.host.host_shared import shared_on_host
-from hitab_core.agent import Agent
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.running.agent_batch import AgentBatch
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 from hitab_ros import names, qos
 
-SIZE = WORTH_IT + 2
+SIZE = 10
 
 
 class Body:
@@ -51,7 +47,7 @@ def _domain(behavior: str) -> Domain:
         "1",
         Body,
         behaviors=[BasicBehavior("Go", _pulse), BasicBehavior("Wait")],
-        features=[Feature("X", lambda body: body.value, read_all=lambda p: p.values[:, 0])],
+        features=[Feature("X", lambda body: body.value)],
         automata=[
             Automaton(
                 behavior,
@@ -227,27 +223,6 @@ def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broke
     assert event.probability == 1.0
     # Each agent itself looks in each percept whether it can be read by now.
     assert len(reads) == 6 * SIZE
-
-
-def batches_of(agent: Agent) -> int:
-    gc.collect()
-    found = [thing for thing in gc.get_objects() if isinstance(thing, AgentBatch)]
-    return sum(context.body is agent.body for batch in found for context in batch.stages)
-
-
-def test_what_was_made_of_libraries_that_nobody_has_any_more_is_forgotten(swarm):
-    agents = [node.agent for node in swarm.nodes]
-    library = agents[0].library
-    chooses = agents[0].domain.automata["Choose"]
-    for number in range(4):
-        saved = replace(chooses, name=f"Saved{number}", transitions={}, examples=())
-        agents[0].repertoire.add(saved)
-        library.save(saved, agent="a", classifier="tree")
-        for agent in agents:
-            agent.reload()
-        assert len({agent.library_digest for agent in agents}) == 1
-        swarm.act([1.0] * SIZE)
-        assert batches_of(agents[0]) == 1
 
 
 def hear_faults(swarm: Swarm, number: int) -> list[list[str]]:

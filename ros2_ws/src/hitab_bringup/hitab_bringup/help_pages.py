@@ -1,12 +1,14 @@
 """How the help of all verbs looks, whichever package has declared them.
 
 A docstring is written in lines of its file. Here its paragraphs become one line each, which the
-terminal wraps at its own width; its examples stay lines of their own, below each other.
+terminal wraps at its own width; its examples stay lines of their own. Its "Args:" are the help
+of arguments and options.
 """
 
 from __future__ import annotations
 
 import inspect
+import re
 import textwrap
 from collections.abc import Iterator
 from functools import partial
@@ -24,12 +26,21 @@ WORDS = {"int": "NUMBER", "float": "NUMBER", "path": "PATH", "str": "TEXT"}
 """What the help calls types; their names in Python tell a user nothing."""
 
 
+_ARGS = re.compile(r"^Args:\n((?: +.*\n?)+)\n?", re.MULTILINE)
+_ARG = re.compile(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
+
+
 class HelpfulCommand(TyperCommand):
     """A verb whose help says what a user has to know of the types of its options."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the parameters, `--help` included."""
-        return _described(super().get_params(ctx))
+        parameters = _described(super().get_params(ctx))
+        told = _told_of_parameters(inspect.getdoc(self.callback) or "")
+        for parameter in parameters:
+            if getattr(parameter, "help", "") is None:
+                parameter.help = told.get(parameter.name)
+        return parameters
 
 
 class HelpfulGroup(TyperGroup):
@@ -51,7 +62,8 @@ def make_helpful(app: typer.Typer) -> None:
     """Give all verbs of a command, also those in its groups, readable help pages."""
     for _, command in verbs(app):
         if command.help is None:  # groups outlive the command, and are not done twice
-            command.help = reflowed(inspect.getdoc(command.callback) or "")
+            doc = inspect.getdoc(command.callback) or ""
+            command.help = reflowed(_ARGS.sub("", doc))
         if command.cls in (None, TyperCommand):
             command.cls = HelpfulCommand
     for _, group in _groups(app):
@@ -107,6 +119,13 @@ def _parts(text: str) -> Iterator[str]:
         ]
         # Typer removes the indentation of what begins with a space. Tags are not shown.
         yield "\n".join(f"[none]{INDENT}{line}[/none]" for line in lines)
+
+
+def _told_of_parameters(doc: str) -> dict[str, str]:
+    """Return the help of each parameter that a docstring has under "Args:"."""
+    section = _ARGS.search(doc)
+    found = _ARG.findall(section[1]) if section else ()
+    return {name: " ".join(text.split()) for name, text in found}
 
 
 def _described(parameters: list[Any]) -> list[Any]:

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
 from hitab_bringup.libraries import libraries_of
 from hitab_bringup.opened_library import domain_in
-from hitab_bringup.swarm_description import AgentDescription, SwarmDescription
-from hitab_client import DescriptionError, RunFolder, SwarmError
+from hitab_bringup.swarm_description import SwarmDescription
+from hitab_client import DescriptionError, SwarmError, console
+from hitab_client.domain_ids import chosen_by_user
 from hitab_client.run_folder import running_swarms, state_home
 from hitab_client.shipped import shipped_folders
-from hitab_client.swarm_choice import name_to_choose
+from hitab_client.swarm_choice import find_meant, name_to_choose
 from hitab_core import LibraryError, did_you_mean, has, some
 from hitab_core.library import SUFFIX
 
@@ -20,40 +21,14 @@ NAMED_MAX = 12
 """Maximum number of libraries that an error names."""
 
 
-def named_library(text: str) -> Path:
-    """Return the library that a text names.
-
-    Args:
-        text: a folder; ``SWARM/LIBRARY``, kept for a swarm between its runs; or the name of a
-            shipped library.
-
-    Raises:
-        LibraryError: naming the libraries that there are.
-    """
-    path = Path(text).expanduser()
-    if path.is_dir():
-        return path
-    known = known_libraries()
-    if text in known:
-        return known[text]
-    raise LibraryError(
-        f'"{text}" is neither a folder nor a known library; {_listed(known)}'
-        f"{did_you_mean(text, known)}"
-    )
-
-
 def known_libraries() -> dict[str, Path]:
     """Return the libraries that have a name: those of swarms, kept between runs, and shipped."""
-    return _of_swarms() | shipped_libraries()
-
-
-def _of_swarms() -> dict[str, Path]:
-    home = state_home()
-    return {
+    kept = {
         f"{path.parent.parent.name}/{path.name}": path
-        for path in sorted(home.glob("*/libraries/*"))
+        for path in sorted(state_home().glob("*/libraries/*"))
         if path.is_dir() and holds_behaviors(path)
     }
+    return kept | shipped_libraries()
 
 
 def holds_behaviors(folder: Path) -> bool:
@@ -67,74 +42,87 @@ def shipped_libraries() -> dict[str, Path]:
     return {path.name: path for folder in folders for path in sorted(folder.iterdir())}
 
 
-def _listed(known: Mapping[str, Path]) -> str:
-    return f"there are {some(sorted(known), NAMED_MAX)}"
-
-
-def library_of_agent(agent: str, folder: RunFolder, swarm: str) -> Path:
-    """Return the library of an agent of a swarm that is up.
-
-    Raises:
-        SwarmError: if the swarm has no such agent.
-    """
-    libraries = libraries_of(folder.path)
-    if agent not in libraries:
-        raise SwarmError(f'no agent "{agent}" in swarm {swarm} {has(libraries, agent)}')
-    return libraries[agent]
-
-
-def libraries_in_use(folder: RunFolder) -> dict[Path, list[str]]:
-    """Return the libraries of a swarm that is up, each with the agents that use it."""
-    found: dict[Path, list[str]] = {}
-    for agent, library in libraries_of(folder.path).items():
-        found.setdefault(library, []).append(agent)
-    return found
-
-
-def the_only_one(libraries: Mapping[Path, list[str]], swarm: str, name: str = "") -> Path:
-    """Return the only library of a swarm, or one that all the others equal.
+def libraries_meant(
+    library: str | None, agent: str | None, swarm: str | None
+) -> dict[Path, list[str]]:
+    """Return the folders that the options of a verb mean, each with the agents that use it.
 
     Args:
-        libraries: of the swarm, each with the agents that use it.
-        swarm: its name.
+        library: a folder; ``SWARM/LIBRARY``, kept for a swarm between its runs; or the name of a
+            shipped library. Such a library has no agents here.
+        agent: of the swarm that is up; with neither, all libraries of that swarm are meant.
+        swarm: the swarm, if several are up.
+
+    Raises:
+        LibraryError, SwarmError: if there is none; naming those that there are.
+    """
+    if library is not None:
+        return {_named(library): []}
+    found = find_meant(swarm, chosen_by_user())
+    if found is None:
+        known = known_libraries()
+        ending = f"/{agent}" if agent else ""
+        example = next((name for name in known if name.endswith(ending)), next(iter(known)))
+        raise LibraryError(
+            f"no swarm is up; choose a library, for example with -l {example}; there are "
+            f"{some(sorted(known), NAMED_MAX)}"
+        )
+    folder, record = found
+    used = libraries_of(folder.path)
+    if agent is not None and agent not in used:
+        raise SwarmError(f'no agent "{agent}" in swarm {record.swarm} {has(used, agent)}')
+    libraries: dict[Path, list[str]] = {}
+    for name in used if agent is None else (agent,):
+        libraries.setdefault(used[name], []).append(name)
+    return libraries
+
+
+def _named(text: str) -> Path:
+    path = Path(text).expanduser()
+    known = known_libraries()
+    if not path.is_dir() and text not in known:
+        raise LibraryError(
+            f'"{text}" is neither a folder nor a known library; there are '
+            f"{some(sorted(known), NAMED_MAX)}{did_you_mean(text, known)}"
+        )
+    return path if path.is_dir() else known[text]
+
+
+def library_meant(
+    library: str | None, agent: str | None, swarm: str | None, name: str = ""
+) -> Path:
+    """Return the folder that the options of a verb mean: the only one, or one the others equal.
+
+    Args:
+        library, agent, swarm: see `libraries_meant`.
         name: of a behavior, if only that matters: libraries without it do not count.
 
     Raises:
         LibraryError: if they differ, naming an agent of each; if none has the behavior.
+        SwarmError: if there is no such agent or swarm.
     """
-    if name:
-        having = {f: agents for f, agents in libraries.items() if (f / f"{name}{SUFFIX}").exists()}
-        if not having:
-            saved = {file.removesuffix(SUFFIX) for f in libraries for file, _ in _files(f)}
-            raise LibraryError(f'no library of swarm {swarm} has "{name}" {has(saved, name)}')
-        libraries = having
-    if are_equal(libraries, name):
+    libraries = libraries_meant(library, agent, swarm)
+    having = {f: a for f, a in libraries.items() if not name or (f / f"{name}{SUFFIX}").exists()}
+    if len(libraries) == 1:
         return next(iter(libraries))
-    owners = [agents[0] for agents in libraries.values()]
-    what = f'"{name}" in the' if name else "the"
-    raise LibraryError(
-        f"{what} libraries of swarm {swarm} differ{'s' if name else ''}; name the agent whose "
-        f"library you mean with --agent {has(owners)}"
-    )
+    if not having:
+        saved = {file.removesuffix(SUFFIX) for f in libraries for file, _ in _files(f)}
+        raise LibraryError(f'no library of the swarm has "{name}" {has(saved, name)}')
+    owners = [agents[0] for agents in having.values()]
+    if not _are_equal(having, name):
+        what = f'"{name}" differs in' if name else "there are differences between"
+        raise LibraryError(
+            f"{what} the libraries of the swarm; name the agent whose library you mean with "
+            f"--agent {has(owners)}"
+        )
+    others = ", which the others of the swarm equal" if _are_equal(libraries) else ""
+    console.note(f"the library of {owners[0]}{others}")
+    return next(iter(having))
 
 
-def are_equal(libraries: Iterable[Path], name: str = "") -> bool:
+def _are_equal(libraries: Iterable[Path], name: str = "") -> bool:
     """Whether libraries have the same files, or the same file of a behavior."""
     return len({_files(folder, name) for folder in libraries}) == 1
-
-
-def none_chosen(agent: str | None = None) -> LibraryError:
-    """Return an error for when no library is named and no swarm is up.
-
-    Args:
-        agent: whose library was meant.
-    """
-    known = known_libraries()
-    ending = f"/{agent}" if agent else ""
-    example = next((name for name in known if name.endswith(ending)), next(iter(known)))
-    return LibraryError(
-        f"no swarm is up; choose a library, for example with -l {example}; {_listed(known)}"
-    )
 
 
 def _files(folder: Path, name: str = "") -> frozenset[tuple[str, bytes]]:
@@ -144,13 +132,14 @@ def _files(folder: Path, name: str = "") -> frozenset[tuple[str, bytes]]:
 
 def users_of(library: Path) -> list[tuple[str, list[str]]]:
     """Return what chooses each swarm that is up and uses a library, and its agents that do."""
-    library = library.resolve()
-    found = []
-    for folder, record in running_swarms():
-        agents = [a for a, used in libraries_of(folder.path).items() if used == library]
-        if agents:
-            found.append((name_to_choose(record), agents))
-    return found
+    found = [
+        (
+            name_to_choose(record),
+            [a for a, used in libraries_of(folder.path).items() if used == library.resolve()],
+        )
+        for folder, record in running_swarms()
+    ]
+    return [(swarm, agents) for swarm, agents in found if agents]
 
 
 def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
@@ -161,7 +150,7 @@ def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
 
     Args:
         swarm: the swarm.
-        text: the library, see `named_library`.
+        text: the library, see `libraries_meant`.
 
     Raises:
         DescriptionError: if it belongs to no member of the swarm.
@@ -177,36 +166,23 @@ def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
             "give the copy to --library"
         )
     domain = domain_in(folder) if folder.is_dir() else None
-    members = _members_of(swarm, domain)
-    if not members:
-        theirs = sorted({member.domain for member in swarm.members})
-        raise DescriptionError(
-            f'{folder}: its behaviors are of domain "{domain}", and no agent of swarm '
-            f'"{swarm.name}" is {has(theirs)}'
-        )
-
-    def given(member: AgentDescription) -> bool:
-        return member.name in members
-
-    return replace(
-        swarm,
-        agents=tuple(replace(a, library=folder) if given(a) else a for a in swarm.agents),
-        commanders=tuple(replace(c, library=folder) if given(c) else c for c in swarm.commanders),
-    )
-
-
-def _members_of(swarm: SwarmDescription, domain: str | None) -> set[str]:
-    """Return the names of those that a library is for; without a domain: of all agents.
-
-    Raises:
-        DescriptionError: if a new library would be for agents of several domains.
-    """
-    if domain is not None:
-        return {member.name for member in swarm.members if member.domain == domain}
     domains = sorted({agent.domain for agent in swarm.agents})
-    if len(domains) > 1:
+    if domain is None and len(domains) > 1:
         raise DescriptionError(
             f'the agents of swarm "{swarm.name}" are of several domains {has(domains)} and cannot '
             "share a new library; write `library:` for each of them in its description"
         )
-    return {agent.name for agent in swarm.agents}
+    theirs = {member.domain for member in swarm.members}
+    if domain not in {None, *theirs}:
+        raise DescriptionError(
+            f'{folder}: its behaviors are of domain "{domain}", and no agent of swarm '
+            f'"{swarm.name}" is {has(theirs)}'
+        )
+    meant = domain or domains[0]
+    return replace(
+        swarm,
+        agents=tuple(replace(a, library=folder) if a.domain == meant else a for a in swarm.agents),
+        commanders=tuple(
+            replace(c, library=folder) if c.domain == meant else c for c in swarm.commanders
+        ),
+    )

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from importlib.metadata import entry_points, version
 from typing import Annotated, Any
 
 import typer
 
 from hitab_bringup.called_wrongly import reword, with_way
-from hitab_bringup.dds_noise import noise_left_out
 from hitab_bringup.help_pages import HelpfulGroup, make_helpful
 from hitab_bringup.verbs import (
     bootstrap,
@@ -47,10 +47,7 @@ COMMANDS = "hitab.commands"
 
 
 class HitabGroup(HelpfulGroup):
-    """Prints errors that a user can fix in one line, and exits with code 130 on Ctrl-C.
-
-    Each verb belongs to a panel of the help: those without one would come before "Begin here".
-    """
+    """Prints errors that a user can fix in one line, and exits with code 130 on Ctrl-C."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the user's verb."""
@@ -85,6 +82,41 @@ class HitabGroup(HelpfulGroup):
             raise
 
 
+PANELS: dict[str, tuple[Callable[..., None], ...]] = {
+    "Swarm": (swarm.up, swarm.down, status.status, logs.logs, recording.record, doctor.doctor),
+    "Train": (
+        commanding.demonstrate,
+        driving.drive,
+        driving.joystick,
+        training.train,
+        training.start_testing,
+        training.undo,
+        training.redo,
+        training.save,
+        training.discard,
+        questions.questions,
+        reaction.reaction,
+    ),
+    "Perform": (
+        commanding.perform,
+        commanding.distribute,
+        commanding.vocabulary,
+        perceiving.perceive,
+        emergency.stop,
+        emergency.go,
+        emergency.arm,
+    ),
+    "Command": (hierarchy.tree, hierarchy.order),
+}
+"""The verbs, by panel of the help: those without one would come before "Begin here"."""
+
+GROUPS = (
+    ("Swarm", "world", world.app),
+    ("Train", "examples", examples.app),
+    ("Train", "bootstrap", bootstrap.app),
+    ("Train", "lesson", lesson.app),
+    ("Perform", "library", library.app),
+)
 HELP = "Train robots, teams and swarms by demonstration, while they run."
 
 
@@ -121,27 +153,15 @@ def make_app() -> typer.Typer:
     app.callback(help=HELP)(_hitab)
     for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
         point.load().register(app)
-    for verbs in (
-        swarm,
-        status,
-        logs,
-        recording,
-        doctor,
-        commanding,
-        perceiving,
-        driving,
-        emergency,
-        hierarchy,
-        training,
-        examples,
-        questions,
-        bootstrap,
-        reaction,
-    ):
-        verbs.register(app)
-    app.add_typer(world.app, name="world", rich_help_panel="Swarm")
-    app.add_typer(lesson.app, name="lesson", rich_help_panel="Train")
-    app.add_typer(library.app, name="library", rich_help_panel="Perform")
+    for panel, verbs in PANELS.items():
+        for verb in verbs:
+            name = "test" if verb is training.start_testing else None
+            # Names that somebody gives in the belief that they choose robots get a reason.
+            names = {"allow_extra_args": verb in (emergency.stop, emergency.go)}
+            app.command(name, rich_help_panel=panel, context_settings=names)(verb)
+    app.command("begin", hidden=True)(training.train)
+    for panel, name, group in GROUPS:
+        app.add_typer(group, name=name, rich_help_panel=panel)
     for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
         app.add_typer(point.load(), name=point.name, rich_help_panel="Domains")
     make_helpful(app)
@@ -152,8 +172,7 @@ def main() -> None:
     """Run the command; on SIGTERM, clean up as on Ctrl-C."""
     interruptions.handle_interruptions()
     try:
-        with noise_left_out():
-            make_app()()
+        make_app()()
     finally:
         interruptions.forget_handled()
 

@@ -20,7 +20,6 @@ from pathlib import Path
 import psutil  # type: ignore[import-untyped]
 
 from hitab_bringup.libraries import prepare
-from hitab_bringup.shared_memory import remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import processes
@@ -191,7 +190,7 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
     """
     record = folder.read()
     supervisor = folder.supervisor(record) if record is not None else None
-    if supervisor is not None:
+    if record is not None and supervisor is not None:
         if progress is not None:
             progress("asking the supervisor to stop all processes")
         with contextlib.suppress(psutil.Error):
@@ -203,7 +202,6 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
                     supervisor.wait(0.02)
     killed = _end(folder)
     folder.forget()
-    remove_stale()
     return killed
 
 

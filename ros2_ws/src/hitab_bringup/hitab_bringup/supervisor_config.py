@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Iterable
 from pathlib import Path
 
-from hitab_bringup.swarm_processes import Process
+from hitab_bringup.swarm_description import Process
 from hitab_ros.exit_codes import FINAL, FINAL_AFTER
 
 START_SECONDS = 3
@@ -20,9 +20,6 @@ chmod=0700
 nodaemon=true
 logfile={folder}/supervisord.log
 logfile_maxbytes=1MB
-logfile_backups=1
-pidfile={folder}/supervisord.pid
-childlogdir={folder}/logs
 
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
@@ -39,9 +36,7 @@ directory={folder}
 environment={final_after}="{start_seconds}"
 startsecs={start_seconds}
 startretries=12
-autorestart=unexpected
 exitcodes={final}
-stopsignal=TERM
 stopwaitsecs=5
 stopasgroup=true
 killasgroup=true

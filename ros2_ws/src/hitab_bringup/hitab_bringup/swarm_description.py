@@ -26,26 +26,53 @@
       relay: {module: my_robot.relay, for: scout}      # scout_1_relay in the namespace scout_1 ...
 
 Settings above ``agents`` apply to all agents, so that an agent lists only its differences.
-`hitab_bringup.ros_options` documents the words of ROS, `hitab_bringup.process_section` further
-processes. An agent has no namespace of its own but its name: whoever works with a swarm finds all
-its agents in the swarm's namespace.
+`hitab_bringup.swarm_lines` has all keys. An agent has no namespace but its name: whoever
+works with a swarm finds all its agents in the swarm's namespace.
 `hitab_commander.kind_reader` documents kinds of commanders; the default orders of a kind are the
 behaviors that all its subordinates share.
 """
 
 from __future__ import annotations
 
+import json
+import math
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup.ros_options import CLOCK, RosOptions
 from hitab_client import DescriptionError
 from hitab_commander import CommanderKind
 from hitab_core import NAME, NAME_RULE
 
 PACES = ("lockstep", "realtime")
+AGENT = "{agent}"
+"""Placeholder for the agent's name, in names and texts."""
+
+CLOCK = "/clock"
+SIM_TIME = "use_sim_time"
+
+
+@dataclass(frozen=True)
+class RosOptions:
+    """Remappings and parameters of nodes.
+
+    Attributes:
+        remap: the names that nodes use, each with the one to use instead.
+        parameters: by name; a nested one has dots in its name.
+        use_sim_time: whether the nodes' clock is the topic ``/clock``; None: not said.
+    """
+
+    remap: Mapping[str, str] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    use_sim_time: bool | None = None
+
+    @property
+    def all_parameters(self) -> dict[str, Any]:
+        """The parameters, with that of the clock if it was given."""
+        given = {} if self.use_sim_time is None else {SIM_TIME: self.use_sim_time}
+        return {**self.parameters, **given}
 
 
 @dataclass(frozen=True)
@@ -116,22 +143,65 @@ class CommanderDescription(AgentDescription):
 
 
 @dataclass(frozen=True)
-class ProcessDescription:
-    """A further process of a swarm, such as the relay or the driver of a robot.
+class Process:
+    """One operating-system process of a swarm.
 
     Attributes:
-        module: run with ``python -m``; empty: a command is run.
-        command: its words; those after the module, if there is one.
-        namespace: relative to that of the swarm, unless it begins with a slash.
-        is_node: whether it takes ROS arguments.
+        name: unique within the swarm; names its log.
+        module: run with ``python -m``; empty: the arguments are the command.
+        arguments: before those for ROS.
+        namespace: of its node, or the one around those of its several nodes; in a description it
+            is relative to that of the swarm, unless it begins with a slash.
+        is_node: whether it takes arguments for ROS.
+        agents: names of its agents.
     """
 
     name: str
     module: str
-    command: tuple[str, ...] = ()
+    arguments: tuple[str, ...] = ()
     namespace: str = ""
     ros: RosOptions = field(default_factory=RosOptions)
     is_node: bool = True
+    agents: tuple[str, ...] = ()
+
+    @property
+    def remap(self) -> Mapping[str, str]:
+        """The names that its nodes use, each with the one to use instead."""
+        return self.ros.remap
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        """The ROS parameters of its nodes."""
+        return self.ros.all_parameters
+
+    @property
+    def program(self) -> list[str]:
+        """The command line without the arguments for ROS."""
+        return [*([sys.executable, "-m", self.module] if self.module else []), *self.arguments]
+
+    @property
+    def command(self) -> list[str]:
+        """The command line."""
+        line = self.program
+        if not self.is_node:
+            return line
+        line += ["--ros-args", "--disable-external-lib-logs"]
+        if self.namespace:
+            line += ["-r", f"__ns:={self.namespace}"]
+        for name, other in self.remap.items():
+            line += ["-r", f"{name}:={other}"]
+        for key, value in self.parameters.items():
+            line += ["-p", f"{key}:={_as_yaml(value)}"]
+        return line
+
+
+def _as_yaml(value: Any) -> str:
+    """Write a parameter so that it keeps its type: JSON is YAML."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_as_yaml, value))}]"
+    if isinstance(value, float) and not math.isfinite(value):
+        return {math.inf: ".inf", -math.inf: "-.inf"}.get(value, ".nan")
+    return json.dumps(value, ensure_ascii=False)
 
 
 @dataclass(frozen=True)
@@ -148,7 +218,7 @@ class SwarmDescription:
     world: WorldDescription | None = None
     commanders: tuple[CommanderDescription, ...] = ()
     namespace: str = ""
-    processes: tuple[ProcessDescription, ...] = ()
+    processes: tuple[Process, ...] = ()
 
     @property
     def members(self) -> tuple[AgentDescription, ...]:
@@ -163,7 +233,7 @@ class SwarmDescription:
     @property
     def uses_sim_time(self) -> bool:
         """Whether some of its nodes take their time from the topic ``/clock``."""
-        nodes: tuple[AgentDescription | ProcessDescription, ...] = (*self.members, *self.processes)
+        nodes: tuple[AgentDescription | Process, ...] = (*self.members, *self.processes)
         return any(node.ros.use_sim_time for node in nodes)
 
     def full_name(self, name: str) -> str:
@@ -188,14 +258,15 @@ class SwarmDescription:
 
     def with_sim_time(self) -> SwarmDescription:
         """Return the same swarm with nodes whose clock is the topic of the world's time."""
-        on = RosOptions(use_sim_time=True)
+
+        def on(ros: RosOptions) -> RosOptions:
+            return replace(ros, use_sim_time=True)
+
         return replace(
             self,
-            agents=tuple(replace(a, ros=on.over(a.ros)) for a in self.agents),
-            commanders=tuple(replace(c, ros=on.over(c.ros)) for c in self.commanders),
-            processes=tuple(
-                replace(p, ros=on.over(p.ros)) if p.is_node else p for p in self.processes
-            ),
+            agents=tuple(replace(a, ros=on(a.ros)) for a in self.agents),
+            commanders=tuple(replace(c, ros=on(c.ros)) for c in self.commanders),
+            processes=tuple(replace(p, ros=on(p.ros)) if p.is_node else p for p in self.processes),
         )
 
     def with_world(self, **changes: Any) -> SwarmDescription:

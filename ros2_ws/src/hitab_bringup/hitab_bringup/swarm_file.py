@@ -2,48 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import importlib.util
+import shutil
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from hitab_bringup.command_tree import in_hosts, with_positions_asked, with_superiors
-from hitab_bringup.commander_section import CommanderSection, Line, read_kinds
-from hitab_bringup.process_section import module_exists, read_processes
-from hitab_bringup.ros_options import (
-    AGENT,
-    SIM_TIME,
-    RosOptions,
-    read_namespace,
-    read_options,
-)
+from hitab_bringup.command_tree import CommandTree, in_hosts
 from hitab_bringup.swarm_description import (
-    PACES,
+    AGENT,
     AgentDescription,
     CommanderDescription,
+    Process,
+    RosOptions,
     SwarmDescription,
     WorldDescription,
+)
+from hitab_bringup.swarm_lines import (
+    AgentLine,
+    CommanderLine,
+    MemberSettings,
+    Nodes,
+    ProcessLine,
+    SwarmLines,
+    WorldLine,
 )
 from hitab_bringup.swarm_words import Words
 from hitab_client import DescriptionError
 from hitab_client.run_folder import state_home
-from hitab_commander import CommanderKind
-from hitab_core import NAME, NAME_RULE, has
-from hitab_core.library import SUFFIX, Fields
+from hitab_commander import CommanderKind, KindRecord, kind_in, read_kind
+from hitab_commander.commander_domain import commander_domain
+from hitab_core import HitabError, has, load_domain
+from hitab_core.library import SUFFIX
+from hitab_core.library.yaml_models import open_record
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
 from hitab_ros.names import WORLD
 
 FORMAT = 2
 """The newest format version that is read."""
 
-RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 WORLDS = "hitab.worlds"
-OWN_LINES = ("domain", "library", "behavior", "seed", "without", "role", SIM_TIME)
-"""Parameters of agents that a line of a description has keys for."""
+NODES = {"remap", "use_sim_time"}
+MEMBERS = {*NODES, "library", "start_from", "behavior", "seed", "parameters", "domain", "without"}
+ROS_WORDS = {*NODES, "namespace", "parameters", "agents"}
+"""Keys with which a process is a node of ROS; another program takes no ROS arguments."""
 
-SET = {"commander", "roles", "state_dir", "subordinates", "asks_position", "swarm", "world"}
-"""Parameters of agents and worlds that a swarm sets by itself."""
+L = TypeVar("L", bound=Nodes)
 
 
 def read_swarm(path: Path, run_dir: Path | None = None) -> SwarmDescription:
@@ -73,76 +79,13 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
         ['keeper_1', 'keeper_2']
     """
     document = read_yaml(text, str(path), error=DescriptionError)
-    top = Fields(Complaints(document, DescriptionError))
-    top.check_format(FORMAT)
-    name = top.text("swarm", path.stem)
-    _check_name(top, name, "a swarm")
-    namespace = read_namespace(top)
-    world = _world(top) if "world" in top else None
-    common = _Common.of(top, path.parent)
+    file = open_record(SwarmLines, document, FORMAT, DescriptionError)
+    name = file.swarm or path.stem
     # In a namespace its name, and so its run folder's, is longer.
     runs = (run_dir,) if run_dir is not None else state_home().glob(f"{name}*")
     kept = (file for run in runs for file in run.glob(f"libraries/*/*{SUFFIX}"))
-    words = Words(top, frozenset(file.name.removesuffix(SUFFIX) for file in kept))
-    hosts = top.integer("hosts", None, least=1)
-    groups = _agents(top, common, path.parent, words, hosts is not None)
-    commanders = _commanders(top, common, path.parent, words, groups, hosts is not None)
-    agents = [agent for group in groups.values() for agent in group]
-    if hosts is not None and not top.complaints:
-        agents, commanders = in_hosts(agents, commanders, hosts)
-    taken = {WORLD: "world"} if world is not None else {}
-    taken |= {m.process: m.name for m in (*agents, *commanders)}
-    taken |= {m.name: m.name for m in (*agents, *commanders)}
-    processes = read_processes(top, common.ros.without_parameters(), groups, taken)
-    top.done(name="swarm")
-    top.complaints.raise_any()
-    if world is not None:
-        above = replace(common.ros.without_parameters(), use_sim_time=None)
-        world = replace(world, ros=world.ros.over(above))
-    return SwarmDescription(
-        name,
-        path,
-        tuple(_with_libraries(agents, groups)),
-        world,
-        tuple(commanders),
-        f"/{namespace.strip('/')}" if namespace else "",
-        tuple(processes),
-    )
-
-
-def _world(top: Fields) -> WorldDescription:
-    fields = top.inner("world")
-    kind = fields.text("kind") or ""
-    module = fields.text("module", world_module(kind))
-    world = WorldDescription(
-        kind,
-        module,
-        fields.text("pace", "realtime", among=PACES),
-        fields.number("factor", 1.0, above=0.0),
-        fields.integer("seed", 1, least=0),
-        fields.flag("paused", False),
-        _scalars(fields.inner("parameters")),
-        read_options(
-            fields,
-            key="node_parameters",
-            lines=("pace", "factor", "seed", "paused", SIM_TIME),
-            taken=SET,
-        ),
-    )
-    if world.ros.use_sim_time:
-        fields.complain(
-            "the world makes the clock and cannot wait for it; write `use_sim_time:` at the top "
-            "of the file, for all others",
-            SIM_TIME,
-        )
-    fields.done()
-    if kind and not module_exists(module):
-        fields.complain(
-            f'unknown world "{kind}": Python module {module} is not installed; install its '
-            "package, or name the module with `module:`",
-            "kind",
-        )
-    return world
+    words = Words(frozenset(file.name.removesuffix(SUFFIX) for file in kept))
+    return _Reader(file, Complaints(document, DescriptionError), path, words).swarm(name)
 
 
 def world_module(kind: str) -> str:
@@ -155,215 +98,291 @@ def world_module(kind: str) -> str:
     return next((point.value for point in told), f"{kind}_world.world_main")
 
 
-def _scalars(fields: Fields) -> dict[str, Any]:
-    found = {}
-    for key in fields.names():
-        value = fields.raw(key)
-        if isinstance(value, list | dict) or value is None:
-            fields.complain(f"`{key}:` must be a number, a text, true or false", key)
-        else:
-            found[key] = value
-    return found
+def _module_exists(module: str) -> bool:
+    try:
+        return importlib.util.find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False
 
 
-@dataclass(frozen=True)
-class _Common:
-    """Settings for all agents, or for one."""
+def _under(above: Nodes, line: L, keys: set[str]) -> L:
+    """Return a line, completed by what was said for all; the line's own keys stay known."""
+    missing = (above.model_fields_set & keys) - line.model_fields_set
+    more: dict[str, Any] = {key: getattr(above, key) for key in missing}
+    for key in {"remap", "parameters"} & keys:
+        more[key] = {**getattr(above, key), **getattr(line, key)}
+    return line.but(**more)
 
-    domain: str = ""
-    library: str = ""
-    start_from: str = ""
-    behavior: str = ""
-    seed: int = 1
-    without: tuple[str, ...] = ()
-    ros: RosOptions = field(default_factory=RosOptions)
 
-    @classmethod
-    def of(cls, fields: Fields, base: Path, above: _Common | None = None) -> _Common:
-        above = above or cls()
-        found = cls(
-            fields.text("domain", above.domain),
-            fields.text("library", above.library),
-            fields.text("start_from", above.start_from),
-            fields.text("behavior", above.behavior),
-            fields.integer("seed", above.seed, least=0),
-            fields.texts("without", above.without),
-            read_options(fields, lines=OWN_LINES, taken=SET).over(above.ros),
+def _ros(line: Nodes, parameters: Mapping[str, Any], agent: str = AGENT) -> RosOptions:
+    """Return the options of a line; an agent's name replaces ``{agent}``."""
+
+    def named(value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(map(named, value))
+        return value.replace(AGENT, agent) if isinstance(value, str) else value
+
+    remap = {named(name): named(other) for name, other in line.remap.items()}
+    return RosOptions(remap, {k: named(v) for k, v in parameters.items()}, line.use_sim_time)
+
+
+class _Reader:
+    """Makes a swarm of the lines of a file, and complains about what does not fit together."""
+
+    def __init__(self, file: SwarmLines, complaints: Complaints, path: Path, words: Words) -> None:
+        self._file = file
+        self._complaints = complaints
+        self._path = path
+        self._words = words
+
+    def swarm(self, name: str) -> SwarmDescription:
+        """Return the swarm.
+
+        Raises:
+            DescriptionError: with all complaints.
+        """
+        file = self._file
+        if not file.agents:
+            self._complaints.add((), "a swarm needs `agents:`, a mapping with one line per agent")
+        world = self._world(file.world) if file.world is not None else None
+        self._check_folders(file)
+        groups = self._agents()
+        tree = CommandTree(
+            groups, file.commanders, self._kinds(), self._commander, self._words, self._tell
         )
-        if found.start_from != above.start_from and not (base / found.start_from).is_dir():
-            fields.complain(
-                f'`start_from:` there is no library folder "{found.start_from}"; correct the '
-                "path, which is relative to this file, or leave it out to start empty",
-                "start_from",
+        lines = self._commanders(tree)
+        commanders = [c for group in lines.values() for c in group]
+        groups = {key: tree.with_superiors(group) for key, group in groups.items()}
+        agents = [agent for group in groups.values() for agent in group]
+        self._refuse_doubles(groups, lines)
+        if file.hosts is not None and not self._complaints:
+            agents, commanders = in_hosts(agents, commanders, file.hosts)
+        processes = self._processes(groups, (*agents, *commanders), has_world=world is not None)
+        self._complaints.raise_any()
+        return SwarmDescription(
+            name,
+            self._path,
+            tuple(_with_libraries(agents, groups)),
+            world,
+            tuple(commanders),
+            f"/{file.namespace.strip('/')}" if file.namespace else "",
+            tuple(processes),
+        )
+
+    def _tell(self, line: str, key: str, text: str, section: str = "commanders") -> None:
+        self._complaints.add((section, line, key) if key else (section, line), text)
+
+    def _tell_at(self, place: tuple[str, ...], line: Nodes, key: str, text: str) -> None:
+        """Complain at a word: in the line, or above."""
+        if text:
+            where = place if key in line.model_fields_set else ()
+            self._complaints.add((*where, key), text)
+
+    def _check_folders(self, line: MemberSettings, *place: str) -> None:
+        for key in sorted({"library", "start_from"} & line.model_fields_set):
+            folder = getattr(line, key)
+            if folder and AGENT not in folder and not (self._path.parent / folder).is_dir():
+                text = (
+                    f'`{key}:` there is no folder "{folder}"; make it, correct the path, which is '
+                    "relative to this file, or leave it out"
+                )
+                self._complaints.add((*place, key), text)
+
+    def _world(self, line: WorldLine) -> WorldDescription:
+        module = line.module or world_module(line.kind)
+        if not _module_exists(module):
+            text = (
+                f'unknown world "{line.kind}": Python module {module} is not installed; install '
+                "its package, or name the module with `module:`"
             )
-        own = found.library != above.library and AGENT not in found.library
-        if own and not (base / found.library).is_dir():
-            fields.complain(
-                f'`library:` there is no folder "{found.library}"; make it, or leave '
-                "`library` out to give each agent its own in the run folder",
-                "library",
-            )
+            self._complaints.add(("world", "kind"), text)
+        return WorldDescription(
+            line.kind,
+            module,
+            line.pace,
+            line.factor,
+            line.seed,
+            line.paused,
+            line.parameters,
+            RosOptions({**self._file.remap, **line.remap}, line.node_parameters),
+        )
+
+    # -- agents and commanders --------------------------------------------------------------
+
+    def _agents(self) -> dict[str, list[AgentDescription]]:
+        groups = {}
+        for key, line in self._file.agents.items():
+            self._check_folders(line, "agents", key)
+            own = _under(self._file, line, MEMBERS)
+            names = [f"{key}_{i + 1}" for i in range(line.count)] if line.count else [key]
+            groups[key] = [
+                AgentDescription(
+                    domain=own.domain,
+                    process=self._process(line, key, name, index),
+                    without=own.without,
+                    **self._common(own, key, name),
+                )
+                for index, name in enumerate(names)
+            ]
+            wrong_domain = self._words.wrong_domain(own.domain)
+            self._tell_at(("agents", key), line, "domain", wrong_domain)
+            if not wrong_domain and own.without:
+                try:
+                    load_domain(own.domain).without(own.without)
+                except HitabError as error:
+                    self._tell_at(("agents", key), line, "without", f"`without:` {error}")
+            wrong = self._words.wrong_behavior(groups[key][0])
+            self._tell_at(("agents", key), line, "behavior", wrong)
+        return groups
+
+    def _process(self, line: AgentLine, key: str, name: str, index: int) -> str:
+        """Return the process of an agent; "" if the swarm's hosts are to run it."""
+        if not line.host and line.per_process not in (None, 1):
+            return f"{key}_host_{index // line.per_process + 1}"
+        hosted = self._file.hosts is not None and line.per_process is None
+        return line.host or ("" if hosted else name)
+
+    def _common(self, own: AgentLine | CommanderLine, key: str, name: str) -> dict[str, Any]:
+        base = self._path.parent
+        return {
+            "name": name,
+            "library": base / own.library.replace(AGENT, name) if own.library else None,
+            "start_from": base / own.start_from if own.start_from else None,
+            "behavior": own.behavior,
+            "seed": own.seed,
+            "role": key if own.role is None else own.role,
+            "ros": _ros(own, own.parameters, name),
+        }
+
+    def _commander(self, key: str, name: str) -> CommanderDescription:
+        line = self._file.commanders[key]
+        # Of the settings for all agents, only the seed and those of all nodes apply here, too.
+        own = _under(self._file, line, {*NODES, "seed"})
+        process = line.host or ("" if self._file.hosts is not None else name)
+        return CommanderDescription(domain="", process=process, **self._common(own, key, name))
+
+    def _kinds(self) -> dict[str, CommanderKind]:
+        """Return the kinds of commanders; those without orders get them from subordinates."""
+        kinds = {}
+        for name, line in self._file.kinds.items():
+            before = len(self._complaints)
+            try:
+                if isinstance(line, KindRecord):
+                    kinds[name] = kind_in(line, name, self._complaints, ("kinds", name))
+                else:
+                    kinds[name] = replace(read_kind(self._path.parent / line), name=name)
+                if len(self._complaints) == before:
+                    commander_domain(kinds[name])
+            except HitabError as error:
+                self._tell(name, "", str(error), "kinds")
+        return kinds
+
+    def _commanders(self, tree: CommandTree) -> dict[str, list[CommanderDescription]]:
+        for key, line in self._file.commanders.items():
+            self._check_folders(line, "commanders", key)
+            if line.kind not in self._file.kinds:
+                known = has(self._file.kinds, line.kind)
+                self._tell(key, "kind", f'there is no kind "{line.kind}" under `kinds:` {known}')
+            if not line.commands:
+                self._tell(key, "commands", "`commands:` is empty; name its subordinates")
+        found = tree.commanders()
+        for key, group in found.items():
+            for commander in group:
+                if wrong := self._words.wrong_behavior(commander):
+                    self._tell(key, "behavior", wrong)
         return found
 
-    def libraries(self, base: Path) -> list[Path]:
-        """Return the folders known to hold trained behaviors."""
-        named = [text for text in (self.library, self.start_from) if text and AGENT not in text]
-        return [base / text for text in named]
+    def _refuse_doubles(
+        self,
+        groups: Mapping[str, Sequence[AgentDescription]],
+        commanders: Mapping[str, Sequence[CommanderDescription]],
+    ) -> None:
+        owners: dict[str, str] = {}
+        for section, found in (("agents", groups), ("commanders", commanders)):
+            for key, group in found.items():
+                for name in [member.name for member in group] or [key]:
+                    if name in owners:
+                        text = f'a second "{name}" (see `{owners[name]}`); rename one'
+                        self._tell(key, "", text, section)
+                    owners[name] = key
+            owners |= {key: key for key in found}
 
+    # -- further processes ------------------------------------------------------------------
 
-Groups = dict[str, list[AgentDescription]]
-"""The agents by the key of their line."""
+    def _processes(
+        self,
+        groups: Mapping[str, Sequence[AgentDescription]],
+        members: Sequence[AgentDescription],
+        *,
+        has_world: bool,
+    ) -> list[Process]:
+        owners = {m.process: m.name for m in members} | {m.name: m.name for m in members}
+        if has_world:
+            owners[WORLD] = WORLD
+        found = []
+        for key, line in self._file.processes.items():
+            made = self._process_line(key, line, groups)
+            for process in made:
+                if process.name in owners:
+                    owner = owners[process.name]
+                    text = f'a second process "{process.name}" (see `{owner}`); rename it'
+                    self._tell(key, "", text, "processes")
+                owners[process.name] = key
+            found += made
+        return found
 
-
-def _agents(top: Fields, common: _Common, base: Path, words: Words, hosted: bool) -> Groups:
-    section = top.inner("agents")
-    groups: Groups = {}
-    owners: dict[str, str] = {}
-    if not top.raw("agents", None):
-        top.complain("a swarm needs `agents:`, a mapping with one line per agent")
-    for key in section.names():
-        fields = section.inner(key)
-        _check_name(section, key, "an agent", key)
-        own = _Common.of(fields, base, common)
-        count = fields.integer("count", None, least=1)
-        per_process = fields.integer("per_process", None, least=1)
-        host = fields.text("host", "")
-        role = fields.text("role", key)
-        fields.done()
-        words.check_domain(fields, own.domain)
-        words.check_without(fields, own.domain, own.without)
-        if own.behavior:
-            words.check_behavior(fields, own.domain, own.behavior, own.libraries(base))
-        names = [key] if count is None else [f"{key}_{i + 1}" for i in range(count)]
-        groups[key] = []
-        for index, name in enumerate(names):
-            if name in owners:
-                fields.complain(f'a second agent "{name}" (see `{owners[name]}`); rename one')
-            owners[name] = key
-            process = host
-            if not host and per_process not in (None, 1):
-                process = f"{key}_host_{index // per_process + 1}"
-            elif not host and not (hosted and per_process is None):
-                process = name
-            groups[key].append(
-                AgentDescription(
-                    name,
-                    own.domain,
-                    base / own.library.replace(AGENT, name) if own.library else None,
-                    base / own.start_from if own.start_from else None,
-                    own.behavior,
-                    own.seed,
-                    process,
-                    role=role,
-                    without=own.without,
-                    ros=own.ros.of_agent(name),
-                )
+    def _process_line(
+        self, key: str, line: ProcessLine, groups: Mapping[str, Sequence[AgentDescription]]
+    ) -> list[Process]:
+        if bool(line.module) == bool(line.command):
+            text = "needs either `module:`, run with Python, or `command:`, and not both"
+            self._tell(key, "", text, "processes")
+        elif line.module and not _module_exists(line.module):
+            text = (
+                f"`module:` Python module {line.module} is not installed; install its package, or "
+                "correct the name"
             )
-    return groups
-
-
-def _commanders(
-    top: Fields, common: _Common, base: Path, words: Words, groups: Groups, hosted: bool
-) -> list[CommanderDescription]:
-    """Read the commanders and set the superiors of their subordinates in ``groups``."""
-    kinds = read_kinds(top, base)
-    section = top.inner("commanders")
-    tree = CommanderSection(groups, words)
-    lines: dict[str, Line] = {}
-    agents = {agent.name: key for key, group in groups.items() for agent in group}
-    # Settings for all agents do not apply to commanders, except the seed and those of all nodes.
-    above = _Common(seed=common.seed, ros=common.ros.without_parameters())
-    for key in section.names():
-        fields = section.inner(key)
-        _check_name(section, key, "an agent", key)
-        if key in groups or key in agents:
-            fields.complain(f'a second "{key}" (see `agents:`); rename one')
-        own = _Common.of(fields, base, above)
-        if own.domain:
-            fields.complain("a commander's domain is its kind; write `kind:`", "domain")
-        if own.without:
-            fields.complain(
-                "a commander has no hand-written automata to take out; leave `without:` away here",
-                "without",
+            self._tell(key, "module", text, "processes")
+        elif line.command and shutil.which(line.command[0]) is None:
+            text = (
+                f'`command:` there is no program "{line.command[0]}" on the PATH; install it, or '
+                "name it with its folder"
             )
-        counts, names = tree.read_commands(fields)
-        host, role = fields.text("host", ""), fields.text("role", key)
-        lines[key] = Line(
-            fields,
-            _commander_maker(own, base, "" if hosted else None, host, role),
-            _kind(fields, kinds),
-            counts,
-            names,
-        )
-        fields.done()
-    commanders, superiors = tree.resolve(lines)
-    names_taken = set(agents)
-    for commander in commanders:
-        if commander.name in names_taken:
-            section.complain(f'a second "{commander.name}"; rename one')
-        names_taken.add(commander.name)
-        line = next(k for k in lines if k == commander.name or _is_one_of(commander.name, k))
-        words.check_commander(lines[line].fields, commander)
-    for key, group in groups.items():
-        groups[key] = with_superiors(group, superiors)
-    commanders = with_superiors(commanders, superiors)
-    return [
-        replace(c, domain=c.kind.name, library_name=c.kind.name)
-        for c in with_positions_asked(commanders)
-    ]
-
-
-def _commander_maker(
-    own: _Common, base: Path, shared: str | None, host: str, role: str
-) -> Callable[[str], CommanderDescription]:
-    """Return a factory for the commanders of a line; ``shared``: their process, if shared."""
-
-    def make(name: str) -> CommanderDescription:
-        return CommanderDescription(
-            name,
-            "",
-            base / own.library.replace(AGENT, name) if own.library else None,
-            base / own.start_from if own.start_from else None,
-            own.behavior,
-            own.seed,
-            host or (name if shared is None else shared),
-            role=role,
-            ros=own.ros.of_agent(name),
-        )
-
-    return make
-
-
-def _is_one_of(name: str, key: str) -> bool:
-    return name.startswith(f"{key}_") and name[len(key) + 1 :].isdigit()
-
-
-def _kind(fields: Fields, kinds: Mapping[str, CommanderKind]) -> CommanderKind | None:
-    name = fields.text("kind")
-    if name is not None and name not in kinds:
-        fields.complain(
-            f'there is no kind "{name}" under `kinds:` {has(kinds, name)}',
-            "kind",
-        )
-    return kinds.get(name)
+            self._tell(key, "command", text, "processes")
+        if line.agents is not None and line.agents not in groups:
+            known = has(groups, line.agents)
+            text = f'`for:` there is no line "{line.agents}" under `agents:` {known}'
+            self._tell(key, "for", text, "processes")
+            return []
+        is_node = bool(line.module) or bool(ROS_WORDS & line.model_fields_set)
+        own = _under(self._file, line, NODES) if is_node else line
+        command = (*line.command, *line.arguments)
+        if line.agents is None:
+            ros = _ros(own, own.parameters)
+            return [Process(key, line.module, command, line.namespace, ros, is_node)]
+        space = line.namespace or AGENT
+        return [
+            Process(
+                f"{a.name}_{key}",
+                line.module,
+                command,
+                space.replace(AGENT, a.name),
+                _ros(own, own.parameters, a.name),
+            )
+            for a in groups[line.agents]
+        ]
 
 
 def _with_libraries(
-    agents: Sequence[AgentDescription], groups: Groups
-) -> Iterator[AgentDescription]:
+    agents: Sequence[AgentDescription], groups: Mapping[str, Sequence[AgentDescription]]
+) -> list[AgentDescription]:
     """Name library folders: equal agents in a process share one."""
     keys = {agent.name: key for key, group in groups.items() for agent in group}
     inside: dict[str, set[str]] = {}
     for agent in agents:
         inside.setdefault(agent.process, set()).add(keys[agent.name])
-    for agent in agents:
-        alone = len(inside[agent.process]) == 1
-        name = "" if alone else f"{agent.process}_{keys[agent.name]}"
-        yield replace(agent, library_name=name)
-
-
-def _check_name(fields: Fields, name: Any, what: str, *inner: str) -> None:
-    if not isinstance(name, str) or NAME.match(name) is None:
-        fields.complain(f'"{name}" is not a name for {what}; {NAME_RULE}', *inner)
-    elif what == "an agent" and name in RESERVED:
-        fields.complain(f'an agent cannot be called "{name}"; rename it', *inner)
+    alone = {process for process, lines in inside.items() if len(lines) == 1}
+    return [
+        a if a.process in alone else replace(a, library_name=f"{a.process}_{keys[a.name]}")
+        for a in agents
+    ]

@@ -1,12 +1,10 @@
-"""The processes of a swarm: command lines of its world, agents and hosts."""
+"""The processes of a swarm: those of its world, agents and hosts, and further ones."""
 
 from __future__ import annotations
 
 import json
-import math
-import sys
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
@@ -14,7 +12,8 @@ from typing import Any
 from hitab_bringup.swarm_description import (
     AgentDescription,
     CommanderDescription,
-    ProcessDescription,
+    Process,
+    RosOptions,
     SwarmDescription,
     WorldDescription,
 )
@@ -36,60 +35,6 @@ It runs in the agent's namespace, with the agent's remappings and parameters.
 COMMANDER_NODE = "hitab_commander.commander_node:CommanderNode"
 
 
-@dataclass(frozen=True)
-class Process:
-    """One operating-system process of a swarm.
-
-    Attributes:
-        name: unique within the swarm; names its log.
-        module: Python module to run; empty: the arguments are the command.
-        namespace: of its node, or the one around those of its several nodes; empty: none.
-        parameters: ROS parameters of its nodes.
-        agents: names of its agents.
-        remap: names that its nodes use, each with the one to use instead.
-        arguments: before those for ROS.
-        is_node: whether it takes arguments for ROS.
-    """
-
-    name: str
-    module: str
-    namespace: str
-    parameters: Mapping[str, Any]
-    agents: tuple[str, ...] = ()
-    remap: Mapping[str, str] = field(default_factory=dict)
-    arguments: tuple[str, ...] = ()
-    is_node: bool = True
-
-    @property
-    def program(self) -> list[str]:
-        """The command line without the arguments for ROS."""
-        return [*([sys.executable, "-m", self.module] if self.module else []), *self.arguments]
-
-    @property
-    def command(self) -> list[str]:
-        """The command line."""
-        line = self.program
-        if not self.is_node:
-            return line
-        line += ["--ros-args", "--disable-external-lib-logs"]
-        if self.namespace:
-            line += ["-r", f"__ns:={self.namespace}"]
-        for name, other in self.remap.items():
-            line += ["-r", f"{name}:={other}"]
-        for key, value in self.parameters.items():
-            line += ["-p", f"{key}:={_as_yaml(value)}"]
-        return line
-
-
-def _as_yaml(value: Any) -> str:
-    """Write a parameter so that it keeps its type: JSON is YAML."""
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(_as_yaml, value))}]"
-    if isinstance(value, float) and not math.isfinite(value):
-        return {math.inf: ".inf", -math.inf: "-.inf"}.get(value, ".nan")
-    return json.dumps(value, ensure_ascii=False)
-
-
 def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list[Process]:
     """Return the processes of a swarm, the world first.
 
@@ -98,63 +43,42 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
         folder: the run folder, for libraries and journals.
         identity: of the swarm, which its nodes publish in their statuses; empty: none.
     """
-    found = []
+    own = {"swarm": identity} if identity else {}
+    found = [] if swarm.world is None else [_world(swarm, swarm.world, folder, own)]
     shared = _shared(swarm)
-    if swarm.world is not None:
-        found.append(_world(swarm, swarm.world, folder))
+    alone = {**own, "services_on_demand": True} if len(shared) > FEW else own
     for name, members in shared.items():
-        if len(members) == 1 and name == members[0].name:
-            alone = _alone(swarm, members[0], folder)
-            if len(shared) > FEW:
-                alone = replace(alone, parameters={**alone.parameters, "services_on_demand": True})
-            found.append(alone)
+        first = members[0]
+        names = tuple(member.name for member in members)
+        if names == (name,):
+            module = COMMANDER_MODULE if isinstance(first, CommanderDescription) else AGENT_MODULE
+            ros = RosOptions(swarm.remap(first.ros), {**_settings(first, folder), **alone})
+            found.append(Process(name, module, (), swarm.full_name(name), ros, agents=names))
         else:
-            names = tuple(member.name for member in members)
-            parameters = {"roster": str(_roster_file(folder, name))}
-            found.append(Process(name, HOST_MODULE, swarm.namespace, parameters, names))
-    if identity:
-        found = [replace(p, parameters={**p.parameters, "swarm": identity}) for p in found]
-    found += [_further(swarm, process) for process in swarm.processes]
+            ros = RosOptions({}, {"roster": str(_roster_file(folder, name)), **own})
+            found.append(Process(name, HOST_MODULE, (), swarm.namespace, ros, agents=names))
+    for process in swarm.processes:
+        ros = replace(process.ros, remap=swarm.remap(process.ros))
+        space = swarm.full_name(process.namespace)
+        found.append(replace(process, namespace=space, ros=ros) if process.is_node else process)
     there = {(process.module, process.namespace) for process in found}
-    return [
-        *found,
-        *(p for p in _companions(swarm, folder) if (p.module, p.namespace) not in there),
-    ]
+    companions = _companions(swarm, folder)
+    return [*found, *(p for p in companions if (p.module, p.namespace) not in there)]
 
 
 def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:
     """Yield what runs beside agents because of their links, such as a relay to the motors."""
     modules = {point.name: point.value for point in entry_points(group=COMPANIONS)}
-    packages: dict[str, str] = {}
-    for agent in swarm.agents if modules else ():
-        if agent.domain not in packages:
-            packages[agent.domain] = load_domain(agent.domain).link.partition(":")[0]
-        module = modules.get(packages[agent.domain].partition(".")[0])
-        if module:
-            parameters = {
-                **agent.ros.all_parameters,
-                "domain": agent.domain,
-                "state_dir": str((folder / "state").resolve()),
-            }
-            yield Process(
-                f"{agent.name}_{module.rpartition('.')[2]}",
-                module,
-                swarm.full_name(agent.name),
-                parameters,
-                remap=swarm.remap(agent.ros),
-            )
-
-
-def _further(swarm: SwarmDescription, process: ProcessDescription) -> Process:
-    return Process(
-        process.name,
-        process.module,
-        swarm.full_name(process.namespace) if process.is_node else "",
-        process.ros.all_parameters,
-        remap=swarm.remap(process.ros) if process.is_node else {},
-        arguments=process.command,
-        is_node=process.is_node,
-    )
+    packages = {
+        domain: load_domain(domain).link.partition(":")[0].partition(".")[0]
+        for domain in {agent.domain for agent in swarm.agents if modules}
+    }
+    for agent in swarm.agents:
+        if module := modules.get(packages.get(agent.domain, "")):
+            more = {"domain": agent.domain, "state_dir": _state(folder)}
+            ros = RosOptions(swarm.remap(agent.ros), {**agent.ros.all_parameters, **more})
+            name = f"{agent.name}_{module.rpartition('.')[2]}"
+            yield Process(name, module, (), swarm.full_name(agent.name), ros)
 
 
 def _shared(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:
@@ -171,7 +95,7 @@ def write_rosters(swarm: SwarmDescription, folder: Path) -> None:
         roster = [
             {
                 "name": member.name,
-                **_node_of(member),
+                **({"node": COMMANDER_NODE} if isinstance(member, CommanderDescription) else {}),
                 "parameters": _settings(member, folder),
                 "remap": swarm.remap(member.ros),
             }
@@ -186,22 +110,25 @@ def _roster_file(folder: Path, process: str) -> Path:
     return (folder / "rosters" / f"{process}.json").resolve()
 
 
-def _node_of(member: AgentDescription) -> dict[str, str]:
-    return {"node": COMMANDER_NODE} if isinstance(member, CommanderDescription) else {}
+def _state(folder: Path) -> str:
+    return str((folder / "state").resolve())
 
 
-def _world(swarm: SwarmDescription, world: WorldDescription, folder: Path) -> Process:
-    parameters: dict[str, Any] = {
+def _world(
+    swarm: SwarmDescription, world: WorldDescription, folder: Path, own: Mapping[str, Any]
+) -> Process:
+    parameters = {
         **world.ros.all_parameters,
         "pace": world.pace,
         "factor": world.factor,
         "seed": world.seed,
         "paused": world.paused,
-        "state_dir": str((folder / "state").resolve()),
+        "state_dir": _state(folder),
+        **{f"parameters.{name}": value for name, value in world.parameters.items()},
+        **own,
     }
-    parameters |= {f"parameters.{name}": value for name, value in world.parameters.items()}
-    remap = swarm.remap(world.ros)
-    return Process(WORLD, world.module, swarm.full_name(WORLD), parameters, remap=remap)
+    ros = RosOptions(swarm.remap(world.ros), parameters)
+    return Process(WORLD, world.module, (), swarm.full_name(WORLD), ros)
 
 
 def library_of(member: AgentDescription, folder: Path) -> Path:
@@ -224,7 +151,7 @@ def _settings(member: AgentDescription, folder: Path) -> dict[str, Any]:
         **member.ros.all_parameters,
         "domain": member.domain,
         "library": str(library_of(member, folder)),
-        "state_dir": str((folder / "state").resolve()),
+        "state_dir": _state(folder),
         "behavior": member.behavior,
         "seed": member.seed,
     }
@@ -240,10 +167,3 @@ def _settings(member: AgentDescription, folder: Path) -> dict[str, Any]:
             "asks_position": member.asks_position,
         }
     return settings
-
-
-def _alone(swarm: SwarmDescription, member: AgentDescription, folder: Path) -> Process:
-    name = member.name
-    module = COMMANDER_MODULE if isinstance(member, CommanderDescription) else AGENT_MODULE
-    settings, remap = _settings(member, folder), swarm.remap(member.ros)
-    return Process(name, module, swarm.full_name(name), settings, (name,), remap)

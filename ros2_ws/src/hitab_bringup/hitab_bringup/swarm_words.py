@@ -1,8 +1,8 @@
-"""Checks that the domains and behaviors in a swarm description exist."""
+"""Which domains and behaviors there are for a swarm."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -16,124 +16,93 @@ from hitab_core import (
     load_domain,
     unknown,
 )
-from hitab_core.library import SUFFIX, Fields
+from hitab_core.library import SUFFIX
+
+Repertoire = Mapping[str, tuple[str, ...]]
+"""The parameters of behaviors, by name."""
 
 
 class Words:
-    """Checks words; complains only once about a setting for all agents.
+    """The behaviors that members of a swarm can perform.
 
     Args:
-        top: the top-level fields of the description.
-        kept: names of behaviors in the libraries of earlier runs, which an agent may have.
+        kept: names of behaviors in the libraries of earlier runs, which a member may have.
     """
 
-    def __init__(self, top: Fields, kept: frozenset[str] = frozenset()) -> None:
-        self._top = top
+    def __init__(self, kept: frozenset[str] = frozenset()) -> None:
         self._kept = kept
         self._domains = [point.name for point in entry_points(group=ENTRY_POINT_GROUP)]
-        self._said: set[str] = set()
-        self._repertoires: dict[tuple[str, ...], Mapping[str, tuple[str, ...]]] = {}
+        self._repertoires: dict[tuple[str, ...], Repertoire] = {}
 
-    def _complain(self, fields: Fields, key: str, text: str) -> None:
-        """Complain at the word: in the agent's line, or above."""
-        if key in fields:
-            fields.complain(text, key)
-        elif text not in self._said:
-            self._said.add(text)
-            self._top.complain(text, *([key] if key in self._top else []))
-
-    def check_domain(self, fields: Fields, name: str) -> None:
-        """Complain if there is no such domain."""
+    def wrong_domain(self, name: str) -> str:
+        """Return what is wrong with the name of a domain; "" if nothing is."""
         if not name:
-            self._complain(fields, "domain", f"`domain:` is missing {has(self._domains)}")
-        elif ":" in name:  # not installed: "module:ATTRIBUTE"
+            return f"`domain:` is missing {has(self._domains)}"
+        if name in self._domains:
+            return ""
+        if ":" in name:  # not installed: "module:ATTRIBUTE"
             try:
                 load_domain(name)
             except HitabError as error:
-                self._complain(fields, "domain", str(error))
-        elif name not in self._domains:
-            self._complain(
-                fields,
-                "domain",
-                f'no domain "{name}" is installed {has(self._domains, name)}; install the package '
-                "that provides it, as docs/your-own-robot.md shows",
-            )
+                return str(error)
+            return ""
+        return (
+            f'no domain "{name}" is installed {has(self._domains, name)}; install the package '
+            "that provides it, as docs/your-own-robot.md shows"
+        )
 
-    def check_without(self, fields: Fields, domain: str, names: Sequence[str]) -> None:
-        """Complain if something cannot be taken out of a domain."""
-        if not names or domain not in self._domains:
-            return
-        try:
-            load_domain(domain).without(names)
-        except HitabError as error:
-            self._complain(fields, "without", f"`without:` {error}")
-
-    def check_behavior(
-        self, fields: Fields, domain: str, behavior: str, libraries: Sequence[Path]
-    ) -> None:
-        """Complain if an agent cannot perform a behavior.
+    def wrong_behavior(self, member: AgentDescription) -> str:
+        """Return why a member cannot perform its initial behavior; "" if it may.
 
         A library in the run folder is not known yet, so it is assumed to have what is missing; if
         not, the agent itself complains.
         """
+        if not member.behavior:
+            return ""
         try:
-            use = Use.parse(behavior)
-            if domain not in self._domains or not libraries:
-                return
-            known = load_domain(domain)
+            name = Use.parse(member.behavior).name
         except HitabError as error:
-            self._complain(fields, "behavior", str(error))
-            return
-        names = {*known.behaviors, *known.automata}.union(*map(_in, libraries))
-        if use.name not in names | self._kept:
-            self._complain(fields, "behavior", unknown("behavior", use.name, names))
-
-    def check_commander(self, fields: Fields, commander: CommanderDescription) -> None:
-        """Complain if a commander cannot perform its initial behavior."""
-        if not commander.behavior:
-            return
-        try:
-            use = Use.parse(commander.behavior)
-        except HitabError as error:
-            fields.complain(str(error), "behavior")
-            return
-        known = self.repertoire(commander)
-        if not (use.name in known or self.may_have(commander, use.name)):
-            fields.complain(unknown("behavior", use.name, known), "behavior")
-
-    def repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
-        """Return the known behaviors of a member, with their parameters."""
-        if isinstance(member, CommanderDescription):
-            known = {
-                order.name: (order.parameter,) if order.parameter else ()
-                for order in member.kind.orders
-            }
-            return {**known, **{name: () for folder in _folders(member) for name in _in(folder)}}
-        key = (member.domain, *(str(folder) for folder in _folders(member)))
-        if key not in self._repertoires:
-            self._repertoires[key] = self._read_repertoire(member)
-        return self._repertoires[key]
+            return str(error)
+        names = {*self._own(member), *(name for f in _folders(member) for name in _in(f))}
+        return "" if self.may_have(member, name) else unknown("behavior", name, names)
 
     def may_have(self, member: AgentDescription, behavior: str) -> bool:
-        """Whether a member may have a behavior that is not in its `repertoire`.
+        """Whether a member may have a behavior; a library in the run folder may hold more."""
+        is_known = isinstance(member, CommanderDescription) or member.domain in self._domains
+        folders = _folders(member)
+        kept = behavior in self._kept or any(behavior in _in(folder) for folder in folders)
+        return not is_known or not folders or kept or behavior in self._own(member)
 
-        A library in the run folder may hold more than what it was filled from.
-        """
-        if not isinstance(member, CommanderDescription) and member.domain not in self._domains:
-            return True
-        return not _folders(member) or behavior in self._kept
+    def repertoire(self, member: AgentDescription) -> Repertoire:
+        """Return the behaviors that a member is known to have."""
+        if isinstance(member, CommanderDescription):
+            trained = {name: () for folder in _folders(member) for name in _in(folder)}
+            return {**self._own(member), **trained}
+        key = (member.domain, *map(str, _folders(member)))
+        if key not in self._repertoires:
+            self._repertoires[key] = self._own(member) | self._trained(member)
+        return self._repertoires[key]
 
-    def _read_repertoire(self, member: AgentDescription) -> Mapping[str, tuple[str, ...]]:
+    def _own(self, member: AgentDescription) -> dict[str, tuple[str, ...]]:
+        """Return the behaviors that nobody has to train."""
+        if isinstance(member, CommanderDescription):
+            orders = member.kind.orders
+            return {o.name: (o.parameter,) if o.parameter else () for o in orders}
         if member.domain not in self._domains:
             return {}
         domain = load_domain(member.domain)
         known = {name: behavior.parameters for name, behavior in domain.behaviors.items()}
-        known |= {name: automaton.parameters for name, automaton in domain.automata.items()}
+        return known | {name: automaton.parameters for name, automaton in domain.automata.items()}
+
+    def _trained(self, member: AgentDescription) -> dict[str, tuple[str, ...]]:
+        if member.domain not in self._domains:
+            return {}
+        found: dict[str, tuple[str, ...]] = {}
         for folder in _folders(member):
             # The agent itself reports what is wrong with its library.
-            trained = BehaviorLibrary(folder, domain).load(strict=False)
-            known |= {name: automaton.parameters for name, automaton in trained.items()}
-        return known
+            trained = BehaviorLibrary(folder, load_domain(member.domain)).load(strict=False)
+            found |= {name: automaton.parameters for name, automaton in trained.items()}
+        return found
 
 
 def _folders(member: AgentDescription) -> list[Path]:

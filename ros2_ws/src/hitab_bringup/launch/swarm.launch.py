@@ -8,7 +8,6 @@ what an including launch file says about namespaces, remappings and parameters h
 """
 
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +16,12 @@ from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration
 
 from hitab_bringup.libraries import prepare
-from hitab_bringup.library_choice import with_library
-from hitab_bringup.swarm_description import PACES, SwarmDescription
-from hitab_bringup.swarm_file import read_swarm
-from hitab_bringup.swarm_processes import Process, processes
+from hitab_bringup.swarm_description import PACES, Process
+from hitab_bringup.swarm_options import described_swarm
+from hitab_bringup.swarm_processes import processes
 from hitab_client.dds_profile import choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import RunFolder
-from hitab_client.shipped import find_file
 from hitab_ros.exit_codes import FINAL
 from launch import LaunchContext, LaunchDescription
 
@@ -52,9 +49,17 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
     def given(name: str) -> str:
         return str(LaunchConfiguration(name).perform(context))
 
-    swarm = described(given)
-    run_dir = given("run_dir")
-    folder = RunFolder.of_swarm(swarm.name, Path(run_dir) if run_dir else None)
+    run_dir = Path(given("run_dir")) if given("run_dir") else None
+    swarm = described_swarm(
+        given("swarm"),
+        run_dir,
+        namespace=given("namespace"),
+        use_sim_time=given("use_sim_time") == "true",
+        pace=given("pace"),
+        paused=given("paused") == "true",
+        library=given("library"),
+    )
+    folder = RunFolder.of_swarm(swarm.name, run_dir)
     folder.prepare()
     prepare(swarm, folder.path)
     profile = dict(os.environ)
@@ -68,21 +73,6 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
         "respawn_delay": 1.0,
     }
     return [action(process, common) for process in started]
-
-
-def described(given: Callable[[str], str]) -> SwarmDescription:
-    """Return the swarm that the arguments describe, as `hitab up` does."""
-    run_dir = Path(given("run_dir")) if given("run_dir") else None
-    swarm = read_swarm(find_file(given("swarm"), "swarms", "swarm"), run_dir)
-    if given("namespace"):
-        swarm = swarm.in_namespace(given("namespace"))
-    if given("use_sim_time") == "true":
-        swarm = swarm.with_sim_time()
-    if given("pace"):
-        swarm = swarm.with_world(pace=given("pace"))
-    if given("paused") == "true":
-        swarm = swarm.with_world(paused=True)
-    return with_library(swarm, given("library")) if given("library") else swarm
 
 
 def action(process: Process, common: dict[str, Any]) -> ExecuteProcess:

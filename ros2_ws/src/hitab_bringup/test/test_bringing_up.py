@@ -52,21 +52,3 @@ def test_up_waits_until_commanders_hear_everybody_or_says_that_they_do_not_yet(g
     assert list(bringing_up._await_commanders(swarm, RECORD, link, progress)) == []
     assert seen[0] == (0, 1, "captain")
     assert seen[-1] == (1, 1, "")
-
-
-def test_a_commander_that_lacks_values_only_at_first_has_no_fault_at_the_start():
-    faults = {"captain": ["captain decides without what it needs"], "a": ["is lost"]}
-    agents = SimpleNamespace(
-        statuses={n: SimpleNamespace(faults=f, perceived=True) for n, f in faults.items()}
-    )
-    tried = []
-
-    def spin_until(done, seconds: float) -> bool:
-        while not done():
-            tried.append(seconds)
-            faults["captain"].clear()  # its subordinates have reported
-        return True
-
-    bringing_up._let_agents_perceive(SimpleNamespace(spin_until=spin_until), agents, ["captain"])
-    assert tried == [bringing_up.VALUES_SECONDS]
-    assert faults == {"captain": [], "a": ["is lost"]}

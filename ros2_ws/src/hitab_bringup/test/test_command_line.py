@@ -1,6 +1,5 @@
 """The command: quick, helpful, and without tracebacks for a user's mistakes."""
 
-import json
 import re
 import subprocess
 import sys
@@ -46,15 +45,11 @@ def test_help_imports_nothing_that_takes_long():
     ("arguments", "code", "expected"),
     [
         (["demonstrat"], 2, "No such command"),
-        (["up", "nothing_like_it"], 1, 'error: no swarm "nothing_like_it"'),
-        (["up", "keepaway", "--pace", "fast"], 2, "is not one of lockstep, realtime"),
+        (["up", "keepaway", "--pace", "fast"], 2, "is not one of 'lockstep', 'realtime'"),
         (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
         (["examples", "delte", "keeper_1", "3"], 2, "Did you mean 'delete'"),
-        (["lesson", "check", "no_such"], 1, 'no lesson "no_such"'),
         (["library", "list", "-l", "nowhere"], 1, "is neither a folder nor a known library"),
         (["library", "show", "A", "--agent", "keeper_1"], 1, "no swarm is up"),
-        (["keepaway", "evaluate", "--pace", "slow"], 2, "is not one of lockstep, inprocess"),
-        (["keepaway", "evaluate", "--keepers", "hand", "--pace", "lockstep"], 2, "in-process"),
     ],
 )
 def test_a_users_mistake_is_told_in_words(arguments, code, expected):
@@ -63,11 +58,6 @@ def test_a_users_mistake_is_told_in_words(arguments, code, expected):
     assert result.exit_code == code, told
     assert expected in told
     assert "Traceback" not in told
-
-
-def test_down_without_a_swarm_is_no_error():
-    result = hitab("down")
-    assert (result.exit_code, result.stdout) == (0, "no swarm is up\n")
 
 
 def test_down_stops_all_swarms_if_that_is_said(tmp_path, monkeypatch):
@@ -96,15 +86,3 @@ def test_who_interrupts_down_learns_how_to_end_the_rest(tmp_path, monkeypatch):
     result = hitab("down", "--run-dir", str(tmp_path))
     assert result.exit_code == 130
     assert f"`hitab down --run-dir {tmp_path}` ends what is left of it" in result.stderr
-
-
-def test_json_goes_where_it_is_asked_to(tmp_path, capsys):
-    from hitab_client import console
-    from hitab_core.errors import HitabError
-
-    console.write_json(str(tmp_path / "a.json"), {"a": 1})
-    assert json.loads((tmp_path / "a.json").read_text()) == {"a": 1}
-    console.write_json("-", {"a": 2})
-    assert json.loads(capsys.readouterr().out) == {"a": 2}
-    with pytest.raises(HitabError, match="cannot be written"):
-        console.write_json(str(tmp_path / "none" / "a.json"), {})

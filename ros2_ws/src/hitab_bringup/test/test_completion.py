@@ -60,15 +60,11 @@ def completed(line: str) -> list[str]:
     ("line", "offered"),
     [
         ("hitab sta", ["status"]),
-        ("hitab library sh", ["show"]),
         ("hitab demonstrate kee", ["keeper_1", "keeper_2"]),
-        ("hitab order ", ["taker_1"]),
         ("hitab logs h", ["host_1"]),
-        ("hitab logs sup", ["supervisor"]),
         ("hitab status --swarm te", ["team"]),
         ("hitab train --swarm nobody kee", []),
         ("hitab up thou", ["thousand"]),
-        ("hitab lesson run approach", ["approach_ball"]),
     ],
 )
 def test_the_shell_is_offered(up, line, offered):

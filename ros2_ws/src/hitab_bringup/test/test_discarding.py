@@ -59,14 +59,3 @@ def test_it_does_not_ask_about_a_few_or_if_it_may_not(discarded, monkeypatch):
     monkeypatch.setattr(training, "_is_terminal", lambda: False)
     assert hitab("discard", "keeper_1").exit_code == 0
     assert discarded == ["keeper_2", "keeper_1", "keeper_1"]
-
-
-def test_it_names_the_training_also_while_the_agent_performs_something_else(monkeypatch):
-    status = AgentStatus(agent="ann", mode="performing", behavior="Rest", examples=14)
-    agents = SimpleNamespace(
-        await_agent=lambda agent: status, behavior=lambda agent: SimpleNamespace(name="Chase")
-    )
-    swarm = contextlib.nullcontext(SimpleNamespace(agents=agents))
-    monkeypatch.setattr(training, "connection", lambda name: swarm)
-    monkeypatch.setattr(training, "_is_terminal", lambda: True)
-    assert 'Discard the training of "Chase"' in hitab("discard", "ann", answer="n\n").stderr

@@ -2,18 +2,16 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import time
-from collections import namedtuple
 
 import psutil
 import pytest
 from hitab_msgs.msg import AgentStatus
 
-from hitab_bringup.doctor import agents, machine, ros, runs
+from hitab_bringup.doctor import ros, runs
 from hitab_bringup.main import make_app
 from hitab_client import RosLink, RunFolder, RunRecord, domain_ids, ros_environment
 from hitab_client.dds_profile import LOOPBACK, RANGE, VARIABLES
@@ -49,27 +47,9 @@ def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, ca
 
 
 @pytest.mark.parametrize(
-    ("said", "level", "text"),
-    [
-        (None, "ok", "not chosen: each swarm gets a free one"),
-        ("150", "warning", "150: its ports may be in use"),
-        ("233", "error", "is not a number from 0 to 232"),
-    ],
-)
-def test_the_domain_is_explained(said, level, text, monkeypatch):
-    monkeypatch.delenv("ROS_DOMAIN_ID")
-    if said is not None:
-        monkeypatch.setenv("ROS_DOMAIN_ID", said)
-    finding = one(ros.domain())
-    assert finding.level == level
-    assert text in finding.text
-
-
-@pytest.mark.parametrize(
     ("variables", "level", "text"),
     [
         ({}, "ok", "of processes on this computer only"),
-        ({RANGE: "SUBNET"}, "ok", f"of other computers in the network, too ({RANGE}=SUBNET)"),
         ({RANGE: "OFF"}, "error", "nobody finds anybody"),
         ({VARIABLES[0]: str(LOOPBACK), RANGE: "SYSTEM_DEFAULT"}, "ok", "this computer only"),
         ({VARIABLES[0]: "/none/own.xml"}, "error", "there is no DDS profile /none/own.xml"),
@@ -85,18 +65,10 @@ def test_discovery_is_explained(variables, level, text, monkeypatch):
     assert text in finding.text
 
 
-def test_another_middleware_and_localhost_only_are_warned_of(monkeypatch):
-    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
-    monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
-    warned = [finding for finding in ros.middleware() if finding.level == "warning"]
-    assert [finding.about for finding in warned] == ["DDS", "discovery"]
-
-
 @pytest.mark.parametrize(
     ("name", "value", "text"),
     [
         ("RMW_IMPLEMENTATION", "rmw_none_cpp", "RMW_IMPLEMENTATION=rmw_none_cpp is not installed"),
-        ("ROS_DOMAIN_ID", "abc", "ROS_DOMAIN_ID=abc is not a number from 0 to 232"),
         ("ROS_SECURITY_ENABLE", "true", "but ROS from wheels has no DDS security"),
     ],
 )
@@ -120,21 +92,6 @@ def test_with_variables_that_ros_cannot_start_with_doctor_goes_on_and_others_ref
     assert found[-1]["about"] == "limits"
     (told,) = hitab("status")[1].splitlines()
     assert told == f"error: {error['text']}; {error['way_out']}"
-
-
-def test_nodes_that_hitab_up_did_not_start_are_reported(alone, monkeypatch):
-    monkeypatch.setattr(ros, "LOOK_SECONDS", 0.01)
-    assert one(ros.neighbors(started_here=False)).text.startswith("0 agents and worlds")
-    wait = RosLink.spin_until
-
-    def until_found(link: RosLink, *_: object) -> bool:
-        return wait(link, lambda: link.node.count_publishers("/lone/status"), 60.0)
-
-    monkeypatch.setattr(RosLink, "spin_until", until_found)
-    with RosLink(alone) as link:
-        link.node.create_publisher(AgentStatus, "/lone/status", qos.LATCHED)
-        assert one(ros.neighbors(started_here=False)).level == "warning"
-        assert one(ros.neighbors(started_here=True)).level == "ok"
 
 
 def test_a_suspended_process_of_a_swarm_is_warned_of_with_the_remedy(monkeypatch):
@@ -180,7 +137,7 @@ def test_a_swarm_that_has_crashed_and_its_processes_are_reported():
 
 
 def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
-    assert list(agents.faults()) == [], "no swarm is up"
+    assert list(runs.faults()) == [], "no swarm is up"
     folder = RunFolder.of_swarm("red")
     folder.prepare()
     record = RunRecord("red", "r.yaml", alone, "LOCALHOST", ("a", "b"), True, 1, "s", "red-1")
@@ -193,25 +150,14 @@ def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
 
     with RosLink(alone) as link:
         say(link, "a", "nothing heard on /scan")
-        monkeypatch.setattr(agents, "ASK_SECONDS", 0.5)
-        mute, *_ = agents.faults()
+        monkeypatch.setattr(runs, "ASK_SECONDS", 0.5)
+        mute, *_ = runs.faults()
         assert mute.level == "warning"
         assert mute.text.endswith("b of red did not answer within 0.5 s")
-        monkeypatch.setattr(agents, "ASK_SECONDS", 60.0)
+        monkeypatch.setattr(runs, "ASK_SECONDS", 60.0)
         say(link, "b")
-        found = one(agents.faults())
+        found = one(runs.faults())
         assert (found.level, found.text) == ("warning", "a: nothing heard on /scan")
         assert found.way_out == "`hitab status --swarm red` shows it"
-        monkeypatch.setattr(agents, "MANY", 1)
-        assert "were not asked" in one(agents.faults()).text
-
-
-def test_little_room_is_reported(monkeypatch, tmp_path):
-    usage = namedtuple("usage", "total used free")
-    for free, level in ((10 << 20, "error"), (500 << 20, "warning"), (5000 << 20, "ok")):
-        monkeypatch.setattr(shutil, "disk_usage", lambda _, free=free: usage(1, 1, free))
-        _, disk = machine.home()
-        assert disk.level == level
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "file" / "home"))
-    assert one(machine.home()).way_out == "name another folder in HITAB_HOME"
+        monkeypatch.setattr(runs, "MANY", 1)
+        assert "were not asked" in one(runs.faults()).text

@@ -142,8 +142,3 @@ def test_a_stop_that_nobody_heard_is_an_error(domain_id, capfd, monkeypatch):
     assert (status, out) == (1, "")
     assert "nobody heard it: no robot and no simulated world answers in ROS domain" in err
     assert f"{domain_id}; use the robots' own switches" in err
-
-
-def test_names_are_refused_with_what_does_it_for_one_robot(capfd):
-    assert "perform robot_1` stops one of them" in hitab(capfd, "stop", "robot_1")[2]
-    assert "arm robot_1`" in hitab(capfd, "go", "robot_1")[2]

@@ -88,30 +88,18 @@ def library_of(folder: Path) -> BehaviorLibrary:
 # -- which library ----------------------------------------------------------------------------
 
 
-def test_with_nothing_up_and_none_named_it_says_which_libraries_there_are(home: Path) -> None:
+def test_with_nothing_up_and_none_named_it_says_which_libraries_there_are(
+    home: Path, lib: Path
+) -> None:
     run_before(home)
     text = refused("library", "list")
     assert "choose a library, for example with -l keepaway_trained/keeper_1; there are" in text
-    assert "ApproachBall" in done("library", "list", "-l", "keepaway_trained/keeper_1")
+    for name in ("keepaway_trained/keeper_1", "keepaway", "lib"):
+        assert "ApproachBall" in done("library", "list", "-l", name)
     assert "-l keepaway_trained/keeper_2;" in refused("library", "list", "-a", "keeper_2")
     assert "keepaway_trained/keeper_1, keepaway_trained/keeper_2" in text
     assert "foraging" in text
     assert "ApproachBall" not in text
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        "keepaway_trained/keeper_2",
-        "keepaway",
-        "lib",
-    ],
-)
-def test_a_library_is_named_by_its_folder_its_swarm_or_the_name_that_it_ships_with(
-    home: Path, lib: Path, name: str
-) -> None:
-    run_before(home)
-    assert "ApproachBall" in done("library", "list", "-l", name)
 
 
 def test_the_library_of_the_swarm_that_is_up_is_meant_if_its_agents_have_the_same(
@@ -121,7 +109,7 @@ def test_the_library_of_the_swarm_that_is_up_is_meant_if_its_agents_have_the_sam
     assert "the library of keeper_1, which the others of the swarm equal" in text
     library_of(up.path / "libraries" / "keeper_2").remove("Keepaway")
     text = refused("library", "show", "ApproachBall", "--deep")
-    assert "the libraries of swarm keepaway_trained differ" in text
+    assert "there are differences between the libraries of the swarm" in text
     assert "--agent (known: keeper_1, keeper_2, keeper_3)" in text
     assert "Keepaway" not in done("library", "list", "--agent", "keeper_2")
     assert 'Did you mean "keeper_2"?' in refused("library", "list", "--agent", "keper_2")
@@ -134,11 +122,11 @@ def test_where_the_libraries_differ_each_behavior_is_listed_with_the_agents_that
         path.unlink()
     library_of(up.path / "libraries" / "keeper_3").remove("Keepaway")
     lines = hitab("library", "list").output.splitlines()
-    owners = {line.split()[0]: re.split(r"\s{2,}", line.strip())[-1] for line in lines[1:5]}
-    assert lines[0].split()[-1] == "agents"
+    owners = {line.split()[0]: re.split(r"\s{2,}", line.strip())[-1] for line in lines}
+    assert owners["behavior"] == "agents"
     assert owners["Keepaway"] == "keeper_1"
     assert owners["GotoBall"] == "keeper_1, keeper_3"
-    assert lines[5:] == ["nothing is saved in the libraries of keeper_2"]
+    assert "nothing is saved in the library of keeper_2" in lines
     listed = json.loads(hitab("library", "list", "--json", "-").stdout)
     assert {row["name"]: row["agents"] for row in listed}["Keepaway"] == ["keeper_1"]
     # One that only some have, but these the same, needs no agent.
@@ -155,15 +143,6 @@ def test_all_libraries_of_the_swarm_that_is_up_are_checked(up: RunFolder) -> Non
     where = up.path / "libraries" / "keeper_2"
     assert f"{where}: 3 of 4 behaviors cannot be used" in text
     assert f"`hitab library delete GotoBall -l {where}`" in text
-
-
-def test_a_library_whose_only_file_is_damaged_can_be_restored(lib: Path) -> None:
-    for name in ("Keepaway", "ControlBall", "GotoBall", "ApproachBall"):
-        library_of(lib).remove(name)
-    (lib / "ApproachBall.hfa.yaml").write_text("nothing")
-    assert "restore ApproachBall 1" in refused("library", "check", "-l", "lib")
-    done("library", "restore", "ApproachBall", "1", "-l", "lib")
-    assert sorted(library_of(lib).load()) == ["ApproachBall"]
 
 
 # -- changing ---------------------------------------------------------------------------------
@@ -195,46 +174,17 @@ def test_an_import_says_what_it_replaces_before_and_after(lib: Path, tmp_path: P
     replaced = f"version {number + 1}, replaces version {number} (8 examples)"
     before = {path: path.read_bytes() for path in other.rglob("*") if path.is_file()}
     text = done("library", "import", "all.yaml", "-l", "other", "--dry-run")
-    become = replaced.replace(", replaces", " and replace")
-    assert f"Keepaway: would become {become}" in text
+    assert f"Keepaway: {replaced}" in text
     assert {path: path.read_bytes() for path in other.rglob("*") if path.is_file()} == before
     assert f"Keepaway: {replaced}" in done("library", "import", "all.yaml", "-l", "other")
-
-
-def test_all_edited_files_of_folders_are_accepted_at_once(lib: Path, tmp_path: Path) -> None:
-    shutil.copytree(lib, tmp_path / "other")
-    for path in (*lib.glob("*.yaml"), *(tmp_path / "other").glob("GotoBall*.yaml")):
-        path.write_text(path.read_text().replace('description: "', 'description: "Ours. '))
-    with pytest.raises(LibraryError):
-        library_of(lib).load()
-
-    text = done("library", "accept", "lib", "other")
-    assert re.findall(r"accepted (\S+)\.hfa", text) == [
-        "lib/ApproachBall", "lib/GotoBall", "lib/ControlBall", "lib/Keepaway", "other/GotoBall"
-    ]  # fmt: skip
-    assert sorted(library_of(lib).load()) == KEEPAWAY
-    assert "lib: nothing to accept" in done("library", "accept", "lib")
-
-
-def test_an_export_replaces_a_file_only_on_request(lib: Path, tmp_path: Path) -> None:
-    done("library", "export", "GotoBall", "-l", "lib")
-    done("library", "export", "GotoBall", "-l", "lib")  # the same again does no harm
-    path = tmp_path / "GotoBall.bundle.yaml"
-    path.write_text("mine")
-    text = refused("library", "export", "GotoBall", "-l", "lib")
-    assert "GotoBall.bundle.yaml exists already" in text
-    assert "--replace" in text
-    assert path.read_text() == "mine"
-    done("library", "export", "GotoBall", "-l", "lib", "--replace")
-    assert path.read_text() != "mine"
 
 
 def test_a_change_names_the_agents_that_use_the_library_and_how_they_read_it_again(
     up: RunFolder,
 ) -> None:
     text = done("library", "delete", "Keepaway", "--agent", "keeper_2")
-    assert "keeper_2 of swarm keepaway_trained still uses this library as it was before" in text
-    assert "`hitab library reload --swarm keepaway_trained` makes it read the change" in text
+    assert "the library of keeper_2 of swarm keepaway_trained is used as it was before" in text
+    assert "`hitab library reload --swarm keepaway_trained` has the change read" in text
 
 
 # -- for a swarm ------------------------------------------------------------------------------
@@ -244,32 +194,11 @@ def swarm(name: str) -> Any:
     return read_swarm(find_file(name, "swarms", "swarm"))
 
 
-def test_a_swarm_can_use_a_library_for_all_its_agents(lib: Path, home: Path) -> None:
-    description = with_library(swarm("keepaway"), "lib")
-    assert {agent.library for agent in description.agents} == {lib}
-    prepare(description, home)
-    assert sorted(library_of(lib).load()) == KEEPAWAY
-
-
-def test_what_a_swarm_learned_before_can_be_used_by_another(home: Path) -> None:
-    before = run_before(home)
-    description = with_library(swarm("keepaway"), "keepaway_trained/keeper_1")
-    assert {a.library for a in description.agents} == {before.path / "libraries" / "keeper_1"}
-
-
 def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:
     with pytest.raises(DescriptionError, match=r'of domain "keepaway", and no agent .* foraging'):
         with_library(swarm("foraging"), "lib")
     description = with_library(swarm("keepaway_captain"), "lib")
     assert [c.library for c in description.commanders] == [None]
-
-
-def test_a_library_of_commanders_is_for_those_of_its_kind(tmp_path: Path) -> None:
-    folder = tmp_path / "squad"
-    shutil.copytree(shipped("libraries", "foraging_squad"), folder)
-    description = with_library(swarm("foraging_commanders"), "squad")
-    assert {c.library for c in description.commanders} == {folder}
-    assert {a.library for a in description.agents} == {None}
 
 
 def test_nothing_is_saved_into_a_shipped_library() -> None:

@@ -1,18 +1,15 @@
 """With no swarm up, a verb says at once what is known, looks briefly, and names the remedy."""
 
-import re
 import subprocess
 import sys
 
 import pytest
-import typer
 from hitab_msgs.msg import AgentStatus
 
 from hitab_bringup.main import make_app
 from hitab_bringup.verbs.connection import connection
 from hitab_client import RosLink, SwarmError, domain_ids, swarm_choice
-from hitab_client.identity import BY_HAND, new_identity, other_swarm
-from hitab_client.run_folder import RunFolder, RunRecord
+from hitab_client.identity import new_identity
 from hitab_ros import qos
 
 ERROR = "error: no swarm answers in ROS domain {}; start one, such as `hitab up keepaway`"
@@ -33,6 +30,7 @@ CALLS = {
     "world pause",
     "world place ball x=1",
     "lesson run approach_ball",
+    'bootstrap next keeper_1 --wait {"said":keeper_2} --within 20',
 }
 
 
@@ -60,40 +58,6 @@ def test_verbs_that_need_a_swarm_fail_with_the_remedy(impatient, capfd):
         assert last == ERROR.format(domain_ids.chosen_by_user()), call
 
 
-@pytest.mark.parametrize(
-    "call",
-    [
-        "perform /blue/keeper_1 Stop",
-        "perceive ä",
-    ],
-)
-def test_what_cannot_be_the_name_of_an_agent_is_refused(call, impatient, monkeypatch, capfd):
-    monkeypatch.setattr("hitab_client.swarm_choice.look_elsewhere", lambda *_: "")
-    with pytest.raises(SystemExit) as ended:
-        make_app()(call.split())
-    assert ended.value.code == 1
-    *_, last = capfd.readouterr().err.splitlines()
-    name = re.search(r"(\S*[/ä1]\S*)", call)[1]
-    assert last.startswith(f'error: "{name}" cannot be the name of an agent: name it without its')
-
-
-def test_all_verbs_that_connect_to_a_swarm_are_tried_here():
-    def leaves(command, path=()):
-        for name, inner in getattr(command, "commands", {}).items():
-            yield from leaves(inner, (*path, name))
-        if not hasattr(command, "commands"):
-            yield " ".join(path), command.callback
-
-    connecting = {
-        path.split()[0]
-        for path, function in leaves(typer.main.get_command(make_app()))
-        if "connection" in function.__code__.co_names
-    }
-    assert connecting - {"keepaway"} <= {call.split()[0] for call in CALLS} | {"begin", "redo"} | {
-        "discard"
-    }
-
-
 def test_what_the_registry_knows_is_said_before_ros_is_loaded(nothing_up):
     script = (
         "import sys\nsys.modules['rclpy'] = None\n"
@@ -105,22 +69,6 @@ def test_what_the_registry_knows_is_said_before_ros_is_loaded(nothing_up):
     )
     assert done.stderr.startswith("No swarm runs in ROS domain ")
     assert "ModuleNotFoundError: import of rclpy halted" in done.stderr
-
-
-def record(folder: RunFolder, domain_id: int, supervisor: int) -> RunRecord:
-    folder.prepare()
-    told = RunRecord(
-        "red", "r.yaml", domain_id, "LOCALHOST", ("a",), True, supervisor, "s", "red-0a1b2c3d"
-    )
-    folder.write(told, register=True)
-    return told
-
-
-def test_a_swarm_in_another_domain_is_named_with_the_way_to_it(monkeypatch):
-    record(RunFolder.of_swarm("red"), 7, 1)
-    monkeypatch.setattr(RunFolder, "supervisor", lambda *_: object())
-    told = swarm_choice.none_is_up(8)
-    assert '"red" runs in ROS domain 7; choose it with --swarm red, or unset ROS_DOMAIN' in told
 
 
 def test_nodes_that_were_started_by_hand_are_found(monkeypatch):
@@ -175,26 +123,3 @@ def test_nodes_that_no_registry_knows_are_used_as_they_are(elsewhere, swarm):
     elsewhere[1](swarm)
     with connection() as there:
         assert there.agents.await_agent("lone", 60.0).swarm == swarm
-
-
-def test_a_wait_is_announced_once_it_is_noticed(monkeypatch):
-    told: list[str] = []
-    with RosLink(domain_ids.chosen_by_user(), told.append) as link:
-        link.spin_until(lambda: True, 5.0, waiting_for=lambda: "nothing")
-        assert told == []
-        link.spin_until(lambda: told, 30.0, waiting_for=lambda: "Godot")
-        link.spin_until(lambda: False, 0.7, waiting_for=lambda: "Godot")
-    assert told == ["waiting for Godot"]
-
-
-def test_what_is_left_of_an_own_swarm_is_not_called_a_strangers():
-    record = RunRecord("red", "r.yaml", 7, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
-    folder = RunFolder.of_swarm("red")
-    folder.prepare()
-    folder.write(record, register=True)
-    assert list(swarm_choice.whose([record.identity])) == []
-    (told,) = swarm_choice.whose(["blue-0a1b2c3d"])
-    assert "not started from here" in told
-    told = other_swarm("a", record.identity, BY_HAND)
-    assert 'left of swarm "red", which has ended' in told
-    assert "`hitab down red`" in told

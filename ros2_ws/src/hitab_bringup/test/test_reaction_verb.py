@@ -11,6 +11,7 @@ from hitab_msgs.msg import WorldState
 from std_msgs.msg import Header
 
 from hitab_bringup.verbs import commanding
+from hitab_bringup.verbs.connection import Connection
 from hitab_client.world_client import WorldClient
 
 RUNNING = SimpleNamespace(mode="running", pace="realtime", factor=2.0)
@@ -59,19 +60,13 @@ def test_a_command_counts_from_enter_by_the_pace_of_the_world(
 ) -> None:
     """What this process took to start and to find the agent is no reaction of the person."""
     world: Any = World(status)
-    swarm: Any = SimpleNamespace(agents=world, world=world, has_world=not by_hand)
+    record: Any = None if by_hand else SimpleNamespace(world=True)
+    swarm = Connection(world, world, world, world, record=record)
     assert commanding._due(swarm, "ann", 0.3) == pytest.approx(due)
 
 
 @pytest.mark.usefixtures("started")
 def test_without_a_world_it_is_the_persons_own_time() -> None:
     world: Any = World(None)
-    swarm: Any = SimpleNamespace(agents=world, world=world, has_world=False)
+    swarm = Connection(world, world, world, world)
     assert commanding._due(swarm, "ann", 0.3) == pytest.approx((1.8, 0))
-
-
-@pytest.mark.parametrize(("seconds", "cycle"), [(0.0, 100), (3.0, 70), (30.0, 1)])
-def test_the_cycle_of_some_time_ago_is_that_of_the_worlds_clock(
-    seconds: float, cycle: int
-) -> None:
-    assert World(RUNNING).cycle_before(seconds) == cycle

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from hitab_bringup.main import make_app
 from hitab_bringup.verbs import world as verb
-from hitab_client import SwarmError, WorldClient
+from hitab_client import WorldClient
 
 
 class World:
@@ -59,20 +59,3 @@ def test_ctrl_c_pauses_the_world_and_says_where(stepped):
     assert result.stdout == ""
     assert "the world is paused at cycle 103" in result.stderr
     assert world.last == world.cycle == 103
-
-
-def test_that_there_is_no_world_is_said_to_who_would_change_it(monkeypatch):
-    class NoWorld:
-        def control(self, *_: object, **__: object) -> None:
-            raise SwarmError("this swarm has no world")
-
-        place = control
-
-    @contextmanager
-    def connection(swarm):
-        yield SimpleNamespace(world=NoWorld())
-
-    monkeypatch.setattr(verb, "connection", connection)
-    for call in (["place", "gopher_1", "x=0"], ["reset"]):
-        result = CliRunner().invoke(make_app(), ["world", *call])
-        assert "this swarm has no world" in result.stderr

@@ -10,7 +10,6 @@ from hitab_msgs.msg import AgentStatus
 
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
-from hitab_client.machine_load import busy
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_core import has, some
@@ -242,14 +241,7 @@ class AgentPresence:
         pid = self.processes.pid(agent)
         running = f"; its process ({pid}) still runs" if pid else ""
         silent = f"{agent} has been silent for {round(waited, 1):g} s"
-        return f"{silent}{running}; {what_helps(agent)}"
-
-
-def what_helps(node: str) -> str:
-    """Return what to do if an agent or the world is late, and nothing shows why."""
-    if much := busy():
-        return f"{much}: wait until it has less to do, and try again"
-    return f"see `hitab logs {node}`"
+        return f"{silent}{running}; see `hitab logs {agent}`"
 
 
 def _pacer(seconds: float) -> Callable[[], bool]:

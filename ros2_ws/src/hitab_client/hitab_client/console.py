@@ -6,16 +6,15 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hitab_client.called_as import as_called
 from hitab_core import HitabError, in_lines
-from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
-    from rich.console import Console, ConsoleOptions, RenderResult
+    from rich.console import Console
+    from rich.live import Live
     from rich.table import Table
     from rich.text import Text
 
@@ -34,30 +33,11 @@ def out() -> Console:
     return Console(highlight=False, emoji=False, width=PIPED_WIDTH)
 
 
-@contextmanager
-def live(shown: Any) -> Iterator[Callable[[Any], None]]:
-    """Keep something up to date on stdout; in a pipe or a file, its last state is printed.
-
-    Args:
-        shown: at the beginning. The context's value is called with each later state.
-    """
+def live(shown: Any) -> Live:
+    """Return a context whose `update` keeps it up to date; a pipe gets its last state."""
     from rich.live import Live
 
-    console = out()
-    if console.is_terminal:
-        with Live(shown, console=console, screen=False) as live:
-            yield live.update
-        return
-    last = shown
-
-    def update(later: Any) -> None:
-        nonlocal last
-        last = later
-
-    try:
-        yield update
-    finally:
-        console.print(last)
+    return Live(shown, console=out())
 
 
 def line(text: str, style: str = "") -> Text:
@@ -73,34 +53,16 @@ def line(text: str, style: str = "") -> Text:
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> Table:
     """Return a table; what does not fit the terminal is wrapped, never cut.
 
-    Commands in it are named as the user calls `hitab`. Its lines end with their last word.
+    Commands in it are named as the user calls `hitab`.
     """
-    made = _trimmed_table()(box=None, pad_edge=False, title=title or None, title_justify="left")
+    from rich.table import Table
+
+    made = Table(box=None, pad_edge=False, title=title or None, title_justify="left")
     for column in columns:
         made.add_column(line(column), overflow="fold")
     for row in rows:
         made.add_row(*(line(cell) for cell in row))
     return made
-
-
-@cache
-def _trimmed_table() -> type[Table]:
-    """Return a kind of table whose lines are not filled up with spaces."""
-    from rich.segment import Segment
-    from rich.table import Table
-
-    class TrimmedTable(Table):
-        def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
-            for line in Segment.split_lines(super().__rich_console__(console, options)):  # type: ignore[arg-type]
-                while line and not line[-1].control and not line[-1].text.strip():
-                    line.pop()
-                if line and not line[-1].control:
-                    text, style, _ = line[-1]
-                    line[-1] = Segment(text.rstrip(), style)
-                yield from line
-                yield Segment.line()
-
-    return TrimmedTable
 
 
 def err() -> Console:
@@ -122,14 +84,26 @@ def note(text: str) -> None:
 
 def error(text: str) -> None:
     """Print an error: what is wrong, and below it the ways out, if it is long."""
-    told = in_lines(as_called(text))
-    err().print(f"[bold red]error:[/] {_escaped(told)}", soft_wrap=True)
-
-
-def _escaped(text: str) -> str:
     from rich.markup import escape
 
-    return escape(text)
+    err().print(f"[bold red]error:[/] {escape(in_lines(as_called(text)))}", soft_wrap=True)
+
+
+def show(json: str | None, data: Any, *shown: Any) -> None:
+    """Print a result, unless its JSON goes to stdout, and write that to where it is wanted.
+
+    Args:
+        json: where to, see `write_json`.
+        data: of the JSON.
+        shown: lines, tables or trees.
+    """
+    if json != "-":
+        for one in shown:
+            if isinstance(one, str):
+                say(one)
+            else:
+                out().print(one)
+    write_json(json, data)
 
 
 def write_json(path: str | None, data: Any) -> None:
@@ -144,12 +118,8 @@ def write_json(path: str | None, data: Any) -> None:
     if path == "-":
         sys.stdout.write(text)
         return
-    file = Path(path)
     try:
-        if file.is_file() or (not file.exists() and file.resolve().parent.is_dir()):
-            write_durably(file.resolve(), text.encode())
-        else:
-            file.write_text(text, encoding="utf-8")  # such as /dev/null
+        Path(path).write_text(text, encoding="utf-8")
     except OSError as wrong:
         raise HitabError(f"{path} cannot be written: {wrong.strerror}") from None
 
@@ -188,6 +158,7 @@ def progress(description: str, unit: str = "", *, line_every: int = 0) -> Iterat
         TextColumn("[dim]{task.fields[doing]}"),
         console=console,
         transient=True,
+        redirect_stdout=sys.stdout.isatty(),  # what is said meanwhile stands above the bar
         disable=not console.is_terminal,
     )
     with bar:

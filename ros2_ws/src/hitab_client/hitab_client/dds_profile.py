@@ -7,7 +7,7 @@ Other ROS programs that use `LOCALHOST` in the same domain are discovered, and d
 
 from __future__ import annotations
 
-from collections.abc import Mapping, MutableMapping
+from collections.abc import MutableMapping
 from pathlib import Path
 from typing import Any
 
@@ -44,10 +44,11 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
         environment: variables; the profile and the discovery range are set here.
         loopback: the profile for this machine only.
     """
-    if is_users_own(environment):
+    chosen = {Path(environment[name]).name for name in VARIABLES if environment.get(name)}
+    if chosen - {LOOPBACK.name, NETWORK.name}:
         environment.setdefault(RANGE, HERE)
         return
-    ours = any(Path(name).name == LOOPBACK.name for name in _chosen(environment))
+    ours = LOOPBACK.name in chosen
     said = environment.get(RANGE) or HERE
     stays = said == HERE or (said == BY_PROFILE and ours)
     if stays and environment.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fast"):
@@ -58,26 +59,6 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
     for name in VARIABLES:
         environment[name] = str(profile)
     environment.update(GIVES_BACK)
-
-
-def is_users_own(environment: Mapping[str, str]) -> bool:
-    """Whether the environment names a DDS profile that is not one of HiTAB's."""
-    return any(
-        Path(name).name not in (LOOPBACK.name, NETWORK.name) for name in _chosen(environment)
-    )
-
-
-def _chosen(environment: Mapping[str, str]) -> list[str]:
-    return [environment[name] for name in VARIABLES if environment.get(name)]
-
-
-def is_noise(line: str) -> bool:
-    """Whether a line of a log is a message of Fast DDS that is harmless but alarming.
-
-    It comes when a process of another user, or one that was killed, has left shared memory behind;
-    Fast DDS then takes another piece. Only a DDS profile of the user's own makes it use any.
-    """
-    return "[RTPS_TRANSPORT_SHM Error]" in line
 
 
 def profile_for(folder: Path, processes: int) -> Path:

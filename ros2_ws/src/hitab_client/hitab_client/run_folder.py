@@ -26,7 +26,6 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 
-from hitab_client.dds_profile import is_noise
 from hitab_client.errors import SwarmError
 
 MARK = "HITAB_RUN_FOLDER"
@@ -70,15 +69,11 @@ class RunRecord:
         return next(found, name)
 
 
-def state_home(environment: Mapping[str, str] = os.environ) -> Path:
-    """Return the folder that holds the run folders.
-
-    Args:
-        environment: of the process in question.
-    """
-    if home := environment.get("HITAB_HOME"):
+def state_home() -> Path:
+    """Return the folder that holds the run folders."""
+    if home := os.environ.get("HITAB_HOME"):
         return Path(home)
-    base = environment.get("XDG_STATE_HOME")
+    base = os.environ.get("XDG_STATE_HOME")
     return (Path(base) if base else Path.home() / ".local" / "state") / "hitab"
 
 
@@ -111,12 +106,12 @@ class RunFolder:
         return self.path / "logs" / f"{process}.log"
 
     def tail(self, process: str, lines: int = 12) -> list[str]:
-        """Return the last lines of a process's log, without known harmless messages."""
+        """Return the last lines of a process's log."""
         try:
             text = self.log(process).read_text(encoding="utf-8", errors="replace")
         except OSError:
             return []
-        return [line for line in text.splitlines() if not is_noise(line)][-lines:]
+        return text.splitlines()[-lines:]
 
     def socket_path(self) -> Path:
         """Return a path for the supervisor's socket, which must be short."""
@@ -231,8 +226,8 @@ def _mark_of(process: psutil.Process) -> str | None:
         return None
 
 
-def _registry(environment: Mapping[str, str] = os.environ) -> Path:
-    return state_home(environment) / "running"
+def _registry() -> Path:
+    return state_home() / "running"
 
 
 Found = tuple[RunFolder, RunRecord]
@@ -266,20 +261,4 @@ def running_swarms() -> Iterator[Found]:
     """Yield the swarms that are up, except temporary ones."""
     for folder, record in registered_swarms():
         if folder.supervisor(record) is not None:
-            yield folder, record
-
-
-def swarms_of_other_homes() -> Iterator[Found]:
-    """Yield the swarms that this user has up with another HITAB_HOME, except temporary ones."""
-    here = _registry().resolve()
-    for process, mark in marked_processes():
-        folder = RunFolder(Path(mark))
-        record = folder.read()
-        if record is None or record.supervisor != process.pid:
-            continue
-        try:
-            registry = _registry(process.environ())
-        except psutil.Error:  # it has ended since
-            continue
-        if registry.resolve() != here and (registry / record.identity).is_symlink():
             yield folder, record

@@ -91,18 +91,10 @@ def find_file(given: str, folder: str, what: str) -> Path:
     for place in folders:
         if (candidate := place / f"{given}.yaml").is_file():
             return candidate
-        if (place / given).is_file():  # somebody's own file may be meant
-            raise HitabError(
-                f'no {what} "{given}": no such file here; the shipped {what} is called '
-                f'"{given.removesuffix(".yaml")}"'
-            )
     if path.is_dir():
         raise HitabError(f'no {what} "{given}": this is a folder; name a file in it')
+    there = sorted(p.stem for place in folders for p in place.glob("*.yaml"))
     if os.sep in given:
-        beside = [str(p) for p in sorted(path.parent.glob("*.y*ml"))]
-        guess = did_you_mean(given, beside) or f" That folder has {some(beside)}" * bool(beside)
-        raise HitabError(f'no {what} "{given}": no such file.{guess}')
-    names = sorted(p.stem for place in folders for p in place.glob("*.yaml"))
-    more = ", and others in folders: see `hitab lesson list`" if what == "lesson" else ""
-    guess = did_you_mean(given, names) or f" The shipped ones are: {', '.join(names)}{more}"
+        there = [str(p) for p in sorted(path.parent.glob("*.y*ml"))]
+    guess = did_you_mean(given, there) or f" There are: {some(there, len(there))}"
     raise HitabError(f'no {what} "{given}": no such file, and no such {what} is shipped.{guess}')

@@ -6,7 +6,6 @@ import os
 import re
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
-from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,19 +18,14 @@ from hitab_client.run_folder import (
     registered_swarms,
     running_swarms,
     state_home,
-    swarms_of_other_homes,
 )
-from hitab_core import has, quantity
+from hitab_core import has
 
 if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
 
 LOOK_SECONDS = 3.0
 """How long to look for a swarm that the registry does not know."""
-
-LISTED_MAX = 5
-"""Swarms of another HITAB_HOME that are named individually."""
-
 
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 
@@ -53,19 +47,12 @@ def only(
         names = [record.swarm for _, record in found]
         if len(set(names)) < len(names):
             names = [record.identity or str(folder.path) for folder, record in found]
-        lines = [f"  {name}: {_start(*one)}" for name, one in zip(names, found, strict=True)]
+        lines = [
+            f"  {name}: ROS domain {record.domain_id}, {folder.path}"
+            for name, (folder, record) in zip(names, found, strict=True)
+        ]
         raise SwarmError("\n".join((f"several {what}; {way}:", *lines)))
     return found[0] if found else None
-
-
-def _start(folder: RunFolder, record: RunRecord) -> str:
-    """Return when and where a swarm was started."""
-    at = folder.started
-    told = ""
-    if at is not None:
-        today = at.date() == date.today()
-        told = f"started at {at:%H:%M:%S}" if today else f"started on {at:%Y-%m-%d at %H:%M:%S}"
-    return ", ".join(filter(None, (told, f"ROS domain {record.domain_id}", str(folder.path))))
 
 
 def meant(which: str, among: Iterable[Found]) -> list[Found]:
@@ -194,22 +181,8 @@ def none_is_up(domain_id: int | None) -> str:
                 f'"{record.swarm}" runs in ROS domain {record.domain_id}; '
                 f"choose it with --swarm {name_to_choose(record)}, or unset ROS_DOMAIN_ID."
             )
-    known += told_of_other_homes()
     known.append(f"Looking for {LOOK_SECONDS:g} s for one that was started elsewhere ...")
     return " ".join(known)
-
-
-def told_of_other_homes() -> list[str]:
-    """Return sentences about swarms that this user has up with another HITAB_HOME."""
-    found = list(swarms_of_other_homes())
-    if len(found) > LISTED_MAX:
-        swarms = quantity(len(found), "swarm")
-        return [f"{swarms} started with another HITAB_HOME; set it to choose one."]
-    return [
-        f'"{record.swarm}" was started with another HITAB_HOME and runs in ROS domain '
-        f"{record.domain_id}; choose it with --swarm {shlex.quote(str(folder.path))}."
-        for folder, record in found
-    ]
 
 
 def reported_on(link: RosLink) -> Iterator[str]:

@@ -9,7 +9,6 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
-from hitab_client.agent_presence import what_helps
 from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
@@ -312,7 +311,7 @@ class WorldClient:
 
 
 def _unexplained(waited: float) -> str:
-    return f"the world has been silent for {waited:g} s; {what_helps(names.WORLD)}"
+    return f"the world has been silent for {waited:g} s; see `hitab logs {names.WORLD}`"
 
 
 def by_name(entities: Iterable[Entity]) -> dict[str, Entity]:

@@ -92,12 +92,6 @@ def test_a_session_is_read_in_the_order_in_which_it_was_sent(tmp_path: Path) -> 
         ]
 
 
-def test_nothing_is_written_over(tmp_path: Path) -> None:
-    write(tmp_path / "a.mcap", session())
-    with pytest.raises(SwarmError, match=r"a\.mcap exists already"):
-        BagFile(tmp_path / "a.mcap")
-
-
 def refusal(path: Path, agent: str = "one") -> str:
     with pytest.raises(SwarmError) as refused:
         session_of(path, agent)

@@ -2,42 +2,7 @@
 
 from types import SimpleNamespace
 
-import rclpy
-from rclpy.context import Context
-
 from hitab_client import domain_ids
-
-
-def test_a_domain_that_somebody_uses_is_not_reserved():
-    with domain_ids.reserved() as number:
-        assert not domain_ids.is_used_here(number)
-        context = Context()
-        rclpy.init(context=context, domain_id=number)
-        node = rclpy.create_node("stranger", context=context)
-        try:
-            assert domain_ids.is_used_here(number)
-        finally:
-            node.destroy_node()
-            rclpy.shutdown(context=context)
-
-
-def test_reserved_domains_differ():
-    with domain_ids.reserved() as first, domain_ids.reserved() as second:
-        assert first != second
-
-
-def test_a_domain_chosen_by_hand_is_passed_over():
-    with domain_ids.reserved() as free:
-        pass
-    context = Context()
-    rclpy.init(context=context, domain_id=free)
-    node = rclpy.create_node("stranger", context=context)
-    try:
-        with domain_ids.reserved() as other:
-            assert other != free
-    finally:
-        node.destroy_node()
-        rclpy.shutdown(context=context)
 
 
 def test_a_second_swarm_passes_over_domains_that_strangers_use(monkeypatch):

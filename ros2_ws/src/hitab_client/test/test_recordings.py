@@ -31,20 +31,9 @@ def test_a_name_that_is_none_is_refused_with_what_is_one(folder, new):
     assert (folder / "one.mcap").exists()
 
 
-def test_no_recording_is_written_over(folder):
-    with pytest.raises(SwarmError, match=r'"two.mcap" already'):
-        recordings.rename("one.mcap", "two")
-    assert (folder / "two.mcap").read_bytes() == b"two.mcap"
-
-
 @pytest.mark.parametrize("name", ["three.mcap", "../secret.mcap", "", ".", "one"])
 def test_only_a_recording_is_found_renamed_and_deleted(folder, name):
     for act in (recordings.recording, recordings.delete):
         with pytest.raises(SwarmError, match="There is no recording"):
             act(name)
     assert (folder.parent / "secret.mcap").exists()
-
-
-def test_a_recording_is_deleted(folder):
-    recordings.delete("one.mcap")
-    assert [r.name for r in recordings.recordings()] == ["two.mcap"]

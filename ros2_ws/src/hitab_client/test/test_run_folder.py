@@ -1,13 +1,10 @@
-"""Run folders, supervisor configuration, shared memory: what a swarm leaves behind is cleaned."""
+"""Run folders, supervisor configuration: what a swarm leaves behind is cleaned."""
 
 import configparser
-import fcntl
-import os
 from pathlib import Path
 
 import pytest
 
-from hitab_bringup.shared_memory import left_behind, remove_stale
 from hitab_bringup.supervisor_config import supervisor_config
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
@@ -37,13 +34,6 @@ def test_a_record_of_a_swarm_that_is_gone_is_not_taken_for_one_that_is_up():
     folder.forget()
     assert folder.read() is None
     assert list((state_home() / "running").iterdir()) == []
-
-
-def test_a_truncated_record_is_no_record(tmp_path):
-    folder = RunFolder(tmp_path / "run")
-    folder.prepare()
-    folder.record_file.write_text('{"swarm": "tr')
-    assert folder.read() is None
 
 
 def test_a_deep_run_folder_gets_its_socket_elsewhere(tmp_path):
@@ -84,34 +74,3 @@ def test_the_supervisor_is_told_every_process_whatever_its_path_looks_like(tmp_p
     assert "100%% mine" in parser["program:a"]["command"]
     assert parser["unix_http_server"]["chmod"] == "0700"
     assert "inet_http_server" not in parser
-
-
-def test_shared_memory_is_removed_when_nobody_holds_it(tmp_path):
-    for name in (
-        "fastrtps_dead",
-        "fastrtps_dead_el",
-        "fastrtps_live",
-        "fastrtps_live_el",
-        "sem.fastrtps_dead_mutex",
-        "sem.fastrtps_live_mutex",
-        "other",
-    ):
-        (tmp_path / name).touch()
-    with (tmp_path / "fastrtps_live_el").open() as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
-        assert left_behind(tmp_path) == (3, 0)
-        assert remove_stale(tmp_path) == 3
-        assert left_behind(tmp_path) == (0, 0)
-    assert sorted(os.listdir(tmp_path)) == [
-        "fastrtps_live",
-        "fastrtps_live_el",
-        "other",
-        "sem.fastrtps_live_mutex",
-    ]
-
-
-def test_shared_memory_that_is_open_somewhere_is_left_alone(tmp_path):
-    path = tmp_path / "fastrtps_port1"
-    with path.open("w"):
-        assert remove_stale(tmp_path) == 0
-    assert remove_stale(tmp_path) == 1

@@ -9,7 +9,7 @@ import pytest
 
 from hitab_client import run_processes
 from hitab_client.errors import SwarmError
-from hitab_client.run_folder import RunFolder, RunRecord
+from hitab_client.run_folder import RunRecord
 from hitab_client.run_processes import RunProcesses, process_states, sentences
 
 
@@ -97,15 +97,6 @@ def test_a_host_is_named_once_for_all_its_agents(team):
     assert [processes.is_lost(name) for name in why] == [False, False, True, False]
 
 
-def test_a_process_that_runs_is_no_reason_for_silence(team):
-    processes = RunProcesses(team)
-    assert processes.why_silent("world") is None
-    assert processes.pid("world") == os.getpid()
-    assert "world" in processes
-    assert "g" in processes
-    assert "somebody" not in processes
-
-
 def test_a_supervisor_that_does_not_answer_is_no_reason_either(tmp_path):
     nobody = record(str(tmp_path / "none"))
     assert RunProcesses(nobody).why_silent("a") is None
@@ -124,11 +115,3 @@ def test_the_supervisor_is_not_asked_for_each_agent(team, monkeypatch):
     for name in team.agents:
         processes.why_silent(name)
     assert len(asked) == 1
-
-
-def test_the_record_keeps_which_process_runs_whom(team, tmp_path):
-    folder = RunFolder(tmp_path / "run")
-    folder.prepare()
-    folder.write(team, register=False)
-    assert folder.read() == team
-    assert (team.process_of("g"), team.process_of("a")) == ("host_1", "a")

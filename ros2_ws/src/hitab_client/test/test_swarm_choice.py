@@ -1,8 +1,5 @@
-"""Swarms are told apart where several are meant, and found where another HITAB_HOME has them."""
+"""Swarms are told apart where several are meant."""
 
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +7,7 @@ import pytest
 
 from hitab_client import swarm_choice
 from hitab_client.errors import SwarmError
-from hitab_client.run_folder import MARK, RunFolder, RunRecord, swarms_of_other_homes
+from hitab_client.run_folder import RunFolder, RunRecord
 
 RED = RunRecord("red", "r.yaml", 3, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
 ANOTHER_RED = replace(RED, domain_id=4, identity="red-12345678")
@@ -43,8 +40,7 @@ def test_only_swarms_that_match_are_offered_with_what_tells_them_apart(three, ho
     first, *lines = str(refused.value).splitlines()
     assert first == 'several swarms called "red" are up; choose one with --swarm NAME:'
     for line, record, name in zip(lines, (RED, ANOTHER_RED), ("one", "two"), strict=True):
-        assert line.startswith(f"  {record.identity}: started ")
-        assert line.endswith(f", ROS domain {record.domain_id}, {home / name}")
+        assert line == f"  {record.identity}: ROS domain {record.domain_id}, {home / name}"
     found = swarm_choice.find_running(ANOTHER_RED.identity)
     assert found is not None
     assert found[1] == ANOTHER_RED
@@ -58,30 +54,3 @@ def test_what_messages_offer_chooses_one_swarm(three):
     assert swarm_choice.name_to_choose(BLUE) == "blue", "short where it can be"
     one = RunFolder.of_swarm("red")
     assert swarm_choice.way_to_stop(one, RED) == f"`hitab down {RED.identity}`"
-
-
-def test_swarms_of_another_home_are_found_unless_they_are_temporary(home, monkeypatch):
-    elsewhere, run = home / "elsewhere", RunFolder(home / "elsewhere" / "it's red")
-    idle = [sys.executable, "-c", "input()"]
-    environment = {**os.environ, "HITAB_HOME": str(elsewhere), MARK: str(run.path)}
-    with subprocess.Popen(idle, env=environment, stdin=subprocess.PIPE) as supervisor:
-        try:
-            run.prepare()
-            record = replace(RED, supervisor=supervisor.pid)
-
-            def found() -> list[RunRecord]:
-                return [one for folder, one in swarms_of_other_homes() if folder.path == run.path]
-
-            run.write(record, register=False)
-            assert found() == []
-            with monkeypatch.context() as patch:
-                patch.setenv("HITAB_HOME", str(elsewhere))
-                run.write(record, register=True)
-                assert found() == [], "it is of this home"
-            assert found() == [record]
-            monkeypatch.setattr(swarm_choice, "swarms_of_other_homes", lambda: [(run, record)])
-            told = swarm_choice.none_is_up(0)
-            assert '"red" was started with another HITAB_HOME and runs in ROS domain 3' in told
-            assert f"--swarm '{elsewhere}/it'\"'\"'s red'" in told
-        finally:
-            supervisor.kill()

@@ -3,7 +3,9 @@ from . import hierarchy_players as hierarchy_players
 from .kind import CommanderKind as CommanderKind
 from .kind import OrderMap as OrderMap
 from .kind_reader import KIND_FILE as KIND_FILE
-from .kind_reader import parse_kind as parse_kind
+from .kind_reader import KindRecord as KindRecord
+from .kind_reader import described_kind as described_kind
+from .kind_reader import kind_in as kind_in
+from .kind_reader import kind_text as kind_text
 from .kind_reader import read_kind as read_kind
-from .kind_writer import kind_text as kind_text
 from .order_memory import ORDERS_FILE as ORDERS_FILE

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Any
 
 from hitab_core.commanding import OTHERS
 
@@ -116,6 +117,7 @@ class CommanderKind:
         deadline: s without a report after which a subordinate is left out.
         rate: Hz at which it decides if nothing changes in between.
         report_period: s between two reports of changing values, in the subordinates' time.
+        described: all of this, as in a file.
     """
 
     name: str
@@ -125,6 +127,7 @@ class CommanderKind:
     deadline: float = 3.0
     rate: float = 10.0
     report_period: float = 0.5
+    described: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def _looked_at(self) -> tuple[Observation, ...]:

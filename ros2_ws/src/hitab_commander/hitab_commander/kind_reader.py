@@ -1,4 +1,4 @@
-"""Reads kinds of commanders from YAML.
+"""Reads kinds of commanders from YAML, and writes them.
 
     commander: Captain
     orders:                                  # name: what the subordinates perform
@@ -26,9 +26,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, TypeVar
+
+import yaml
+from pydantic import AfterValidator, Field, PlainValidator, create_model
 
 from hitab_commander.kind import (
     EXTREMES,
@@ -40,10 +43,19 @@ from hitab_commander.kind import (
     Over,
     Pick,
 )
-from hitab_core import FLAGS, NAME, NAME_RULE, HitabError, Use, VocabularyError, quantity
+from hitab_core import FLAGS, NAME, NAME_RULE, Use, VocabularyError, quantity
 from hitab_core.commanding import OTHERS
-from hitab_core.library import Fields
-from hitab_core.library.yaml_places import Complaints, open_yaml
+from hitab_core.library.yaml_models import (
+    NONE_IS_EMPTY,
+    Format,
+    MappingOr,
+    OneOf,
+    Record,
+    among,
+    open_record,
+    read_use,
+)
+from hitab_core.library.yaml_places import Complaints, Document, Place, kind_of, open_yaml
 
 FORMAT = 1
 """The newest format version that is read."""
@@ -61,6 +73,112 @@ LONGEST = 1e6
 """s; the longest time accepted. Its inverse is the shortest time and the lowest rate, Hz."""
 
 
+def _label(text: str) -> str:
+    if len(arguments := read_use(text).arguments) > 1:
+        told = quantity(len(arguments), "parameter")
+        raise ValueError(f"has {told}; leave one, for one subordinate")
+    return text
+
+
+def _receiver(text: str) -> str:
+    if NAME.match(text) is None:
+        raise ValueError("is not a name for a role")
+    return OTHERS if text == OTHERS_WORD else text
+
+
+def _behavior(text: Any) -> str | None:
+    if text in (KEEP, NOTHING):
+        return None if text == KEEP else ""
+    if not isinstance(text, str):
+        told = kind_of(text)
+        raise ValueError(f"must be a behavior, `{NOTHING}` or `{KEEP}`, not {told}")
+    return str(read_use(text))
+
+
+T = TypeVar("T")
+Label = Annotated[str, AfterValidator(_label)]
+Behavior = Annotated[str | None, PlainValidator(_behavior)]
+Behaviors = dict[Annotated[str, AfterValidator(_receiver)], Behavior]
+Time = Annotated[float, Field(ge=1.0 / LONGEST, le=LONGEST)]
+
+
+class Active(Record):
+    """An active state, as what is observed."""
+
+    active: str
+
+
+Observed = Annotated[
+    Active | str, MappingOr(Active, Annotated[str, AfterValidator(lambda t: str(read_use(t)))])
+]
+
+
+class Observing(Record):
+    """The line of a target, or of a feature, which may also have limits."""
+
+    over: Over = Field(default=Over.MINIMUM, alias=":over")
+    of: Observed = ""
+    role: str = ""
+    below: float | None = None
+    above: float | None = None
+
+    def observation(self) -> Observation:
+        """Return what is observed in each subordinate."""
+        if isinstance(self.of, Active):
+            return Observation(active=self.of.active)
+        if self.of in FLAGS:
+            return Observation(flag=self.of)
+        return Observation(feature=self.of, below=self.below, above=self.above)
+
+
+class Part(Record):
+    """The line of a feature of the positions."""
+
+    part: Annotated[str, among(GROUP_PARTS)] = Field(alias="group")
+
+
+class Numbered(Record):
+    """The line of a target that is a number."""
+
+    number: int = Field(ge=1)
+    role: str = ""
+
+
+def _over(over: Over) -> type[Record]:
+    made: type[Record] = create_model(
+        over.value,
+        __base__=Observing,
+        over=(Over, Field(default=over, alias=":over")),
+        of=(Observed, Field(alias=over.value)),
+    )
+    return made
+
+
+_OVER = {over.value: _over(over) for over in Over if over is not Over.GROUP}
+_FEATURES = {**_OVER, Over.GROUP.value: Part}
+_TARGETS = {**{over.value: _OVER[over] for over in EXTREMES}, "number": Numbered}
+
+
+class KindRecord(Record):
+    """The description of a kind."""
+
+    format: Format = 1
+    commander: str = ""
+    orders: Annotated[
+        dict[Label, Annotated[Behaviors | str | None, MappingOr(Behaviors, Behavior)]],
+        NONE_IS_EMPTY,
+    ] = Field(default_factory=dict)
+    features: Annotated[
+        dict[Label, Annotated[Observing | Part, OneOf(_FEATURES)]], NONE_IS_EMPTY
+    ] = Field(default_factory=dict)
+    targets: Annotated[
+        dict[Label, Annotated[Observing | Numbered, OneOf(_TARGETS)]], NONE_IS_EMPTY
+    ] = Field(default_factory=dict)
+    deadline: Time = 3.0
+    rate: Annotated[float, Field(ge=1.0 / LONGEST, le=FASTEST)] = 10.0
+    report_period: Time = 0.5
+
+
 def read_kind(path: Path) -> CommanderKind:
     """Read a kind of commander from a file.
 
@@ -68,193 +186,113 @@ def read_kind(path: Path) -> CommanderKind:
         VocabularyError: with everything that is wrong, by file and line.
     """
     document = open_yaml(path, error=VocabularyError)
-    top = Fields(Complaints(document, VocabularyError))
-    top.check_format(FORMAT)
-    kind = parse_kind(top.text("commander") or "", top)
+    return _opened(document)
+
+
+def described_kind(name: str, described: Mapping[str, Any]) -> CommanderKind:
+    """Return a kind that is described as in a file.
+
+    Raises:
+        VocabularyError: with everything that is wrong.
+    """
+    return _opened(Document(name, {**described, "commander": name}, {(): 1}))
+
+
+def _opened(document: Document) -> CommanderKind:
+    record = open_record(KindRecord, document, FORMAT, VocabularyError)
+    complaints = Complaints(document, VocabularyError)
+    kind = kind_in(record, record.commander, complaints)
+    if not record.commander:
+        complaints.add((), "`commander:` is missing here; write the name of the kind")
     if not kind.orders:
-        top.complain("needs `orders:` with at least one order, such as `Play: Keepaway`")
-    top.complaints.raise_any()
+        complaints.add((), "needs `orders:` with at least one order, such as `Play: Keepaway`")
+    complaints.raise_any()
     return kind
 
 
-def parse_kind(name: str, top: Fields) -> CommanderKind:
+def kind_in(
+    record: KindRecord, name: str, complaints: Complaints, at: Place = ()
+) -> CommanderKind:
     """Return a kind; what is wrong is complained about and left out.
 
     Args:
+        record: its description. Without ``orders`` the kind has none.
         name: of the kind.
-        top: the mapping described above. Without ``orders`` the kind has none.
+        complaints: to add to.
+        at: the place of the description.
     """
-    top.raw("commander", None)
     if name and NAME.match(name) is None:
-        top.complain(f'"{name}" is not a name for a kind of commander; {NAME_RULE}')
-    kind = CommanderKind(
+        complaints.add(at, f'"{name}" is not a name for a kind of commander; {NAME_RULE}')
+
+    def each(key: str, lines: Mapping[str, Any], read: Callable[[Use, Any], T]) -> Iterator[T]:
+        seen: set[str] = set()
+        for label, line in lines.items():
+            use = Use.parse(label)
+            if use.name in seen:
+                complaints.add((*at, key), f'has "{use.name}" twice; rename one')
+            seen.add(use.name)
+            try:
+                yield read(use, line)
+            except ValueError as wrong:
+                complaints.add((*at, key, label), str(wrong))
+
+    described = complaints.document.value
+    for key in at:
+        described = described[key]
+    return CommanderKind(
         name,
-        tuple(_each(top, "orders", _order)),
-        tuple(_each(top, "features", _feature)),
-        tuple(_each(top, "targets", _target)),
-        _positive(top, "deadline", 3.0),
-        _positive(top, "rate", 10.0, FASTEST),
-        _positive(top, "report_period", 0.5),
+        tuple(each("orders", record.orders, _order)),
+        tuple(each("features", record.features, _feature)),
+        tuple(each("targets", record.targets, _target)),
+        record.deadline,
+        record.rate,
+        record.report_period,
+        described or {},
     )
-    top.done()
-    _refuse_doubles(top, "orders", [order.name for order in kind.orders])
-    _refuse_doubles(top, "features", [feature.name for feature in kind.features])
-    return kind
 
 
-def _positive(top: Fields, key: str, default: float, most: float = LONGEST) -> float:
-    value: float = top.number(key, default)
-    if not 1.0 / LONGEST <= value <= most:
-        top.complain(f"`{key}:` must be from {1.0 / LONGEST:g} to {most:g}", key)
-        return default
-    return value
+def kind_text(kind: CommanderKind) -> str:
+    """Return the text of a file that describes a kind."""
+    described = {"commander": ""} | dict(kind.described) | {"commander": kind.name}
+    return yaml.safe_dump(described, sort_keys=False)
 
 
-def _each(top: Fields, key: str, read: Callable[[Fields, str, str, str], Any]) -> Iterable[Any]:
-    """Read each line of a mapping whose keys are ``Name`` or ``Name(A)``."""
-    section = top.inner(key)
-    for label in section.names():
-        use = _use(section, label, label)
-        if use is None:
-            continue
-        if len(use.arguments) > 1:
-            section.complain(
-                f'"{label}" has {quantity(len(use.arguments), "parameter")}; '
-                "leave one, for one subordinate",
-                label,
-            )
-            continue
-        made = read(section, label, use.name, "".join(use.arguments))
-        if made is not None:
-            yield made
-
-
-def _use(fields: Fields, text: Any, key: str) -> Use | None:
-    try:
-        return Use.parse(str(text))
-    except HitabError as error:
-        fields.complain(str(error), key)
-        return None
-
-
-def _refuse_doubles(top: Fields, key: str, names: list[str]) -> None:
-    for name in sorted({name for name in names if names.count(name) > 1}):
-        top.complain(f'has "{name}" twice; rename one', key)
-
-
-# -- orders ---------------------------------------------------------------------------------
-
-
-def _order(section: Fields, label: str, name: str, parameter: str) -> OrderMap | None:
-    if not isinstance(section.raw(label), dict):
-        if parameter:
-            section.complain(
-                f'the order "{name}" is about {parameter}; say what it and the others do: '
-                f"{{{parameter}: ..., {OTHERS_WORD}: {KEEP}}}",
-                label,
-            )
-            return None
-        return OrderMap(name, {OTHERS: _behavior(section, label)})
-    fields = section.inner(label)
-    behaviors: dict[str, str | None] = {}
-    for key in fields.names():
-        receiver = OTHERS if key == OTHERS_WORD else key
-        if receiver and NAME.match(receiver) is None:
-            fields.complain(f'"{key}" is not a name for a role', key)
-        behaviors[receiver] = _behavior(fields, key)
+def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
+    name, parameter = use.name, "".join(use.arguments)
+    behaviors = line if isinstance(line, dict) else {OTHERS: line}
     if parameter and parameter not in behaviors:
-        fields.complain(
-            f'the order "{name}" does not say what {parameter} does; add a line `{parameter}: ...`'
+        raise ValueError(
+            f'the order "{name}" is about {parameter}; say what it and the others do: '
+            f"{{{parameter}: ..., {OTHERS_WORD}: {KEEP}}}"
         )
     if not behaviors:
-        fields.complain(f'the order "{name}" orders nothing; write `{name}: {NOTHING}`')
+        raise ValueError(f'the order "{name}" orders nothing; write `{name}: {NOTHING}`')
     return OrderMap(name, behaviors, parameter)
 
 
-def _behavior(fields: Fields, key: str) -> str | None:
-    text = fields.raw(key)
-    if text == KEEP:
-        return None
-    if text == NOTHING:
-        return ""
-    if not isinstance(text, str):
-        fields.complain(f"must be a behavior, `{NOTHING}` or `{KEEP}`, not {text!r}", key)
-        return None
-    use = _use(fields, text, key)
-    return None if use is None else str(use)
-
-
-# -- features and targets -------------------------------------------------------------------
-
-
-def _feature(section: Fields, label: str, name: str, parameter: str) -> GroupFeature | None:
-    fields = section.inner(label)
-    over = _over(fields, tuple(Over))
-    if over is None:
-        return None
-    if (over is Over.VALUE) != bool(parameter):
-        fields.complain(
-            f'"{name}" is the value of one subordinate: write `{name}(A):`'
-            if not parameter
-            else f'"{name}({parameter})" is about all subordinates: write `{name}:` without a '
-            "parameter, or use `value:`",
+def _feature(use: Use, line: Observing | Part) -> GroupFeature:
+    name, parameter = use.name, "".join(use.arguments)
+    of_one = isinstance(line, Observing) and line.over is Over.VALUE
+    if of_one and not parameter:
+        raise ValueError(f'"{name}" is the value of one subordinate: write `{name}(A):`')
+    if parameter and not of_one:
+        raise ValueError(
+            f'"{use}" is about all subordinates: write `{name}:` without a parameter, or use '
+            "`value:`"
         )
-        return None
-    role = fields.text("role", "")
-    below, above = fields.number("below", None), fields.number("above", None)
-    if over is Over.GROUP:
-        part = fields.text(over.value, among=GROUP_PARTS)
-        fields.done()
-        return GroupFeature(name, over, part=part)
-    of = _observation(fields, over, below, above)
-    fields.done()
-    return None if of is None else GroupFeature(name, over, of, role, parameter)
+    if isinstance(line, Part):
+        return GroupFeature(name, Over.GROUP, part=line.part)
+    of = line.observation()
+    if not of.feature and (line.below is not None or line.above is not None):
+        raise ValueError("`below:` and `above:` are for features")
+    return GroupFeature(name, line.over, of, line.role, parameter)
 
 
-def _target(section: Fields, label: str, name: str, parameter: str) -> Pick | None:
-    fields = section.inner(label)
-    if parameter:
-        fields.complain(f"a target has no parameter: write `{name}:`")
-    role = fields.text("role", "")
-    if "number" in fields:
-        number = fields.integer("number", least=1)
-        fields.done()
-        return None if number is None else Pick(name, role=role, number=number)
-    over = _over(fields, EXTREMES, "number")
-    if over is None:
-        return None
-    of = _observation(fields, over)
-    fields.done()
-    return None if of is None else Pick(name, over, of, role)
-
-
-def _over(fields: Fields, known: tuple[Over, ...], *further: str) -> Over | None:
-    found = [over for over in known if over.value in fields]
-    if len(found) != 1:
-        names = ", ".join([*(over.value for over in known), *further])
-        fields.complain(f"needs one of: {names}")
-        return None
-    return found[0]
-
-
-def _observation(
-    fields: Fields, over: Over, below: float | None = None, above: float | None = None
-) -> Observation | None:
-    of = fields.raw(over.value)
-    if isinstance(of, dict):
-        inner = fields.inner(over.value)
-        state = inner.text("active")
-        inner.done()
-        if state is None:
-            return None
-        found = Observation(active=state)
-    elif of in FLAGS:
-        found = Observation(flag=of)
-    else:
-        use = _use(fields, of, over.value)
-        if use is None:
-            return None
-        return Observation(feature=str(use), below=below, above=above)
-    if below is not None or above is not None:
-        fields.complain("`below:` and `above:` are for features")
-    return found
+def _target(use: Use, line: Observing | Numbered) -> Pick:
+    if use.arguments:
+        raise ValueError(f"a target has no parameter: write `{use.name}:`")
+    if isinstance(line, Numbered):
+        return Pick(use.name, role=line.role, number=line.number)
+    if line.below is not None or line.above is not None:
+        raise ValueError("a target has no limits; leave out `below:` and `above:`")
+    return Pick(use.name, line.over, line.observation(), line.role)

@@ -1,15 +1,15 @@
 """Swarms with commanders in one process do as they do over topics."""
 
 import math
+from dataclasses import replace
 
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
-from hitab_commander.kind_reader import parse_kind
+from hitab_commander.kind_reader import described_kind
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_core.library import Fields
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.yaml_places import Complaints, Document
+from hitab_core.repertoire import Repertoire
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -47,9 +47,7 @@ ANT = Domain.of(
 def hierarchy(folder, features, behavior="Turns"):
     """Return ants a, which performs a behavior, and b, which always waits, and their chief."""
     described = {"orders": {"Rest": "nothing"}, "features": features}
-    fields = Fields(Complaints(Document("", described, {(): 1})))
-    kind = parse_kind("Chief", fields)
-    fields.complaints.raise_any()
+    kind = described_kind("Chief", described)
     library = BehaviorLibrary(folder / "ants", ANT)
     chiefs = BehaviorLibrary(folder / "chief", commander_domain(kind))
     return HierarchyPlayers(
@@ -80,7 +78,8 @@ def test_a_commander_whose_feature_has_no_value_does_nothing_until_it_has_one(tm
     made = hierarchy(tmp_path, {"MeanX": {"mean": "X"}}, "Wait")
     chief = made.agents["chief"]
     rests = HandWritten(lambda x: "Rest", (0,))
-    chief.repertoire.add(Automaton("Plan", (Use("Rest"),), (Use("MeanX"),), {START: rests}))
+    plan = Automaton("Plan", (Use("Rest"),), (Use("MeanX"),), {START: rests})
+    chief.context = replace(chief.context, repertoire=Repertoire(chief.domain, {"Plan": plan}))
     chief.perform(Use("Plan"))
     play(made, [math.nan] * 10)
     assert chief.active_path == ["Start"]

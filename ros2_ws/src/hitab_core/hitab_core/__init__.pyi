@@ -17,7 +17,6 @@ from .caution import Caution as Caution
 from .caution import WhenUnsure as WhenUnsure
 from .domain import ENTRY_POINT_GROUP as ENTRY_POINT_GROUP
 from .domain import BasicBehavior as BasicBehavior
-from .domain import BatchPercepts as BatchPercepts
 from .domain import Domain as Domain
 from .domain import Feature as Feature
 from .domain import FeatureKind as FeatureKind

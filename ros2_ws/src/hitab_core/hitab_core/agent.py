@@ -9,11 +9,13 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
+from typing import NamedTuple
 
 from hitab_core.automaton import FLAGS
-from hitab_core.caution import Caution, CautionMonitor, WhenUnsure
+from hitab_core.caution import CautionMonitor, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.errors import (
     FolderInUseError,
@@ -30,16 +32,8 @@ from hitab_core.library.contents import Losses
 from hitab_core.library.edition import Edition
 from hitab_core.library.provenance import Provenance
 from hitab_core.repertoire import Repertoire
-from hitab_core.repertoire_change import (
-    Prepared,
-    check_change,
-    check_nothing_lost,
-    check_performable,
-    prepare,
-)
-from hitab_core.running.live_features import Reading, live_features
 from hitab_core.running.observing import Observe
-from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
+from hitab_core.running.running_automaton import RunContext, Running
 from hitab_core.running.senses import Senses
 from hitab_core.saving import Saved, edition_with, to_be_saved
 from hitab_core.seeding import agent_seed
@@ -59,6 +53,15 @@ class Mode(StrEnum):
     PERFORMING = "performing"
     TRAINING = "training"
     TESTING = "testing"
+
+
+class _State(NamedTuple):
+    """What an agent switches to: an edition, its context, and what it performs, not started."""
+
+    edition: Edition
+    context: RunContext
+    use: Use | None
+    performance: Running | None
 
 
 class Agent:
@@ -144,7 +147,7 @@ class Agent:
     @property
     def active_path(self) -> list[str]:
         """Labels of the active states, outermost first."""
-        running = self._running
+        running = self.running
         return running.active_path if running is not None else []
 
     @property
@@ -167,28 +170,18 @@ class Agent:
     @property
     def raised(self) -> frozenset[str]:
         """The flags that the top-level behavior has raised and that are still up."""
-        running = self._running
+        running = self.running
         return frozenset() if running is None else frozenset(running.raised)
 
     def lower_flags(self) -> None:
         """Lower the flags of the top-level behavior, as a commander's new order does."""
-        running = self._running
+        running = self.running
         if running is not None:
             running.raised.clear()
 
     @property
-    def performance(self) -> Running | None:
-        """What performs its top-level behavior; None in other modes."""
-        return self._performance if self.mode is Mode.PERFORMING else None
-
-    def hand_over(self, performance: Running) -> None:
-        """Let another object continue the top-level behavior from its current state."""
-        self._performance = performance
-        if self.top is not None:
-            self._performances[self.top] = performance
-
-    @property
-    def _running(self) -> Running | None:
+    def running(self) -> Running | None:
+        """What it performs, its training included; None: nothing."""
         if self.mode is Mode.IDLE:
             return None
         if self.mode is Mode.PERFORMING or self.session is None:
@@ -225,10 +218,6 @@ class Agent:
         if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
             self.session.perceived(cycle, time, jumped=jumped)
 
-    def live_features(self, also: Sequence[Use] = ()) -> list[Reading]:
-        """Return what the agent perceives now; see `live_features`."""
-        return live_features(self._running, self.context, also)
-
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
         self._episode_since = self.cycle
@@ -253,29 +242,17 @@ class Agent:
         elif self.mode is not Mode.IDLE and self.session is not None:
             self.session.tick()
 
-    def be_cautious(self, caution: Caution) -> None:
-        """Do something else than go on when it is unsure, from now on.
-
-        An agent of a host that decides in a batch begins its behavior anew, alone.
-        """
-        self.monitor.set(caution)
-        performance = self._performance
-        in_batch = performance is not None and not isinstance(performance, RunningAutomaton)
-        if self.mode is Mode.PERFORMING and self.top is not None and in_batch:
-            self._performances.clear()
-            self.perform(self.top)
-
     def _dares(self) -> bool:
         """Return whether to decide; halt or hand back if it is unsure."""
         if self.mode not in (Mode.PERFORMING, Mode.TESTING):
             return True
         session = self.session if self.mode is Mode.TESTING else None
         trained = () if session is None else session.examples
-        if self.monitor.is_sure(self._running, self.context, trained):
+        if self.monitor.is_sure(self.running, self.context, trained):
             self.monitor.release()
             return True
         if self.monitor.caution.when_unsure is WhenUnsure.HALT:
-            self.monitor.halt(self._running)
+            self.monitor.halt(self.running)
         elif session is not None:
             self.take_over()
         else:
@@ -336,13 +313,13 @@ class Agent:
         """Return the performer of a behavior, cached because orders repeat."""
         performance = self._performances.get(use)
         if performance is None:
-            check_performable(self.repertoire, use)
+            self.repertoire.check_performable(use)
             performance = self._performances[use] = self.context.perform(use)
         return performance
 
     def _stop(self) -> None:
         self.monitor.forget()
-        running = self._running
+        running = self.running
         if running is not None:
             running.stop()
 
@@ -396,7 +373,7 @@ class Agent:
             use: what to perform, or a flag.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
             seen: the world's cycle that the demonstrator saw; 0: that of the last percept.
-            request: who commands it and with which number; see `requests`.
+            request: who commands it and with which number.
 
         Raises:
             TrainingError: if the agent is not in training mode, or if the demonstrator saw an
@@ -410,13 +387,16 @@ class Agent:
                 f'goes on with "{self.training}", and then it takes commands'
             )
         if self.mode is Mode.TESTING:
-            raise TrainingError(f"{session.is_tested} (`hitab train {self.name}`)")
+            raise TrainingError(
+                f'"{self.training}" is being tested; go to training mode to take over before '
+                f"commanding (`hitab train {self.name}`)"
+            )
         if 0 < seen < self._episode_since:
             raise TrainingError(
                 f"the command was for cycle {seen}, but a new episode has begun in cycle "
                 f"{self._episode_since}; command what is right in the new episode"
             )
-        if not session.has_perceived and 0.0 <= ago <= KEPT_SECONDS:
+        if session.perception.moments.latest is None and 0.0 <= ago <= KEPT_SECONDS:
             ago, seen = 0.0, 0  # nothing has changed since the training began
         if self.awaits_percept:
             self.context.senses.check_perceived()
@@ -428,11 +408,6 @@ class Agent:
         """Whether a command has to wait for the first percept, which its examples need."""
         chosen = () if self.session is None else self.session.curriculum.features
         return not self.context.senses.perceived and any(f.name not in FLAGS for f in chosen)
-
-    @property
-    def requests(self) -> Sequence[Request]:
-        """The latest numbered commands of the training under way, before a crash too."""
-        return () if self.session is None else tuple(self.session.requests)
 
     def test(self, *, restart: bool = False) -> None:
         """Learn from the examples and give control to what was learned.
@@ -498,9 +473,9 @@ class Agent:
             saved = change.save(automaton, curriculum.classifier, Provenance(agent=self.name))
             edition = edition_with(saved, change, self.library, self.edition)
             try:
-                state = prepare(self.context, edition, then, None)
+                state = self._state(edition, then)
             except VocabularyError as error:
-                state = prepare(self.context, edition, None, None)
+                state = self._state(edition, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
             self.journal.saved(saved.name, saved.checksum)
@@ -574,7 +549,7 @@ class Agent:
         files = read_bundle(bundle, self.library.editions)
         with self.library.change() as change:
             edition = plan_bundle(change, bundle)
-            state = self._prepared_for(edition, start)
+            state = self._state(edition, self.check_fit(edition, start))
             change.commit()
         self._swap(state, self.library)
         return digest_in(edition, files)
@@ -595,7 +570,8 @@ class Agent:
         Raises:
             VocabularyError: if the active behavior or training does not fit; nothing has changed.
         """
-        return self._swap(self._prepared_for(edition, start), library or self.library)
+        state = self._state(edition, self.check_fit(edition, start))
+        return self._swap(state, library or self.library)
 
     def check_fit(self, edition: Edition, start: Use | None = None) -> Use | None:
         """Check that the active behavior, or ``start``, and the training fit an edition.
@@ -609,21 +585,47 @@ class Agent:
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
         if use is None and self.mode is Mode.IDLE and self.awaited is not None:
             with suppress(VocabularyError):
-                check_performable(edition.repertoire, self.awaited)
+                edition.repertoire.check_performable(self.awaited)
                 use = self.awaited
+        losses = edition.losses
+        gone = sorted(losses.reasons.keys() & self.edition.files.keys())
+        kept = f"{self.name} keeps what it knew:"
+        if gone:
+            raise LostBehaviorError(
+                f"{kept} {', '.join(gone)} would be lost: {'; '.join(losses.faults)}"
+            )
         try:
-            check_nothing_lost(self.edition, edition)
-            check_change(self.context, edition, use, self.session)
+            if use is not None:
+                edition.repertoire.check_performable(use)
         except VocabularyError as error:
-            raise VocabularyError(f"{self.name} keeps what it knew: {error}") from None
+            raise VocabularyError(
+                f'{kept} it could no longer perform "{use}": {error}; have it perform something '
+                "else first, or nothing"
+            ) from None
+        try:
+            if self.session is not None:
+                self.session.check_on(edition.repertoire)
+        except VocabularyError as error:
+            raise VocabularyError(
+                f'{kept} the training of "{self.training}" could not continue: {error}; '
+                "save it or discard it first"
+            ) from None
         return use
 
-    def _prepared_for(self, edition: Edition, start: Use | None) -> Prepared:
-        use = self.check_fit(edition, start)
-        return prepare(self.context, edition, use, self.session)
+    def _state(self, edition: Edition, use: Use | None) -> _State:
+        """Return what the agent switches to; so far nothing is changed.
+
+        Raises:
+            VocabularyError: if it cannot be performed.
+        """
+        context = replace(self.context, repertoire=edition.repertoire)
+        if use is None:
+            return _State(edition, context, None, None)
+        edition.repertoire.check_performable(use)
+        return _State(edition, context, use, context.perform(use))
 
     def _swap(
-        self, state: Prepared, library: BehaviorLibrary, *, ends_training: bool = False
+        self, state: _State, library: BehaviorLibrary, *, ends_training: bool = False
     ) -> list[str]:
         """Switch to a prepared state. It is on disk already, so this must not fail."""
         notes = []

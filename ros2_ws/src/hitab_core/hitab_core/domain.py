@@ -26,7 +26,6 @@ from hitab_core.vocabulary import check_known, has
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from hitab_core.arrays import Floats
     from hitab_core.automaton import Automaton
 
 ENTRY_POINT_GROUP = "hitab.domains"
@@ -46,32 +45,17 @@ class FeatureKind(StrEnum):
         return self in (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
 
 
-@dataclass(slots=True)
-class BatchPercepts:
-    """The percepts of many agents with the same layout.
-
-    Attributes:
-        values: shape (n, m), a row for each agent in the layout of the domain.
-        heard: the messages heard, by row; only of agents that hear any.
-    """
-
-    values: Floats
-    heard: Mapping[int, Sequence[str]] = field(default_factory=dict)
-
-
 @dataclass(frozen=True, slots=True)
 class Target:
     """Something in the world that a parameter can be bound to, such as the closest taker.
 
     ``resolve(body)`` returns what the domain's features and behaviors expect. It is called at each
-    use, since what is closest changes. ``resolve_all`` does the same for many agents at once, see
-    `Feature`.
+    use, since what is closest changes.
     """
 
     name: str
     resolve: Callable[[Any], Any]
     description: str = ""
-    resolve_all: Callable[[BatchPercepts], Any] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,10 +64,6 @@ class Feature:
 
     A categorical feature's value is an index into ``categories``; a boolean one's is 0 or 1.
     ``period`` is the length of a toroidal feature's circle, in its own ``unit``.
-
-    The optional ``read_all(percepts, *targets)`` returns the values of many agents at once, shape
-    (n,), from their percepts alone. They must equal what ``read`` returns; each target is what its
-    ``resolve_all`` returned. Without it the feature is read agent by agent.
 
     Where a feature has no value (NaN, None or a raised `FeatureValueError`), a learned tree
     decides by the others. If it is ``required``, nothing is decided without it: who needs it does
@@ -98,7 +78,6 @@ class Feature:
     period: float = 2 * math.pi
     categories: tuple[str, ...] = ()
     description: str = ""
-    read_all: Callable[..., Floats] | None = None
     required: bool = False
 
     @property

@@ -51,13 +51,8 @@ def file_record(example: Example, counted: Sequence[bool]) -> dict[str, Any]:
     return {"number": example.number, **_record(example), "features": values}
 
 
-def example_of(record: Mapping[str, Any], readings: Sequence[float | None] = ()) -> Example:
-    """Read either spelling, of this format or an older one.
-
-    Args:
-        record: the example.
-        readings: of it, where the record does not contain them.
-    """
+def example_of(record: Mapping[str, Any]) -> Example:
+    """Read what `example_record` returned."""
     return Example(
         record["state"],
         values_of(record["features"]),
@@ -66,6 +61,6 @@ def example_of(record: Mapping[str, Any], readings: Sequence[float | None] = ())
         int(record["number"]),
         int(record["command"]),
         int(record["cycle"]),
-        float(record.get("ago", 0.0)),
-        values_of(record.get("readings", readings)),
+        float(record["ago"]),
+        values_of(record["readings"]),
     )

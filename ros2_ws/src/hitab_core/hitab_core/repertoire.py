@@ -36,17 +36,17 @@ class Repertoire:
         self.lost = dict(lost or {})
         self._unread = unread
         self._automata: dict[str, Automaton] = {}
-        # Kept up to date so that checking a use is cheap.
-        self._parameters = {
-            name: b.parameters for name, b in domain.behaviors.items() if name not in self.lost
-        }
-        self._users: dict[str, set[str]] = {}
         for automaton in domain.automata.values():
             if automaton.name not in self.lost:
-                self._put(automaton)
+                self._automata[automaton.name] = automaton
         for automaton in (trained or {}).values():
             self.check_name(automaton.name)
-            self._put(automaton)
+            self._automata[automaton.name] = automaton
+        behaviors: dict[str, BasicBehavior | Automaton] = {
+            name: b for name, b in domain.behaviors.items() if name not in self.lost
+        }
+        behaviors |= self._automata
+        self._parameters = {name: behavior.parameters for name, behavior in behaviors.items()}
         circle = circle_among(self._automata, self._used)
         if circle:
             _refuse(circle)
@@ -74,7 +74,7 @@ class Repertoire:
         )
 
     def _need(self, name: str) -> str:
-        users = in_order([name], lambda used: self._users.get(used, ()))[:-1]
+        users = [user for user in self._automata if name in self.needed_by(user)[:-1]]
         return f"it is needed for {', '.join(sorted(users))}; " if users else ""
 
     def __contains__(self, name: object) -> bool:
@@ -97,60 +97,11 @@ class Repertoire:
             raise VocabularyError(unknown("behavior", name, self.names()))
         return found
 
-    def add(self, automaton: Automaton) -> None:
-        """Add a trained automaton, replacing an earlier one of the same name.
-
-        Raises:
-            VocabularyError: if it uses something that does not exist, or itself, even indirectly.
-        """
-        self.check_new(automaton)
-        before = self._automata.get(automaton.name)
-        self._put(automaton)
-        try:
-            # Its users depend on its parameters only.
-            for name in sorted(self._users.get(automaton.name, ())):
-                self._check_uses(self._automata[name])
-        except VocabularyError:
-            if before is None:
-                self._remove(automaton.name)
-            else:
-                self._put(before)
-            raise
-
-    def discard(self, name: str) -> None:
-        """Remove a trained automaton; a hand-written one of that name takes its place again."""
-        if name in self._automata:
-            self._remove(name)
-        if name in self.domain.automata:
-            self._put(self.domain.automata[name])
-
     def _refuse_lost(self, name: str) -> None:
         if name in self.lost:
             raise LostBehaviorError(self.lost[name])
         if self._unread and name not in self._parameters:
             raise LostBehaviorError(f'"{name}" is unknown, and {self._unread}')
-
-    def _put(self, automaton: Automaton) -> None:
-        before = self._automata.get(automaton.name)
-        for used in () if before is None else before.behaviors_used:
-            self._users[used].discard(automaton.name)
-        self._automata[automaton.name] = automaton
-        self._parameters[automaton.name] = automaton.parameters
-        for used in automaton.behaviors_used:
-            self._users.setdefault(used, set()).add(automaton.name)
-
-    def _remove(self, name: str) -> None:
-        for used in self._automata.pop(name).behaviors_used:
-            self._users[used].discard(name)
-        basic = self.domain.behaviors.get(name)
-        if basic is None:
-            del self._parameters[name]
-        else:
-            self._parameters[name] = basic.parameters
-
-    def parameters_of(self, name: str) -> tuple[str, ...]:
-        """Return the parameters of the behavior called ``name``."""
-        return self.get(name).parameters
 
     def is_one_shot(self, use: Use) -> bool:
         """Whether a state is executed only once per entry and so gets no default example."""
@@ -182,6 +133,15 @@ class Repertoire:
             return
         self._refuse_lost(use.name)
         self.domain.check_use(use, self._parameters, parameters, what="behavior")
+
+    def check_performable(self, use: Use) -> None:
+        """Check that a behavior can be the top-level one.
+
+        Raises:
+            VocabularyError: if there is no such behavior or target.
+        """
+        self.get(use.name)
+        self.check_state(use)
 
     def check_feature(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
         """Check that ``use`` can be a feature of an automaton with these parameters.

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
-import numpy as np
 import pytest
-from numpy.typing import ArrayLike
 
-from hitab_core.arrays import Floats, Integers
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning.compiled_tree import Draw, MatrixColumns, drawn_from, ends
-from hitab_core.learning.feature_values import feature_values
 from hitab_core.learning.transition_learning import learn_transitions
-from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_file import scale_of
 from hitab_core.use import Use
 
@@ -58,48 +51,6 @@ def robot() -> Domain:
             Automaton("Patrol", (Use("GoSlow"),), (), {}, description="written by hand"),
         ],
     )
-
-
-@pytest.fixture(scope="session")
-def decide_batch() -> Callable[..., Integers]:
-    """Return what decides for many agents at once, each as `TransitionTree.compile` would."""
-
-    def decided(
-        tree: TransitionTree,
-        X: ArrayLike,
-        draws: ArrayLike,
-        states: Mapping[str, int] | None = None,
-        *,
-        most_probable: bool = False,
-    ) -> Integers:
-        """Decide by a row of feature values and a draw from [0, 1) for each agent."""
-        if states is None:
-            states = {label: i for i, label in enumerate(tree.labels)}
-        columns = range(tree.n_features_in_)
-        root, likely = tree.compile_batch(columns, states, most_probable=most_probable)
-        values = feature_values(X, tree.scales_, tree.feature_names, may_miss=True)
-        given = np.asarray(draws, dtype=np.float64)
-
-        def draw(rows: Integers) -> Floats:
-            taken: Floats = given[rows]
-            return taken
-
-        def likely_in(row: int) -> int:
-            assert likely is not None
-            here: list[Any] = values[row].tolist()
-            return likely(here, here.__getitem__)
-
-        chosen = np.empty(len(values), np.int64)
-        rows, how = np.arange(len(values)), None if likely is None else likely_in
-        for ending in ends(root, MatrixColumns(values), rows, draw, how):
-            leaf = ending.leaf
-            if isinstance(leaf, Draw):
-                chosen[ending.rows] = np.asarray(leaf.choices)[drawn_from(leaf, ending, draw)]
-            else:
-                chosen[ending.rows] = leaf
-        return chosen
-
-    return decided
 
 
 @pytest.fixture(scope="session")

@@ -16,7 +16,6 @@ from hitab_core import (
     Repertoire,
     Target,
     Use,
-    action_behaviors,
     calls_of,
     feedback_feature,
 )
@@ -184,24 +183,3 @@ def test_feedback_is_read_while_its_behavior_is_performed(body):
     assert took(body) == 3.5
     running.stop()
     assert math.isclose(took(body), -1.0)
-
-
-def test_a_body_without_room_for_its_calls_is_refused():
-    class Small:
-        __slots__ = ()
-
-    with pytest.raises(HitabError, match="add it to the __slots__"):
-        performing(Small())
-
-
-def test_an_action_is_a_word_like_any_other():
-    assert [one.name for one in action_behaviors(DOMAIN)] == ["GoTo"]
-    plain = Domain.of(
-        "walkers",
-        "1",
-        Body,
-        behaviors=[BasicBehavior("GoTo", parameters=("X",)), BasicBehavior("Rest")],
-        features=DOMAIN.features.values(),
-        targets=DOMAIN.targets.values(),
-    )
-    assert plain.signature == DOMAIN.signature  # a library fits a simulation without the action

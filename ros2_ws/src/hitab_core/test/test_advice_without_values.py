@@ -7,12 +7,10 @@ import pytest
 from hitab_core.advice.ambiguity import ambiguities
 from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.situations import Origin
-from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
+from hitab_core.domain import BOOLEAN_SCALE, Scale
 from hitab_core.example import Example, ExampleKind
 
 METERS = Scale()
-COLORS = Scale(FeatureKind.CATEGORICAL, categories=("red", "green", "blue"))
 NAMES = ("Taker", "Kickable")
 SCALES = (METERS, BOOLEAN_SCALE)
 UNITS = ("m", "")
@@ -29,43 +27,11 @@ def evidence(rows, scales=SCALES, names=NAMES, units=UNITS):
     return Evidence.of(rows[0][0], examples, scales, names, units)
 
 
-def test_a_situation_is_composed_of_seen_values_where_little_was_perceived():
-    scales, names = (COLORS, *SCALES, METERS), ("Color", *NAMES, "Speed")
-    rows = [("Go", (2.0, 12.0, 0.0, 1.5), "Go", True), ("Go", (2.0, 8.0, 1.0, 1.5), "Stop", False)]
-    given = evidence(rows, scales, names, ("", "m", "", "m/s"))
-    (question, *_) = ambiguities(given, compose=True)
-    color, taker, kickable, speed = question.situation
-    assert question.origin is Origin.COMPOSED
-    assert (taker, kickable) in ((8.0, 0.0), (12.0, 1.0))
-    assert math.isnan(color)  # does not matter
-    assert math.isnan(speed)
-    assert question.text.count("Color") == question.text.count("Speed") == 0
-    assert ambiguities(given) == []
-
-
-@pytest.mark.parametrize("side", ["learned", "other"])
-def test_the_answer_about_a_composed_situation_settles_it_though_values_are_missing(side):
-    scales, names = (METERS, *SCALES), ("Speed", *NAMES)
-    rows = [
-        ("Go", (1.5, 12.0, 0.0), "Go", True),
-        ("Go", (1.0, 12.0, 0.0), "Go", True),
-        ("Go", (1.5, 8.0, 1.0), "Stop", False),
-    ]
-    given = evidence(rows, scales, names, ("m/s", *UNITS))
-    question, *_ = ambiguities(given, compose=True)
-    assert math.isnan(question.situation[0])
-    assert question.decisive == 1
-    answer = getattr(question, side)
-    answered = given.with_answer(question.situation, answer.next_state)
-    assert answered.learn().features_used == (answer.feature,)
-    assert ambiguities(answered, compose=True) == []
-
-
 def test_examples_and_readings_may_lack_values():
     rows = [*CHASING, ("Go", (math.nan, 0.0), "Go", False), ("Go", (math.nan, 1.0), "Stop", False)]
-    readings = [[12.5, 1.0], [math.nan, 0.0], [3.0, math.nan]]
-    assert ambiguities(evidence(rows), readings=readings) == []  # the values there tell which
-    (question,) = ambiguities(evidence(CHASING), readings=readings)
+    readings = [("At", v) for v in ([12.5, 1.0], [math.nan, 0.0], [3.0, math.nan])]
+    assert ambiguities(evidence(rows), readings) == []  # the values there tell which
+    (question,) = ambiguities(evidence(CHASING), readings)
     assert question.situation == (12.5, 1.0)
 
 

@@ -12,7 +12,6 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import make_bundle
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -104,16 +103,6 @@ def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
     assert len(agent.session.examples) == 4
 
 
-def test_an_unsaved_training_is_not_thrown_away_by_another_one(make):
-    agent = make()
-    teach_home(agent)
-    expected = r'"Home" has 4 unsaved examples; save it .*, or discard it \(`hitab discard ann`'
-    with pytest.raises(TrainingError, match=expected):
-        agent.begin(Curriculum("Other", (Use("x"),)))
-    agent.begin(Curriculum("Other", (Use("x"),)), discard=True)
-    assert agent.behavior == "Other"
-
-
 def test_a_discarded_training_is_over_and_its_journal_kept(make, tmp_path):
     agent = make()
     teach_home(agent)
@@ -128,14 +117,6 @@ def test_a_discarded_training_is_over_and_its_journal_kept(make, tmp_path):
     assert (again.mode, again.training) == (Mode.IDLE, "")
     assert list(tmp_path.rglob("training.1.jsonl"))
     again.begin(HOME)
-
-
-def test_a_training_that_is_refused_leaves_the_earlier_one_as_it_was(make):
-    agent = make()
-    agent.begin(HOME)
-    with pytest.raises(VocabularyError, match='unknown feature "z"'):
-        agent.begin(Curriculum("Other", (Use("z"),)))
-    assert agent.session.curriculum == HOME
 
 
 def test_a_training_survives_the_process_with_everything_that_was_done_to_it(make):
@@ -157,13 +138,6 @@ def test_a_training_survives_the_process_with_everything_that_was_done_to_it(mak
     assert again.session.examples[-1].number > max(e.number for e in expected)
 
 
-def test_a_finished_training_does_not_come_back(make):
-    agent = make()
-    teach_home(agent)
-    agent.save()
-    assert make().session is None
-
-
 def test_training_goes_on_from_what_was_saved(make):
     agent = make()
     teach_home(agent)
@@ -176,26 +150,6 @@ def test_training_goes_on_from_what_was_saved(make):
     agent.perform(Use("Home"))
     agent.restart(seed=1, episode=1)
     assert len(agent.repertoire.automata["Home"].examples) == 6
-
-
-def test_training_does_not_go_on_with_features_that_were_not_recorded(make):
-    agent = make()
-    with pytest.raises(TrainingError, match="was not trained"):
-        agent.begin(Curriculum("Home", ()), resume="Left")
-
-
-def test_a_new_version_of_a_behavior_is_performed_from_its_start(make):
-    teacher, pupil = make("teacher"), make("pupil")
-    teach_home(teacher)
-    teacher.save()
-    pupil.take_in(make_bundle(teacher.library.texts(), teacher.repertoire, "Home"))
-    pupil.perform(Use("Home"))
-    assert do(pupil, 0.0) == "Left"  # Start leads there; Left leads on
-    teacher.begin(Curriculum("Home", (Use("x"),)))
-    teacher.command(Use("Right"))
-    teacher.save()
-    pupil.take_in(make_bundle(teacher.library.texts(), teacher.repertoire, "Home"))
-    assert do(pupil, 0.0) == "Right"
 
 
 def test_the_same_seed_and_episode_give_the_same_decisions(make):
@@ -216,26 +170,6 @@ def fail_to_write(monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("hitab_core.training.example_journal.write_all", full)
-
-
-def test_the_digest_is_of_what_the_agent_knows_also_where_agents_share_a_library(tmp_path):
-    shared = BehaviorLibrary(tmp_path / "library", domain())
-    ann, bob = (Agent(name, shared.domain, shared, tmp_path / name) for name in ("ann", "bob"))
-    see(ann, 0.0)
-    ann.begin(HOME)
-    ann.command(Use("Left"))
-    ann.save()
-    assert ann.library_digest != bob.library_digest
-    see(bob, 0.0)
-    bob.begin(Curriculum("Away", (Use("x"),)))
-    bob.command(Use("Right"))
-    bob.save()
-    assert "Home" not in bob.repertoire
-    assert bob.library_digest != shared.digest
-    ann.reload()
-    bob.reload()
-    assert ann.library_digest == bob.library_digest == shared.digest
-    assert "Home" in bob.repertoire
 
 
 def test_a_command_that_cannot_be_written_down_changes_nothing(make, monkeypatch):
@@ -389,11 +323,3 @@ WRONG = [
     (Curriculum("A", (Use("x"),), classifier="os.system"), '"os.system" is not a classifier'),
     (Curriculum("A", (Use("x"),), classifier="tree("), "does not name a classifier"),
 ]
-
-
-@pytest.mark.parametrize(("curriculum", "expected"), WRONG, ids=[w[1][:20] for w in WRONG])
-def test_what_could_not_be_saved_is_refused_before_it_is_trained(make, curriculum, expected):
-    agent = make()
-    with pytest.raises(VocabularyError, match=expected):
-        agent.begin(curriculum)
-    assert agent.session is None

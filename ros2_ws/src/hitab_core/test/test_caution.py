@@ -25,7 +25,7 @@ def test_without_caution_it_goes_on_wherever_it_is(cart: LearningAgent) -> None:
 
 
 def test_far_from_what_it_was_shown_it_halts_until_it_is_sure(cart: LearningAgent) -> None:
-    cart.agent.be_cautious(Caution(WhenUnsure.HALT, distance=3.0))
+    cart.agent.monitor.set(Caution(WhenUnsure.HALT, distance=3.0))
     assert cart.decide([3.0]) == "Right"
     assert cart.decide([900.0]) == "Right", "it does not decide"
     assert "from the nearest one" in cart.agent.monitor.unsure
@@ -34,7 +34,7 @@ def test_far_from_what_it_was_shown_it_halts_until_it_is_sure(cart: LearningAgen
 
 
 def test_with_too_few_examples_it_hands_back_to_the_demonstrator(cart: LearningAgent) -> None:
-    cart.agent.be_cautious(Caution(WhenUnsure.HAND_BACK, support=50))
+    cart.agent.monitor.set(Caution(WhenUnsure.HAND_BACK, support=50))
     cart.step([3.0])
     assert cart.agent.mode == "training"
     assert "rests on" in cart.agent.monitor.unsure
@@ -47,7 +47,7 @@ def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
 ) -> None:
     cart.save()
     cart.perform("Shuttle")
-    cart.agent.be_cautious(Caution(WhenUnsure.HAND_BACK, distance=3.0))
+    cart.agent.monitor.set(Caution(WhenUnsure.HAND_BACK, distance=3.0))
     cart.step([1.0])
     assert cart.agent.mode == "performing"
     cart.agent.sense([900.0], [], 9)

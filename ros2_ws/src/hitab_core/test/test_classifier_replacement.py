@@ -1,8 +1,6 @@
 """Any scikit-learn classifier in the place of the tree."""
 
 import math
-import subprocess
-import sys
 from collections import Counter
 
 import numpy as np
@@ -19,7 +17,6 @@ from hitab_core.learning.transition_learning import learner
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
 BOOLEAN = Scale(FeatureKind.BOOLEAN)
-COLOR = Scale(FeatureKind.CATEGORICAL, 0.0, ("red", "green", "blue"))
 NEAREST = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"
 STATES = {"Start": 0, "Stop": 1, "GoFast": 2}
 TWO = ([[1.0], [2.0]], ["Stop", "GoFast"])
@@ -90,26 +87,6 @@ def test_only_what_scikit_learn_lists_as_a_classifier_is_made():
             learn_transition(name, [METERS], *TWO)
 
 
-def test_unknown_keywords_and_missing_arguments_are_refused_by_name():
-    with pytest.raises(VocabularyError, match=r"cannot be made: .*'neighbors'"):
-        learn_transition(NEAREST.replace("n_n", "n"), [METERS], *TWO)
-    with pytest.raises(VocabularyError, match=r"cannot be made: .*estimator"):
-        learn_transition("sklearn.multiclass.OneVsRestClassifier", [METERS], *TWO)
-
-
-def test_naming_and_parsing_a_classifier_imports_no_scikit_learn():
-    script = """
-import sys
-import hitab_core.learning.classifier_replacement
-from hitab_core.learning.transition_learning import learner
-from hitab_core.learning.classifier_spec import ClassifierSpec
-ClassifierSpec.parse("sklearn.svm.SVC(C=10)")
-print([m for m in sys.modules if m.split(".")[0] in ("sklearn", "scipy")])
-"""
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
-    assert done.stdout.strip() == "[]", done.stderr
-
-
 # How it sees features
 
 
@@ -125,26 +102,10 @@ def test_a_toroidal_feature_has_no_zero_for_it():
     ]
 
 
-def test_a_category_is_as_far_from_any_other_as_from_the_next():
-    encoding = FeatureEncoding.of(np.array([[0.0], [2.0]]), [COLOR])
-    assert encoding(np.array([[0.0], [1.0], [2.0]])).tolist() == np.eye(3).tolist()
-
-
 def test_categories_that_the_scale_does_not_name_are_those_seen():
     unnamed = Scale(FeatureKind.CATEGORICAL)
     encoding = FeatureEncoding.of(np.array([[0.0], [1.0]]), [unnamed])
     assert encoding(np.array([[1.0], [7.0]])).tolist() == [[0, 1], [0, 0]]
-
-
-def test_a_feature_in_large_units_does_not_outweigh_one_in_small_units():
-    X = [[1000, 0.001], [2000, 0.001], [1000, 0.003], [2000, 0.003]]
-    encoded = FeatureEncoding.of(np.array(X), [METERS, METERS])(np.array(X))
-    assert np.abs(encoded) == pytest.approx(1)
-
-
-def test_constant_and_boolean_features_stay_finite_and_as_they_are():
-    X = np.array([[5.0, 1.0], [5.0, 0.0]])
-    assert FeatureEncoding.of(X, [METERS, BOOLEAN])(X).tolist() == [[0, 1], [0, 0]]
 
 
 # What it decides
@@ -224,21 +185,6 @@ def test_what_is_learned_from_has_a_digest():
         )
     }
     assert len(digests) == 5
-
-
-def test_where_all_examples_lead_to_one_state_it_is_taken_without_looking():
-    for spec in (NEAREST, "sklearn.svm.SVC", "tree"):
-        function = learn_transition(spec, [METERS], [[1], [2]], ["Stop", "Stop"])
-        assert function.features_used == ()
-        assert function.compile([0], STATES)([None], no_reading, None) == 1
-        assert function.explain([1.0], ["x"]).distribution == {"Stop": 1}
-
-
-def test_without_features_only_frequencies_count():
-    function = learn_transition(
-        "sklearn.tree.DecisionTreeClassifier", [], np.empty((3, 0)), ["Stop", "Stop", "GoFast"]
-    )
-    assert function.compile([], STATES, most_probable=True)([], no_reading, None) == 1
 
 
 def test_examples_that_the_classifier_cannot_learn_from_are_the_demonstrators_to_mend():

@@ -20,7 +20,6 @@ from hitab_core.use import Use
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
-COLORS = Scale(FeatureKind.CATEGORICAL, categories=("red", "green", "blue"))
 
 
 def learn_transition(classifier, scales, X, y, default=None, names=None):
@@ -59,44 +58,11 @@ def test_support_is_that_of_the_leaf_with_default_examples_apart():
     assert rate([8.5, 1.0]).support == Support(ordinary=1, default=0)
 
 
-def test_distance_is_0_where_an_example_is_and_counts_only_what_was_tested():
-    rate = rated(BALL, [METERS, BOOLEAN_SCALE])
-    assert rate([500.0, 0.0]).distance == 0  # only the second feature was tested
-    near = rated([row for row in BALL if row[0][1] == 0 or row[0][0] == 1], [METERS, METERS])
-    assert near([9.0, 0.0]).distance == 0
-
-
 def test_distance_on_a_line_is_in_median_differences_of_the_examples():
     rate = rated([((0.0,), "A", False), ((2.0,), "B", False), ((4.0,), "B", False)], [METERS])
     assert rate([5.0]).distance == pytest.approx(1 / 2)  # the differences are 2, 2 and 4
     assert rate([-3.0]).distance == pytest.approx(3 / 2)
     assert rate([1.2]).distance == pytest.approx(0.8 / 2)
-
-
-def test_a_number_that_says_nothing_is_there_does_not_make_all_else_near():
-    rows = [((float(v),), "A" if v < 3 else "B", False) for v in (1, 2, 3, 4, 5, 1000)]
-    assert rated(rows, [METERS])([9.0]).distance > 1
-
-
-def test_distance_on_a_circle_is_the_shorter_way_round():
-    rows = [((350.0,), "A", False), ((80.0,), "B", False)]
-    rate = rated(rows, [DEGREES])
-    assert rate([10.0]).distance == pytest.approx(20 / 90)
-    assert rate([-10.0]).distance == rate([710.0]).distance == 0
-
-
-def test_categories_are_equal_or_not():
-    rows = [((0.0,), "A", False), ((2.0,), "B", False)]
-    rate = rated(rows, [COLORS])
-    assert rate([2.0]) == Confidence(Support(1, 0), 0)
-    unseen = rate([1.0])
-    assert unseen == Confidence(Support(2, 0), 1)  # decided by all examples
-
-
-def test_the_feature_that_is_farthest_off_counts():
-    near = Nearness(np.array([[0.0, 0.0], [4.0, 10.0]]), [METERS, METERS], (0, 1))
-    assert near([1.0, 5.0]) == pytest.approx(0.5)
-    assert near([1.0, 0.0]) == pytest.approx(0.25)
 
 
 def test_values_that_are_missing_are_left_out():
@@ -112,10 +78,6 @@ def test_a_decision_without_a_tested_value_is_as_sure_as_its_weakest_leaf():
     rate = rated(BALL, [METERS, BOOLEAN_SCALE])
     assert rate([8.5, None]) == rate([8.5, math.nan])
     assert rate([8.5, None]).support == Support(ordinary=1, default=0)
-
-
-def test_where_nothing_is_tested_the_distance_is_0():
-    assert rated([((3.0,), "A", False)], [METERS])([99.0]) == Confidence(Support(1, 0), 0)
 
 
 def test_of_what_is_no_tree_only_the_distance_is_known():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -197,20 +196,6 @@ def test_a_file_that_was_edited_can_be_accepted_by_the_command_that_the_fault_na
     assert agent.faults == ()
 
 
-def test_what_no_longer_means_the_same_can_be_given_up_and_trained_again_as_the_fault_says(
-    trained: Agent, make: Make, line: Domain
-) -> None:
-    agent = make(domain=replace(line, version="2"))
-    (fault,) = [fault for fault in agent.faults if "the file of Other, " in fault]
-    at = agent.library.folder
-    assert f"run: hitab library accept {file_of(agent, 'Other')}; if not, give it up and " in fault
-    assert f"give it up with `hitab library delete Other -l {at}`" in fault
-    agent.library.remove("Other")
-    agent.reload()
-    teach(agent, "Other", "Left", "Right")
-    assert sorted(agent.edition.files) == ["Other"]
-
-
 def test_nothing_is_saved_in_place_of_what_is_lost(trained: Agent, make: Make) -> None:
     damage(trained, "Low")
     agent = make()
@@ -263,29 +248,6 @@ def test_what_is_restored_comes_back_with_all_that_is_made_of_it(
     assert agent.library.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
 
 
-def test_what_an_agent_awaited_is_forgotten_once_it_is_told_something_else(
-    trained: Agent, make: Make
-) -> None:
-    damage(trained, "Low")
-    agent = make()
-    agent.awaited = Use("High")
-    agent.perform(None)
-    BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
-    agent.reload()
-    assert agent.mode is Mode.IDLE
-
-
-def test_of_two_lost_behaviors_one_can_come_back_alone(trained: Agent, make: Make) -> None:
-    damage(trained, "Low")
-    damage(trained, "Other")
-    agent = make()
-    assert len(agent.faults) == 2
-    BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
-    assert agent.reload() == ["High", "Low", "Middle"]
-    (fault,) = agent.faults
-    assert "Other.hfa.yaml" in fault
-
-
 def test_what_is_given_up_can_be_trained_anew_and_brings_back_what_is_made_of_it(
     trained: Agent, make: Make
 ) -> None:
@@ -301,21 +263,6 @@ def test_what_is_given_up_can_be_trained_anew_and_brings_back_what_is_made_of_it
     ]  # Low is the hand-written one
     teach(agent, "Low", "Right", "Left")
     assert sorted(agent.edition.files) == ["High", "Low", "Middle", "Other"]
-
-
-def test_a_new_training_brings_back_what_it_is_needed_for(trained: Agent, make: Make) -> None:
-    damage(trained, "Middle")
-    agent = make()
-    library = BehaviorLibrary(agent.library.folder, agent.domain)
-    with library.change() as change:
-        assert change.remove("Middle") == ["High"]
-        change.commit()
-    agent.reload()
-    with pytest.raises(LostBehaviorError, match=r"High.*Middle.*no longer in the library"):
-        agent.perform(Use("High"))
-    teach(agent, "Middle", "Left")
-    agent.perform(Use("High"))
-    assert agent.faults == ()
 
 
 def bundle_of(agent: Agent, name: str) -> Bundle:
@@ -418,11 +365,3 @@ def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_over
     assert agent.faults == ()
     agent.save()
     assert sorted(make().edition.files) == ["High", "Low", "Middle", "New", "Other"]
-
-
-def test_a_file_whose_name_no_behavior_can_have_is_named(trained: Agent, make: Make) -> None:
-    (trained.library.folder / "my notes.hfa.yaml").write_text("remember the milk")
-    agent = make()
-    assert sorted(agent.edition.files) == ["High", "Low", "Middle", "Other"]
-    (fault,) = agent.faults
-    assert "move my notes.hfa.yaml out of the folder" in fault

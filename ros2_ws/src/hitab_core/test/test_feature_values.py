@@ -10,9 +10,8 @@ import pytest
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
-from hitab_core.errors import FeatureValueError, NoValueError, TrainingError
+from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.saving import to_be_saved
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -83,11 +82,6 @@ def test_a_value_that_is_no_number_is_none(agent: Agent, value: Any) -> None:
     assert len(str(raised.value)) < 120
 
 
-def test_a_value_outside_its_categories_is_named(agent: Agent) -> None:
-    agent.sense([2.0], [])
-    assert refusal(agent, "Kind") == 'feature "Kind" has value 2, not one of its 2 categories'
-
-
 def test_a_command_before_the_first_percept_is_refused(agent: Agent) -> None:
     assert refusal(agent) == (
         "nothing perceived yet; let the world run, or wait for the robot's sensors"
@@ -108,21 +102,3 @@ def test_a_behavior_that_needs_a_percept_is_not_begun_before_the_first_one(agent
     with pytest.raises(IndexError):  # the domain's own mistake, with its place
         agent.perform(Use("Aim"))
     assert agent.mode is Mode.IDLE
-
-
-def test_what_is_learned_without_looking_needs_no_percept(agent: Agent) -> None:
-    agent.begin(Curriculum("Blind", (Use("Done"),)))
-    assert len(agent.command(Use("Go"))) == 2
-
-
-def test_a_training_without_examples_cannot_be_saved(agent: Agent) -> None:
-    with pytest.raises(TrainingError, match="nothing can be saved: ann is not training anything"):
-        agent.save()
-    agent.begin(Curriculum("New", (Use("Range"),)))
-    missing = "no example leaves Start; command the behavior that it should begin with"
-    with pytest.raises(TrainingError, match=f'"New" cannot be saved: {missing}'):
-        agent.save()
-    with pytest.raises(TrainingError, match=f'"New" cannot be saved: {missing}'):
-        to_be_saved(agent.session)
-    with pytest.raises(TrainingError, match=f'"New" cannot be tested: {missing}'):
-        agent.test()

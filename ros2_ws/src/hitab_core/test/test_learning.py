@@ -92,19 +92,6 @@ def test_the_trees_parameters_can_be_given_in_words():
     assert (pruned.prune, pruned.min_samples_leaf) == (True, 2)
 
 
-def test_whether_ties_prefer_a_boolean_feature_can_be_said_in_words():
-    rows, labels = [[9, 0], [2, 1]], ["GoFast", "Stop"]
-    usual, measured = (
-        learn_transition(text, SCALES, rows, labels)
-        for text in ("tree", "tree(boolean_first=False)")
-    )
-    assert (usual.features_used, measured.features_used) == ((1,), (0,))
-    assert (
-        usual.digest()
-        == learn_transition("tree(boolean_first=True)", SCALES, rows, labels).digest()
-    )
-
-
 def test_a_classifier_that_does_not_exist_is_refused_with_what_there_is():
     for spec, error, why in [
         (
@@ -121,15 +108,6 @@ def test_a_classifier_that_does_not_exist_is_refused_with_what_there_is():
             learn_transitions(EXAMPLES, SCALES, spec)
 
 
-def test_every_state_can_be_learned_by_another_classifier():
-    nearest = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"
-    functions = learn_transitions(EXAMPLES, SCALES, nearest)
-    assert decisions(functions["GoFast"], [(4.0, 0.0), (9.0, 0.0)]) == ["GoSlow", "GoFast"]
-    assert functions[START].features_used == ()
-    with pytest.raises(TrainingError, match=r'state "GoFast": .*KNeighbors.* cannot learn'):
-        learn_transitions(EXAMPLES, SCALES, nearest.replace("1", "5"))
-
-
 @pytest.mark.parametrize(
     ("classifier", "value"), [("tree", math.inf), ("sklearn.naive_bayes.GaussianNB", math.nan)]
 )
@@ -140,11 +118,6 @@ def test_a_value_that_is_not_taken_is_refused_by_feature_example_and_state(class
         match=rf'feature 0 "DistanceTo\(ball\)" has value {value} in example 7 of state "GoFast"',
     ):
         learn_transitions(broken, SCALES, classifier, ["DistanceTo(ball)", "BallIsKickable"])
-
-
-def test_an_example_of_other_features_is_refused_by_number():
-    with pytest.raises(TrainingError, match='example 8 of state "Stop" has 1 value for 2'):
-        learn_transitions([Example("Stop", (1.0,), "Stop", number=8)], SCALES)
 
 
 def test_a_circle_without_a_length_is_refused():

@@ -3,8 +3,6 @@
 import pytest
 
 from hitab_core import (
-    Feature,
-    FeatureKind,
     FeatureValueError,
     LearningAgent,
     LostBehaviorError,
@@ -81,12 +79,6 @@ def test_functions_of_the_percept_are_features_and_behaviors():
     assert agent.examples[0].features == (5.0,)
 
 
-def test_a_feature_may_be_declared_in_full():
-    heading = Feature("Heading", lambda body: body.percept[0], FeatureKind.TOROIDAL, unit="rad")
-    domain = plain_domain("turtle", ["Turn"], [heading])
-    assert domain.features["Heading"].kind is FeatureKind.TOROIDAL
-
-
 def test_what_is_used_wrongly_is_refused_with_the_way_out():
     for wrong, error, words in [
         (lambda a: a.step([1.0], command="Lft"), VocabularyError, 'Did you mean "Left"?)'),
@@ -106,11 +98,6 @@ def test_what_is_used_wrongly_is_refused_with_the_way_out():
         assert words in str(raised.value)
 
 
-def test_an_agent_that_is_taught_nothing_says_how_to_begin():
-    with pytest.raises(TrainingError, match=r"after train\(name\)"):
-        LearningAgent(cart()).step([1.0])
-
-
 def test_a_command_can_be_due_some_steps_ago():
     agent = LearningAgent(plain_domain("cart", ["Left", "Right"], ["X"]), period=0.5).train("It")
     agent.step([0.0], "Right")
@@ -121,12 +108,6 @@ def test_a_command_can_be_due_some_steps_ago():
         ((0.0,), "Start"),
         ((2.0,), "Right"),
     ]
-
-
-def test_a_percept_that_is_too_short_names_the_feature():
-    domain = plain_domain("pair", ["Go"], ["First", "Second"])
-    with pytest.raises(FeatureValueError, match=r'"Second" is value 2 of the percept'):
-        LearningAgent(domain).train("It").step([1.0], command="Go")
 
 
 def test_a_first_percept_that_is_refused_does_not_stand_in_the_way_of_those_after_it():
@@ -140,21 +121,6 @@ def test_a_first_percept_that_is_refused_does_not_stand_in_the_way_of_those_afte
         agent.step([5.0, 2.0], command="Wait")
         agent.learn()
         assert [agent.decide([x, 2.0]) for x in (1.0, 5.0)] == ["Go", "Wait"]
-
-
-def test_a_training_can_begin_again_with_percepts_of_another_length():
-    agent = LearningAgent(cart()).train("Shuttle")
-    agent.step([0.0, 9.0], command="Right")
-    with pytest.raises(FeatureValueError, match=r"begin again with train\(name, discard=True\)"):
-        agent.step([0.0], command="Right")
-    agent.train("Shuttle", discard=True)
-    assert agent.step([0.0], command="Right") == (1.0,)
-
-
-def test_a_feature_whose_function_fails_is_named_with_the_percept():
-    domain = plain_domain("ratio", ["Go"], {"Ratio": lambda p: p[0] / p[1]})
-    with pytest.raises(FeatureValueError, match=r'"Ratio".*\[1.0, 0.0\]: ZeroDivisionError'):
-        LearningAgent(domain).train("It").step([1.0, 0.0], command="Go")
 
 
 def test_a_domain_that_cannot_be_is_refused():

@@ -60,14 +60,6 @@ def test_what_others_use_is_deleted_only_on_request_and_can_be_restored(
     assert sorted(again(library).load()) == ["Approach", "Control", "Keepaway"]
 
 
-def test_a_lost_behavior_is_given_up_without_further_questions(library: BehaviorLibrary) -> None:
-    path = library.path("Approach")
-    path.write_text("nothing")
-    assert library.remove("Approach") == ["Control", "Keepaway"]
-    assert not path.exists()
-    assert (library.folder / ".versions/Approach/0002.hfa.yaml").read_text() == "nothing"
-
-
 # -- renaming ---------------------------------------------------------------------------------
 
 
@@ -94,21 +86,6 @@ def test_a_renamed_behavior_does_the_same_and_so_does_what_uses_it(
     assert other.file("ComeNear").provenance.note == '"Approach" renamed to "ComeNear"'
     assert other.versions("Approach") == [1], "it can still be restored"
     assert other.versions("Control") == [1, 2]
-
-
-def test_targets_stay_with_a_renamed_behavior(library: BehaviorLibrary, teach: Teach) -> None:
-    library.save(teach("Near", ["DistanceTo(A)"], [("Start", [9], "GoTo(A)")], parameters=["A"]))
-    library.save(
-        teach(
-            "Both",
-            ["DistanceTo(ball)"],
-            [("Start", [1], "Near(ball)"), ("Near(ball)", [2], "Near(goal)")],
-        )
-    )
-    library.rename("Near", "Reach", with_users=True)
-    both = again(library).load()["Both"]
-    assert both.labels == ("Reach(ball)", "Reach(goal)")
-    assert {e.next_state for e in both.examples} == {"Reach(ball)", "Reach(goal)"}
 
 
 def test_behaviors_that_decide_otherwise_once_a_name_differs_are_named(
@@ -195,12 +172,6 @@ def test_every_text_is_read_as_it_was_written(
     assert read_bundle_file(path).texts == {"Approach": text}
 
 
-def test_an_exported_file_can_be_read_by_people(library: BehaviorLibrary) -> None:
-    text = export(library, "Approach").read_text()
-    assert "\n    states:\n      - GoFast\n" in text
-    assert "\n    features:" in text
-
-
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
@@ -237,11 +208,6 @@ def test_every_behavior_of_an_exported_file_is_checked(
         read_bundled(read_bundle_file(path), Editions(robot))
     assert "Approach.hfa.yaml:" in str(refused.value)
     assert "Control.hfa.yaml:" in str(refused.value)
-
-
-def test_what_is_not_there_is_not_exported(library: BehaviorLibrary) -> None:
-    with pytest.raises(LibraryError, match=r'no behavior "Keepawy" .*Did you mean "Keepaway"'):
-        export(library, "Keepawy")
 
 
 def test_an_import_says_what_it_replaces(

@@ -8,7 +8,6 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
-from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext
 from hitab_core.running.senses import Senses
@@ -89,9 +88,7 @@ class Agent:
 
     def __init__(self, *automata, seed=1, most_probable=False):
         self.body = Recorder()
-        self.repertoire = Repertoire(DOMAIN)
-        for made in automata:
-            self.repertoire.add(made)
+        self.repertoire = Repertoire(DOMAIN, {made.name: made for made in automata})
         self.senses = Senses(self.body, DOMAIN)
         draw = random.Random(seed).random
         self.context = RunContext(self.repertoire, self.body, self.senses, draw, most_probable)
@@ -128,11 +125,9 @@ def test_exactly_one_state_is_active_in_each_automaton():
 
 
 def test_an_automaton_that_uses_itself_through_others_is_refused():
-    agent = Agent(automaton("Low", ["A"], {START: lambda x: "A"}))
-    agent.repertoire.add(automaton("High", ["Low"], {START: lambda x: "Low"}))
+    high = automaton("High", ["Low"], {START: lambda x: "Low"})
     with pytest.raises(VocabularyError, match="recursive"):
-        agent.repertoire.add(automaton("Low", ["High"], {START: lambda x: "High"}))
-    assert agent.repertoire.automata["Low"].labels == ("A",), "the earlier one must stay"
+        Agent(high, automaton("Low", ["High"], {START: lambda x: "High"}))
 
 
 def test_training_an_automaton_refuses_itself_and_what_uses_it_as_a_state():
@@ -302,19 +297,6 @@ def test_a_state_without_examples_is_never_left():
     assert session.running.active == "Once"
 
 
-def test_examples_of_one_state_do_not_matter_to_another():
-    def learned(extra):
-        examples = [
-            Example(START, (0.0,), "A"),
-            Example("A", (0.0,), "A"),
-            Example("A", (4.0,), "B"),
-            *extra,
-        ]
-        return learn_transitions(examples, [DOMAIN.features["x"].scale])["A"].digest()
-
-    assert learned([]) == learned([Example("B", (1.0,), "A"), Example("B", (9.0,), "B")])
-
-
 def test_without_an_example_leaving_start_there_is_nothing_to_test():
     agent = Agent()
     session = agent.train()
@@ -471,17 +453,6 @@ def test_two_instances_of_an_automaton_with_different_bindings_work_side_by_side
     ]  # fmt: skip
 
 
-def test_a_parameter_is_passed_down_through_any_number_of_levels():
-    middle = automaton(
-        "Middle", ["Approach(H)"], {START: lambda v: "Approach(H)"}, ("Of(H)",), ("H",)
-    )
-    top = automaton("Top", ["Middle(y)"], {START: lambda x: "Middle(y)"})
-    agent = Agent(going(), middle, top)
-    agent.see(y=5.0)
-    agent.perform("Top").tick()
-    assert agent.log() == ["start GoTo(y)", "pulse GoTo(y)"]
-
-
 def test_what_cannot_be_commanded_is_refused_with_what_could_be():
     for wrong, message in [
         ("GoTo", r"takes 1 target, not 0; write, for example, GoTo\(\w+\)"),
@@ -505,7 +476,7 @@ def test_an_automaton_with_parameters_is_trained_with_them_bound_to_targets():
     session.tick()
     assert agent.log() == ["start GoTo(y)", "pulse GoTo(y)"]
     assert session.examples[0].features == (3.0,)
-    agent.repertoire.add(session.automaton())
+    agent = Agent(session.automaton())
     agent.perform("T(x)").tick()
     assert agent.log() == ["start GoTo(x)", "pulse GoTo(x)"]
 

@@ -13,17 +13,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
-from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind, Scale
+from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Scale
 from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.gain_ratio import gain_and_ratio, two_way_gains
 from hitab_core.learning.transition_learning import learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_growth import LEAST_FRACTION
-from hitab_core.learning.tree_nodes import Leaf, ThresholdNode, nodes
+from hitab_core.learning.tree_nodes import Fork, Leaf, Threshold, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors
 from hitab_core.repertoire import Repertoire
-from hitab_core.running.agent_batch import AgentBatch
 from hitab_core.running.running_automaton import RunContext
 from hitab_core.running.senses import Senses
 from hitab_core.transition_function import HandWritten
@@ -82,7 +81,9 @@ def test_whole_numbers_gain_the_same_whatever_their_type(counts: Any) -> None:
 
 def test_an_example_without_a_value_goes_into_each_branch_in_part() -> None:
     tree = learned([[1], [2], [9], [NAN]], ["A", "A", "B", "B"], [CONTINUOUS])
-    assert tree.root_ == ThresholdNode(0, 5.5, (2, 2), Leaf((2.0, 2 / 3)), Leaf((0.0, 1 + 1 / 3)))
+    assert tree.root_ == Fork(
+        0, Threshold(5.5), (2, 2), (Leaf((2.0, 2 / 3)), Leaf((0.0, 1 + 1 / 3)))
+    )
     assert tree.as_text("x") == "x <= 5.5: A 0.75, B 0.25 (2.67)\nx > 5.5: B (1.33)"
     assert str(tree.rules("x")[0]) == "if x <= 5.5: A 0.75, B 0.25 (2.67 examples)"
 
@@ -160,8 +161,8 @@ def test_pessimistic_errors_of_parts_lie_between_those_of_whole_errors() -> None
 def test_the_digest_has_parts_exactly() -> None:
     rows = [[1], [2], [9], [NAN]]
     one = learned(rows, ["A", "A", "B", "B"], [CONTINUOUS])
-    assert one.to_dict()["root"]["branches"][0]["counts"] == [(2.0).hex(), (2 / 3).hex()]
-    assert one.to_dict()["root"]["counts"] == [2, 2]
+    assert one.root_.branches[0].counts == (2.0, 2 / 3)
+    assert one.root_.counts == (2, 2)
     assert one.digest() != learned([*rows, [NAN]], [*"AABBB"], [CONTINUOUS]).digest()
 
 
@@ -196,27 +197,6 @@ def test_a_drawn_decision_has_the_distribution_that_is_predicted(
         assert abs(drawn[label] / n - odds[label]) <= len(nodes(tree.root_)) / n
     told = {label: p for label, p in odds.items() if p > 0}
     assert tree.explain(asked, NAMES).distribution == pytest.approx(told)
-
-
-@settings(max_examples=60)
-@given(
-    TAUGHT,
-    st.lists(st.tuples(PATCHY, st.floats(0, 1, exclude_max=True)), min_size=1, max_size=12),
-    st.booleans(),
-)
-def test_many_decisions_at_once_are_the_same_as_one_by_one(
-    decide_batch: Any, taught: Any, asked: Any, most_probable: bool
-) -> None:
-    tree = learned(*zip(*taught, strict=True))
-    decide = tree.compile(range(4), STATES, most_probable=most_probable)
-    one_by_one = [decide([None] * 4, reading(values), lambda d=d: d) for values, d in asked]
-    at_once = decide_batch(tree, *zip(*asked, strict=True), STATES, most_probable=most_probable)
-    assert at_once.tolist() == one_by_one
-    if most_probable:
-        labels = [list(STATES)[choice] for choice in one_by_one]
-        for (values, _), label in zip(asked, labels, strict=True):
-            odds = tree.predict_proba([values])[0]
-            assert odds[tree.labels.index(label)] == odds.max()
 
 
 def test_a_decision_takes_one_draw_and_what_is_left_of_it_serves_on() -> None:
@@ -296,7 +276,7 @@ def robot(required: bool = False) -> Domain:
 class Player:
     """An agent that performs one automaton."""
 
-    def __init__(self, function: Any, *, required: bool = False, batch: bool = False) -> None:
+    def __init__(self, function: Any, *, required: bool = False) -> None:
         domain = robot(required)
         automaton = Automaton(
             "T", tuple(map(Use, "ABC")), (Use("x"), Use("y")), {START: function, "A": function}
@@ -308,9 +288,6 @@ class Player:
             Repertoire(domain, {"T": automaton}), self.body, self.senses, self.random.random
         )
         self.running: Any = context.perform(Use("T"))
-        if batch:
-            percepts = BatchPercepts(np.zeros((1, 2)))
-            self.running = AgentBatch([context], Use("T"), percepts).members[0]
         self.running.start()
 
     def tick(self, *values: Any) -> str:
@@ -320,9 +297,8 @@ class Player:
         return str(self.running.active_path[0])
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_a_decision_goes_on_and_what_lacks_a_value_is_named_until_it_has_one(batch: bool) -> None:
-    player = Player(learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2), batch=batch)
+def test_a_decision_goes_on_and_what_lacks_a_value_is_named_until_it_has_one() -> None:
+    player = Player(learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2))
     assert player.senses.lacking() == []
     assert player.tick(NAN, 1.0) in ("A", "B")
     lacking = 'feature "x" has no value; check its sensor'
@@ -335,10 +311,9 @@ def test_a_decision_goes_on_and_what_lacks_a_value_is_named_until_it_has_one(bat
     assert player.senses.lacking() == [], "nothing needs y"
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_without_a_required_value_nothing_is_decided(batch: bool) -> None:
+def test_without_a_required_value_nothing_is_decided() -> None:
     tree = learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2)
-    player = Player(tree, required=True, batch=batch)
+    player = Player(tree, required=True)
     with pytest.raises(FeatureValueError, match='feature "x" has no value') as refused:
         player.tick(NAN, 1.0)
     assert not isinstance(refused.value, NoValueError)
@@ -346,9 +321,8 @@ def test_without_a_required_value_nothing_is_decided(batch: bool) -> None:
     assert player.tick(1.0, 1.0) == "A"
 
 
-@pytest.mark.parametrize("batch", [False, True])
-def test_a_hand_written_function_decides_nothing_without_a_value(batch: bool) -> None:
-    player = Player(HandWritten(lambda x: "A" if x < 5 else "B", (0,)), batch=batch)
+def test_a_hand_written_function_decides_nothing_without_a_value() -> None:
+    player = Player(HandWritten(lambda x: "A" if x < 5 else "B", (0,)))
     with pytest.raises(FeatureValueError, match='feature "x" has no value'):
         player.tick(NAN, 1.0)
     assert player.tick(1.0, 1.0) == "A"

@@ -8,19 +8,15 @@ import random
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_core.automaton import START, Automaton
-from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, FeatureKind
+from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.learning.transition_learning import learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.repertoire import Repertoire
-from hitab_core.running.agent_batch import AgentBatch
-from hitab_core.running.batch_automaton import BatchAutomaton
-from hitab_core.running.batch_senses import BatchSenses
 from hitab_core.running.live_features import live_features
 from hitab_core.running.observing import Change, guest
 from hitab_core.running.running_automaton import RunContext
@@ -220,48 +216,6 @@ def test_with_and_without_observers_an_agent_reads_draws_and_does_the_same(
     assert len(seen) >= len(entered)
 
 
-@settings(max_examples=30)
-@given(data=st.data())
-def test_with_and_without_observers_members_of_a_batch_do_the_same(data: st.DataObject) -> None:
-    made = {state: data.draw(functions()) for state in (START, *STATES)}
-    percepts = data.draw(
-        st.lists(st.tuples(*[st.sampled_from([-1.0, 0.0, 1.0, 4.0])] * 3), min_size=3, max_size=9)
-    )
-
-    def batch(observe: Callable[[Change], None] | None) -> tuple[AgentBatch, list[Player]]:
-        inner = {state: make() for state, make in made.items()}
-        players = [Player(inner, {}, observe, False) for _ in range(3)]
-        batch = AgentBatch([player.context for player in players], Use("Inner"))
-        for player, member in zip(players, batch.members, strict=True):
-            player.running = member
-            member.start()
-        return batch, players
-
-    wrong: list[Exception] = []
-
-    def strictly(change: Change) -> None:
-        try:
-            looks(change)
-        except Exception as error:
-            wrong.append(error)
-
-    casts = [batch(observe) for observe in (None, strictly, fails)]
-    for i in range(len(percepts)):
-        for together, players in casts:
-            for row, player in enumerate(players):
-                player.body.values = percepts[(i + row) % len(percepts)]
-            together.forget()
-            together.decide(np.arange(3))
-            for player in players:
-                try:
-                    player.running.tick()
-                except ZeroDivisionError as error:
-                    player.body.log.append(repr(error))
-        alone, watched, failing = ([player.done for player in players] for _, players in casts)
-        assert watched == failing == alone
-    assert not wrong
-
-
 def test_an_explanation_of_a_hand_written_function_does_not_call_it_again() -> None:
     chooses = Chooses()
     why = HandWritten(chooses, (0,)).retrace([1.0], ["x"])
@@ -319,20 +273,6 @@ def test_an_observer_that_fails_is_logged_once_and_called_again(
     assert "what it lacks" in caplog.text
 
 
-def test_what_observes_a_batch_does_not_raise_into_it() -> None:
-    goes = HandWritten(lambda: "A", ())
-    repertoire = Repertoire(DOMAIN, {"T": Automaton("T", (Use("A"),), (), {START: goes})})
-
-    def fails(*seen: Any) -> None:
-        raise RuntimeError("an observer that fails")
-
-    senses = BatchSenses(DOMAIN, 2, [Touchy(), Touchy()])
-    batch = BatchAutomaton(repertoire, Use("T"), senses, lambda rows: rows, 2, observe=fails)
-    batch.start(np.arange(2))
-    assert batch.tick(np.arange(2)) == {}
-    assert [batch.active_path(row) for row in range(2)] == [["A"], ["A"]]
-
-
 # Asked by people --------------------------------------------------------------------------------
 
 
@@ -380,8 +320,3 @@ def test_the_record_of_a_change_tells_the_path_and_what_was_read() -> None:
     assert (inner.automata, inner.destination) == (("Outer", "Inner"), "B")
     assert (list(inner.values), inner.commanded) == ([4.5, None, None], False)
     assert inner.features == list(NAMES)
-    percepts = BatchPercepts(np.zeros((1, 3)))
-    (member,) = AgentBatch([player.context], Use("Inner"), percepts).members
-    member.start()
-    member.tick()
-    assert list(seen[-1].values) == [5.0, None, None]

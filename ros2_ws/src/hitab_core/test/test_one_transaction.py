@@ -233,15 +233,6 @@ def test_saving_over_what_is_performed_saves_and_leaves_the_agent_idle_and_says_
     make().perform(Use("Go"))
 
 
-def test_saving_while_training_does_not_mind_what_was_performed_before(make):
-    agent = make()
-    teach(agent, "Go", "Near(A)", parameters=("A",))
-    agent.perform(Use("Go", ("ball",)))
-    teach(agent, "Go", "Left")  # the training takes the place of what is performed
-    assert agent.mode is Mode.IDLE
-    agent.perform(Use("Go"))
-
-
 def test_what_others_use_is_not_saved_with_other_parameters_and_nothing_is_lost(make):
     agent = make()
     teach(agent, "Low", "Near(A)", parameters=("A",))
@@ -272,18 +263,6 @@ def test_a_bundle_that_does_not_fit_to_what_is_performed_is_refused_before_it_is
     # The ways out that the error names, and that of starting what has come.
     assert pupil.take_in(bundle, Use("Go")) == bundle.digest
     assert pupil.behavior == "Go"
-
-
-def test_a_bundle_that_does_not_fit_to_the_training_is_refused_before_it_is_written(make):
-    pupil, teacher = make("pupil"), make("teacher")
-    teach(pupil, "Go", "Near(A)", parameters=("A",))
-    teach(pupil, "Plan", "Go(ball)", save=False)
-    teach(teacher, "Go", "Left")
-    before = known(pupil)
-    with pytest.raises(VocabularyError, match=r'the training of "Plan".*save it or discard it'):
-        pupil.take_in(make_bundle(teacher.edition.texts, teacher.repertoire, "Go"))
-    end_of(pupil)
-    assert known(pupil) == known(make("pupil")) == before
 
 
 def test_a_behavior_whose_start_fails_is_saved_and_the_answer_tells_both(make):

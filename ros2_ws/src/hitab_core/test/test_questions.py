@@ -209,19 +209,6 @@ def confused(folder: Path) -> Driven:
     return cart
 
 
-def test_questions_come_the_most_useful_first_in_whole_sentences(tmp_path: Path) -> None:
-    asked = confused(tmp_path).session.questions()
-    order = ["contradiction", "mistake", "sparse", "ambiguity"]
-    kinds = [order.index(question.kind.value) for question in asked]
-    assert kinds == sorted(kinds)
-    assert len(set(kinds)) >= 2, [q.text for q in asked]
-    for question in asked:
-        assert question.text[0].isupper()
-        assert question.text[-1] in "?."
-        assert "  " not in question.text
-        assert "Was examples" not in question.text
-
-
 def test_questions_are_looked_for_in_steps_and_the_same_are_found(tmp_path: Path) -> None:
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()

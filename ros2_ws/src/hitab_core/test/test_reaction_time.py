@@ -11,7 +11,6 @@ import pytest
 from hitab_core import (
     Agent,
     BehaviorLibrary,
-    FeatureValueError,
     TrainingError,
     Use,
     plain_domain,
@@ -86,14 +85,6 @@ def test_a_sensor_that_was_silent_for_a_moment_does_not_have_a_late_command_refu
     assert abs(taught.cycle - 6) <= 1
 
 
-def test_a_late_command_is_refused_if_the_sensor_was_silent_around_its_time(cart: Driven) -> None:
-    cart.run(1)
-    cart.run(9, position=math.nan)
-    with pytest.raises(FeatureValueError, match="no feature of this training has a value now"):
-        cart.command("Right", ago=0.4)
-    assert not cart.examples()
-
-
 def test_the_time_counts_from_what_the_demonstrator_saw(cart: Driven) -> None:
     cart.run(10)
     assert cart.command("Right", ago=0.2, seen=8).cycle == 6
@@ -145,12 +136,6 @@ def test_a_time_in_the_future_or_long_ago_is_refused_and_changes_nothing(
         cart.command("Right", ago=ago)
     assert cart.examples() == []
     assert cart.agent.active_path == ["Start"]
-
-
-def test_a_cycle_that_is_no_longer_kept_is_refused(cart: Driven) -> None:
-    cart.run(200)
-    with pytest.raises(TrainingError, match="cycle 3 was more than 10 s ago"):
-        cart.command("Right", seen=3)
 
 
 def test_what_was_perceived_before_and_during_a_test_is_known_to_who_takes_over(
@@ -306,14 +291,6 @@ def test_what_was_seen_before_the_episode_is_not_recorded_in_it(cart: Driven) ->
         cart.command("Right", seen=9)
     assert cart.examples() == []
     assert cart.command("Right", seen=10).cycle == 10
-
-
-def test_a_world_that_counts_anew_begins_anew(cart: Driven) -> None:
-    cart.run(10)
-    cart.agent.restart(1, 2)
-    cart.cycle = 0
-    cart.run(3)
-    assert cart.command("Right", seen=2).cycle == 2
 
 
 def test_a_late_command_counts_for_now_if_nothing_was_perceived_since_the_training_began(

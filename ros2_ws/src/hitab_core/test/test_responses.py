@@ -5,12 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from itertools import accumulate
 from pathlib import Path
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as some
 
 from hitab_core import (
     Agent,
@@ -90,12 +87,6 @@ def test_a_movement_is_no_event() -> None:
         assert [cycle([values], [scale], due) for due in (2, 4, 6)] == [2, 4, 6]
 
 
-@given(some.lists(some.floats(0.5, 1.9), min_size=8, max_size=20), some.data())
-def test_an_uneven_movement_is_no_event(steps: list[float], data: some.DataObject) -> None:
-    due = data.draw(some.integers(0, len(steps) - 1))
-    assert cycle([list(accumulate(steps))], [NUMBER], due) == due
-
-
 def test_a_correction_responds_to_the_decision_that_it_contradicts() -> None:
     states = ["Go", "Go", "Go", "Go", "Stop", "Stop", "Stop", "Stop"]
     kept = moments([8, 7, 6, 5, 4, 3, 2, 1], states=states)
@@ -106,11 +97,6 @@ def test_a_correction_responds_to_the_decision_that_it_contradicts() -> None:
     assert [of(due, "Turn") for due in (1, 2, 3, 4, 5, 6, 7)] == [1, 3, 3, 3, 3, 3, 7]
     assert of(4, "Stop") == 4, "that the automaton is to do what it does contradicts nothing"
     assert of(4, "") == 4, "a person in control has decided this"
-
-
-def test_the_first_decision_of_an_episode_can_be_corrected() -> None:
-    kept = moments([8, 7, 6, 5], states=["Start", "Go", "Go", "Go"])
-    assert responded(kept, kept[2], AGO, {0: NUMBER}, "Stop").state == "Start"
 
 
 def test_who_corrects_has_waited_for_the_robot_to_respond() -> None:

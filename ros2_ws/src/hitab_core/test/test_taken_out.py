@@ -10,7 +10,7 @@ import pytest
 from hitab_core.agent import Agent
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
-from hitab_core.errors import LostBehaviorError, VocabularyError
+from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import make_bundle
 from hitab_core.training.training_session import Curriculum
@@ -114,24 +114,6 @@ def test_what_is_trained_fills_the_gap_while_the_hand_written_ones_are_performed
     assert does(player, 6.0) == "Kick"
 
 
-def test_what_was_trained_for_the_gap_also_fits_the_whole_domain(tmp_path: Path) -> None:
-    teach(agent_of(REST, tmp_path))
-    whole = agent_of(WHOLE, tmp_path)
-    whole.perform(Use("Match"))
-    assert does(whole) == "Crawl"
-
-
-def test_once_trained_and_lost_it_is_refused_instead_of_left_out_silently(tmp_path: Path) -> None:
-    teach(agent_of(REST, tmp_path))
-    path = tmp_path / "ann" / "library" / "Servo.hfa.yaml"
-    path.write_text(path.read_text()[:200])
-    agent = agent_of(REST, tmp_path)
-    assert len(agent.faults) == 1
-    assert agent.repertoire.vacancies == ()
-    with pytest.raises(LostBehaviorError, match=r"^Match needs Play, which needs Servo"):
-        agent.perform(Use("Match"))
-
-
 @pytest.mark.parametrize(
     ("name", "is_what"), [("Run", "a basic behavior"), ("Serve", "unknown"), ("Done", "unknown")]
 )
@@ -142,9 +124,3 @@ def test_only_hand_written_automata_can_be_taken_out(name: str, is_what: str) ->
         f'domain "team" cannot be without "{name}", which is {is_what}; only hand-written '
         "automata can be taken out (known: Match, Play, Servo"
     )
-
-
-def test_more_than_one_can_be_taken_out_at_once_or_one_after_the_other() -> None:
-    both = WHOLE.without(["Servo", "Play"])
-    assert both.taken_out == REST.without(["Play"]).taken_out == {"Servo", "Play"}
-    assert both.signature == WHOLE.signature

@@ -1,4 +1,4 @@
-"""The engine's timers, features of every automaton: alone, in batches and in training."""
+"""The engine's timers, features of every automaton: running and in training."""
 
 from __future__ import annotations
 
@@ -6,18 +6,14 @@ import random
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from hitab_core.agent import Agent, Mode
-from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.domain import BasicBehavior, BatchPercepts, Domain, Feature, Target
+from hitab_core.agent import Agent
+from hitab_core.automaton import FLAGS, Automaton
+from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
-from hitab_core.running.agent_batch import AgentBatch
 from hitab_core.running.live_features import live_features
 from hitab_core.running.running_automaton import RunContext
 from hitab_core.running.senses import Senses
@@ -212,33 +208,6 @@ def test_a_default_example_is_of_the_state_as_it_is_entered(tmp_path: Path) -> N
     assert [e.features for e in agent.session.examples if e.command == 2] == [(2.0,), (0.0,)]
 
 
-def test_what_waits_is_saved_read_and_performed(tmp_path: Path) -> None:
-    agent = trained(tmp_path)
-    path = agent.save().path
-    text = path.read_text()
-    assert "SecondsInState" in text
-    assert "unit: s" in text
-    agent.library.load()
-    agent.perform(Use("WaitAWhile"))
-    assert agent.mode is Mode.PERFORMING
-    states = []
-    for cycle in range(10):
-        agent.sense([0.0], [], 10 + cycle, 30.0 + cycle * STEP)
-        agent.tick()
-        states.append(agent.active_path[0])
-    assert states == ["Wait"] * 8 + ["Go"] * 2
-
-
-def test_commanding_the_active_state_again_does_not_restart_its_timer(tmp_path: Path) -> None:
-    agent = trained(tmp_path)
-    assert agent.session is not None
-    for cycle, (at, behavior) in enumerate([(13.0, "Go"), (14.0, "Wait"), (15.0, "Go")], 3):
-        agent.sense([0.0], [], cycle, at)
-        agent.command(Use(behavior))
-    ordinary = [e.features[0] for e in agent.session.examples if not e.is_default]
-    assert ordinary == [0.0, 2.0, 1.0, 2.0, 1.0]
-
-
 def test_a_command_sees_a_flag_for_the_timers() -> None:
     parent = hand("T", [SINCE_DONE], Start=lambda s: "Child", Child=lambda s: "Child")
     player = Player(finishing(0.25), parent)
@@ -253,78 +222,7 @@ def test_a_command_sees_a_flag_for_the_timers() -> None:
     assert running.peek_features() == [1.0]
 
 
-# In batches -------------------------------------------------------------------------------------
-
-
-@settings(max_examples=30)
-@given(st.integers(0, 2**32), st.booleans())
-def test_a_batch_times_what_its_members_would_alone(seed: int, keep_flags: bool) -> None:
-    rng = random.Random(seed)
-    features = [IN_STATE, SINCE_DONE, SINCE_FAILED, Use("X"), *(map(Use, FLAGS[:keep_flags]))]
-    limits = {state: rng.choice([0.3, 0.6, 1.0]) for state in "abcd"}
-
-    def child(state: float, done: float, failed: float, x: float, *flags: float) -> str:
-        if x > 0.7:
-            return "Failed"
-        return "Done" if state > limits["a"] else "Wait" if done < limits["b"] else "Go"
-
-    def parent(state: float, done: float, failed: float, x: float, *flags: float) -> str:
-        if done < limits["c"] and state > limits["a"]:
-            return "Go"
-        return "Child" if failed > limits["d"] or x < 0.5 else "Wait"
-
-    names = (START, "Wait", "Go")
-    inner = hand("Child", features, **dict.fromkeys(names, child))
-    outer = hand("T", features, **dict.fromkeys((*names, "Child"), parent))
-    alone = [Player(inner, outer) for _ in range(5)]
-    together = [Player(inner, outer) for _ in range(5)]
-
-    def in_a_batch() -> Any:
-        percepts = BatchPercepts(np.zeros((5, 1)))
-        return AgentBatch([player.context for player in together], Use("T"), percepts)
-
-    batch = in_a_batch()
-    for player, member in zip(together, batch.members, strict=True):
-        player.running = member
-        member.start()
-    for cycle in range(14):
-        if cycle == 7:
-            conditions = [player.running.condition() for player in alone]
-            assert [levels for levels, _ in conditions] == [
-                member.condition()[0] for member in batch.members
-            ]
-            batch = in_a_batch()
-            for player, member, (levels, _) in zip(
-                together, batch.members, conditions, strict=True
-            ):
-                member.go_on_from((levels, player.running.condition()[1]))
-                player.running = member
-        batch.forget()
-        for row, (one, other) in enumerate(zip(alone, together, strict=True)):
-            x, step = rng.random(), rng.choice([0.1, 0.25, 0.5])
-            for player in (one, other):
-                player.context.clock.now += step
-                player.body.values = [x]
-                player.context.senses.forget()
-            if (cycle + row) % 6 == 5:
-                for player in (one, other):
-                    player.running.stop()
-                    player.running.start()
-        batch.decide(np.array([row for row in range(5) if rng.random() < 0.8], np.int64))
-        for one, other in zip(alone, together, strict=True):
-            one.running.tick()
-            other.running.tick()
-            assert other.running.active_path == one.running.active_path
-            assert other.now() == one.now()
-
-
 # Words ------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ["Done", "SecondsInState", "SecondsSince"])
-def test_no_domain_has_a_feature_of_such_a_name(name: str) -> None:
-    with pytest.raises(VocabularyError, match=f'"{name}" is a name of the engine'):
-        robot(features=[Feature(name, lambda body: 0.0)])
 
 
 def test_flags_are_no_names_of_targets_and_parameters() -> None:

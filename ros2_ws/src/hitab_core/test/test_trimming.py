@@ -58,15 +58,6 @@ def test_states_never_visited_and_features_never_used_are_trimmed(
     ]
 
 
-def test_an_automaton_that_needs_everything_stays_as_it_is(
-    repertoire: Repertoire, approach: Automaton
-) -> None:
-    trimmed, notes = trim(approach, repertoire)
-    assert notes == []
-    assert trimmed.examples == approach.examples
-    assert drawn(trimmed) == drawn(approach)
-
-
 def test_a_feature_stays_if_another_tree_would_grow_without_it(
     repertoire: Repertoire, teach: Teach
 ) -> None:
@@ -160,14 +151,6 @@ def test_a_generalized_behavior_is_used_twice_with_different_targets(
     trained = BehaviorLibrary(tmp_path, robot).load()
     assert trained["Visit"].parameters == ("A",)
     assert trained["Shuttle"].labels == ("Visit(ball)", "Visit(goal)")
-
-
-def test_a_parameter_can_be_bound_to_a_target(repertoire: Repertoire, teach: Teach) -> None:
-    automaton = teach("Visit", ["DistanceTo(A)"], [("Start", [9.0], "GoTo(A)")], parameters=["A"])
-    bound = rebind(automaton, {"A": "goal"}, repertoire)
-    assert bound.parameters == ()
-    assert bound.labels == ("GoTo(goal)",)
-    assert names(bound) == ["DistanceTo(goal)"]
 
 
 def test_one_place_alone_can_be_rebound(repertoire: Repertoire, teach: Teach) -> None:

@@ -430,12 +430,10 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             for i in range(commands):
                 trained.see(float(i))
                 trained.command(("Left", "Right")[i % 2])
-            trained.session.asked.count(trained.session.log)
             looks.clear()
             trained.command(("Left", "Right")[commands % 2])
             trained.session.delete([commands])
             trained.session.relabel([commands - 1], Use("Stay"))
-            trained.session.asked.count(trained.session.log)
             command = len(looks)
             examples = trained.session.examples
             looks.clear()

@@ -100,14 +100,6 @@ def test_a_correction_that_recorded_an_example_is_not_heard_twice():
     assert with_it == propose(APPROACH, [METERS], [to_slow(1.7)])
 
 
-def test_where_no_example_decided_the_correction_is_what_was_missing():
-    assert propose(APPROACH, [METERS], [Correction("GoSlow", (1.0,), "GoSlow", "Stop")]) == []
-
-
-def test_a_decision_that_the_examples_already_make_needs_nothing():
-    assert propose(APPROACH, [METERS], [Correction("GoMedium", (7.0,), "GoSlow", "GoFast")]) == []
-
-
 def test_booleans_and_categories_are_the_same_or_not_and_circles_close():
     examples = shown(
         ((1.0, 359.0), "Stop"), ((1.0, 1.0), "GoFast"), ((1.0, 3.0), "Stop"), ((0.0, 1.0), "Pass")
@@ -162,19 +154,6 @@ def test_thresholds_that_waver_by_15_percent_are_no_mistakes():
         assert suspects(examples, [METERS]) == []
         lost.append(len(removed))
     assert sorted(lost)[len(lost) // 2] == 0
-
-
-def test_a_command_put_right_in_the_state_that_it_led_to_is_a_mistake():
-    wrong = [
-        *shown(((2.0,), "Stop"), ((2.2,), "Stop"), ((2.1,), "Pass"), ((9.0,), "GoFast")),
-        Example("Pass", (2.1,), "Pass", ExampleKind.DEFAULT, 5, 3),
-        Example("Pass", (9.0,), "Pass", ExampleKind.DEFAULT, 6, 7),
-    ]
-    told = [Correction("Pass", (2.1,), "Pass", "Stop")]
-    (proposal,) = propose(wrong, [METERS], told)
-    assert (proposal.kind, proposal.state) == (ProposalKind.MISTAKE, "GoMedium")
-    assert (proposal.examples, proposal.instead) == ((3, 5), "Stop")
-    assert "you put Pass (example 3) right afterwards, with Stop" in proposal.evidence[0]
 
 
 def test_without_a_correction_only_what_all_near_examples_contradict_is_suspicious():

@@ -15,11 +15,6 @@ def test_an_unknown_name_is_told_with_the_known_ones_and_what_was_meant() -> Non
     check_known("behavior", "Stop", ["Stop"])
 
 
-def test_nothing_is_guessed_where_no_name_is_close() -> None:
-    assert has(["Stop", "GoFast"], "Turn") == has(["Stop", "GoFast"]) == "(known: GoFast, Stop)"
-    assert has([], "Turn") == "(there are none)"
-
-
 def test_of_a_thousand_names_ten_are_listed_the_closest_first() -> None:
     thousand = [f"forager_{number}" for number in range(1, 1001)]
     told = has(thousand, "forager_10001")

@@ -22,12 +22,6 @@ def test_everything_in_a_document_knows_its_line() -> None:
     assert document.place(("b", 1, "no such", 7)) == "f.yaml:4"
 
 
-@pytest.mark.parametrize("text", ["a: b\n\tc: 1\n", "a:\n\tc: 1\n"])
-def test_a_tab_is_called_a_tab(text: str) -> None:
-    with pytest.raises(LibraryError, match=r"f\.yaml:2: not YAML: a tab; indent with spaces"):
-        read_yaml(text, "f.yaml")
-
-
 def test_words_that_other_yaml_takes_for_something_else_stay_text() -> None:
     value = read_yaml("[no, On, 2012-01-01, 12:30:00, 0x1F, 1_000, y]", "f.yaml").value
     assert value == ["no", "On", "2012-01-01", "12:30:00", "0x1F", "1_000", "y"]
@@ -67,11 +61,6 @@ def test_what_is_not_plain_data_is_refused_by_line(text: str, complaint: str) ->
     with pytest.raises(LibraryError) as refused:
         read_yaml(text, "f.yaml")
     assert str(refused.value).startswith(complaint)
-
-
-def test_a_text_that_is_too_long_is_not_read() -> None:
-    with pytest.raises(LibraryError, match="has 23 characters; the limit is 10"):
-        read_yaml("a: " + "x" * 20, "f.yaml", largest=10)
 
 
 @pytest.mark.parametrize(

@@ -19,21 +19,12 @@ HUNG_S = 0.4
 BUSY_S = 2.0
 """So does one that would go on if it only got a processor or its disk, after so long, s."""
 
-STARTING_S = 10.0
-"""How long a relay may take to give the first sign of life, s."""
-
-AGAIN_S = 1.0
-"""Least time between two starts, s."""
-
-LOOK_S = 0.1
-"""Between two looks, s."""
-
 END_S = 3.0
 """How long a relay may take to end, s."""
 
 
 class RelayProcess:
-    """Starts the relay, and starts it again if it ends or hangs.
+    """Starts the relay, and tells whether it has ended or hangs (`hitab_robots.relay_watch`).
 
     The names that the agent's node uses hold for the relay: its namespace, and its remappings of
     the topics. If the agent's clock is simulated, so is that by which the relay stamps velocities;
@@ -55,31 +46,25 @@ class RelayProcess:
             *_simulated_clock(node),
             *settings.arguments(),
         ]
-        self._start()
+        self.start()
 
-    def _start(self) -> None:
-        self._unheard_s = -STARTING_S
+    def start(self) -> None:
+        """Start it, again if it has ended."""
         self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL)
 
-    def heard(self) -> None:
-        """Take a sign of life."""
-        self._unheard_s = 0.0
+    def trouble(self, unheard_s: float) -> str:
+        """Return what is wrong if it has ended or hangs; one that hangs is ended.
 
-    def look_after(self) -> str:
-        """Start the relay again if it has ended or hangs; return what was wrong, if anything was.
-
-        Call it every `LOOK_S`.
+        Args:
+            unheard_s: since its last sign of life, s.
         """
-        self._unheard_s += LOOK_S  # not by a clock: this process may have been held up itself
         status = self._process.poll()
         patience = BUSY_S if is_held_up(self._process.pid) else HUNG_S
-        if status is None and self._unheard_s < patience:
+        if status is None and unheard_s < patience:
             return ""
         if status is None:
             self._process.kill()
             self._process.wait()
-        if self._unheard_s >= AGAIN_S - STARTING_S:
-            self._start()
         what = "hung" if status is None else f"has ended (exit status {status})"
         return f"the robot's {names.VELOCITY_RELAY} {what}; it is started again"
 

@@ -5,13 +5,24 @@ from __future__ import annotations
 from hitab_msgs import msg
 
 from hitab_agent import AgentNode
-from hitab_robots.relay_process import HUNG_S, LOOK_S, RelayProcess
+from hitab_robots.relay_process import HUNG_S, RelayProcess
 from hitab_robots.settings import HEARTBEAT
 from hitab_ros import StopState, names, qos, steady_timer, stop_report, why_stopped
+
+LOOK_S = 0.1
+"""Between two looks, s."""
+
+STARTING_S = 10.0
+"""How long a relay may take to give the first sign of life, s."""
+
+AGAIN_S = 1.0
+"""Least time between two starts, s."""
 
 
 class RelayWatch:
     """Gives the relay signs of life, and has the agent stand still while the relay does.
+
+    A relay that has ended or hangs is started again.
 
     Attributes:
         why: why the robot may not act, and the way out; empty: it may.
@@ -28,7 +39,8 @@ class RelayWatch:
         self._node = node
         self._process = process
         self._cause = ""
-        self._unheard_s = 0.0
+        # Not by a clock: this process may be held up itself.
+        self._unheard_s = 0.0 if process is None else -STARTING_S
         self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.STREAM)
         node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.STREAM)
         steady_timer(node, LOOK_S, self._look)
@@ -41,18 +53,19 @@ class RelayWatch:
 
     def _hear(self, relay: msg.StopState) -> None:
         self._unheard_s = 0.0
-        if self._process is not None:
-            self._process.heard()
         self._tell(why_stopped(relay.name, relay.why, relay.causes))
 
     def _look(self) -> None:
         self._give_sign()
         self._unheard_s += LOOK_S
-        trouble = "" if self._process is None else self._process.look_after()
-        if trouble:
+        if self._process is not None and (trouble := self._process.trouble(self._unheard_s)):
             self._node.guard.log(trouble)
-        if self._unheard_s > HUNG_S:
-            self._tell(trouble or f"its {names.VELOCITY_RELAY} gives no sign of life")
+            self._tell(trouble)
+            if self._unheard_s >= AGAIN_S - STARTING_S:
+                self._process.start()
+                self._unheard_s = -STARTING_S
+        elif self._unheard_s > HUNG_S:
+            self._tell(f"its {names.VELOCITY_RELAY} gives no sign of life")
 
     def _give_sign(self) -> None:
         stopped = StopState.STOPPED if self._node.stands() else StopState.STOPPING

@@ -46,6 +46,9 @@ class Sensor(ABC):
     message: ClassVar[str] = ""
     """Type of its messages, such as ``sensor_msgs/msg/LaserScan``."""
 
+    reads: ClassVar[tuple[str, ...]] = ()
+    """The names of what it reads, if it always reads the same."""
+
     name: str = ""
     topic: str = ""
     patience: float = 0.5
@@ -76,9 +79,9 @@ class Sensor(ABC):
         return self.topic or self.name
 
     @property
-    @abstractmethod
     def fields(self) -> tuple[str, ...]:
         """The names of what it reads, in the order of `read`."""
+        return self.reads
 
     @property
     def values(self) -> tuple[str, ...]:
@@ -126,12 +129,8 @@ class Odometry(Sensor):
     """
 
     message: ClassVar[str] = "nav_msgs/msg/Odometry"
+    reads: ClassVar[tuple[str, ...]] = ("x", "y", "heading", "vx", "vy", "turn_rate")
     name: str = "odom"
-
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """The names of what it reads."""
-        return ("x", "y", "heading", "vx", "vy", "turn_rate")
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
         """Return the pose and the speeds."""
@@ -155,14 +154,10 @@ class Battery(Sensor):
     """
 
     message: ClassVar[str] = "sensor_msgs/msg/BatteryState"
+    reads: ClassVar[tuple[str, ...]] = ("percentage", "voltage", "charging")
     name: str = "battery_state"
     patience: float = 15.0
     percent: bool = False
-
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """The names of what it reads."""
-        return ("percentage", "voltage", "charging")
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
         """Return the state of the battery."""
@@ -181,12 +176,8 @@ class Imu(Sensor):
     """
 
     message: ClassVar[str] = "sensor_msgs/msg/Imu"
+    reads: ClassVar[tuple[str, ...]] = ("roll", "pitch", "heading", "turn_rate", "ax", "ay", "az")
     name: str = "imu"
-
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """The names of what it reads."""
-        return ("roll", "pitch", "heading", "turn_rate", "ax", "ay", "az")
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
         """Return attitude, turn rate and accelerations."""
@@ -213,12 +204,8 @@ class Range(Sensor):
     """
 
     message: ClassVar[str] = "sensor_msgs/msg/Range"
+    reads: ClassVar[tuple[str, ...]] = ("range",)
     name: str = "range"
-
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """The names of what it reads."""
-        return ("range",)
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
         """Return how far it is to what is in front of the sensor."""

@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -112,24 +113,19 @@ class VelocityRelay(GuardedNode):
         )
         self._stop_changed()
         newest = QoSProfile(depth=1)
-        self.create_subscription(TwistStamped, VELOCITY, self._on_velocity, newest)
-        self.create_subscription(TwistStamped, names.TELEOP, self._on_teleop, newest)
+        self.create_subscription(TwistStamped, VELOCITY, partial(self._take, False), newest)
+        self.create_subscription(TwistStamped, names.TELEOP, partial(self._take, True), newest)
         self.create_subscription(StopState, HEARTBEAT, self._on_heartbeat, qos.STREAM)
         self.create_subscription(Odometry, ODOMETRY, self._measure, qos_profile_sensor_data)
         # A paused or slow simulation must not delay a stop.
         steady_timer(self, 1.0 / settings.smoothing_frequency, self._tick)
 
-    def _on_velocity(self, command: TwistStamped) -> None:
-        self._take(command, "the agent", by_hand=False)
-
-    def _on_teleop(self, command: TwistStamped) -> None:
-        self._take(command, "the person who drives by hand", by_hand=True)
-
-    def _take(self, command: TwistStamped, who: str, *, by_hand: bool) -> None:
+    def _take(self, by_hand: bool, command: TwistStamped) -> None:
         twist = command.twist
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
         was_silent = self._gate.silent
         if not self._gate.command(velocity, time.monotonic(), by_hand=by_hand):
+            who = "the person who drives by hand" if by_hand else "the agent"
             self.guard.log(f"{who} commands {velocity}, which is no velocity: stopping")
         if was_silent:
             self._tick()  # do not have the robot wait when it starts

@@ -6,7 +6,6 @@ from types import ModuleType, SimpleNamespace
 
 import pytest
 
-from hitab_core import HitabError
 from hitab_robots import Mount
 from hitab_robots.frames import mounts_of_tf
 
@@ -49,9 +48,3 @@ def test_a_frame_is_known_once_tf2_knows_it(monkeypatch):
     assert (mount.x, mount.y, mount.upside_down) == (0.1, 0.0, False)
     assert mount.yaw == pytest.approx(math.pi / 2)
     assert isinstance(mount, Mount)
-
-
-def test_without_tf2_the_other_way_is_named(monkeypatch):
-    monkeypatch.setitem(sys.modules, "tf2_ros", None)
-    with pytest.raises(HitabError, match="each sensor's place by its parameters"):
-        mounts_of_tf(None, "base_link")

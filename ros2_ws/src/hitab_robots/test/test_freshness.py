@@ -22,22 +22,11 @@ def value(sensor, now):
     return found
 
 
-def test_without_a_reading_there_is_no_value(sensor):
-    assert math.isnan(value(sensor, NOW))
-
-
 @pytest.mark.parametrize("stamp", [NOW, 0.0, NOW + 3600.0, math.nan, -5.0])
 def test_a_reading_has_a_value_until_it_is_too_old(sensor, stamp):
     assert sensor.take([1.0], stamp, NOW)
     assert value(sensor, NOW + PATIENCE) == 1.0
     assert math.isnan(value(sensor, NOW + PATIENCE + 0.01))
-
-
-def test_age_is_counted_from_the_stamp(sensor):
-    sensor.take([1.0], NOW - 0.4, NOW)
-    assert value(sensor, NOW + 0.05) == 1.0
-    assert math.isnan(value(sensor, NOW + 0.2))
-    assert sensor.trouble == ""
 
 
 def test_a_stale_reading_has_no_value_and_the_clocks_are_suspected(sensor):
@@ -60,12 +49,6 @@ def test_in_a_simulation_a_stamp_that_is_ahead_of_a_late_clock_is_no_trouble():
     assert sensor.trouble == ""
     assert value(sensor, NOW + PATIENCE) == 1.0
     assert math.isnan(value(sensor, NOW + PATIENCE + 0.01))
-
-
-def test_what_comes_out_of_order_is_ignored(sensor):
-    sensor.take([1.0], NOW, NOW)
-    assert not sensor.take([2.0], NOW - 0.05, NOW + 0.01)
-    assert value(sensor, NOW + 0.02) == 1.0
 
 
 def test_a_clock_that_was_set_back_is_followed_once_the_last_reading_is_too_old(sensor):

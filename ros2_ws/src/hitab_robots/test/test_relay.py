@@ -152,17 +152,13 @@ def test_limits_are_parameters(bench):
     bench.sent.clear()
     bench.until(lambda: (0.15, 0.0, -0.5) in bench.sent, lambda: bench.drive(2.0, -2.0))
     assert max(velocity[0] for velocity in bench.sent) == 0.15
-    with pytest.raises(VocabularyError, match="max_accel of a drive"):
-        VelocityRelay(
-            context=bench.context, parameter_overrides=[Parameter("max_accel", value=[1.0])]
-        )
-
-
-def test_a_timeout_that_makes_no_sense_is_refused(bench):
-    with pytest.raises(HitabError, match="cmd_vel_timeout is 0; it must be above 0"):
-        VelocityRelay(
-            context=bench.context, parameter_overrides=[Parameter("cmd_vel_timeout", value=0.0)]
-        )
+    for name, value, error, why in (
+        ("max_accel", [1.0], VocabularyError, "max_accel of a drive"),
+        ("cmd_vel_timeout", 0.0, HitabError, "cmd_vel_timeout is 0; it must be above 0"),
+    ):
+        given = [Parameter(name, value=value)]
+        with pytest.raises(error, match=why):
+            VelocityRelay(context=bench.context, parameter_overrides=given)
 
 
 def test_nothing_that_is_no_number_passes(bench):
@@ -199,13 +195,11 @@ def test_an_emergency_stops_the_robot_though_its_agent_drives_on(bench):
     bench.stands_until_armed()
 
 
-@pytest.mark.parametrize("again", [1, 5], ids=["once", "repeated"])
-def test_a_publisher_that_latches_nothing_stops_the_robot(bench, again):
+def test_a_publisher_that_latches_nothing_stops_the_robot(bench):
     bench.until_it_moves()
     plain = bench.peer.create_publisher(EmergencyStop, names.EMERGENCY_STOP, 10)
     bench.until(lambda: plain.get_subscription_count() >= 2, lambda: bench.drive(0.2))
-    for _ in range(again):
-        plain.publish(EmergencyStop(engaged=True, by="me"))
+    plain.publish(EmergencyStop(engaged=True, by="me"))
     bench.until(lambda: bench.has(StopState.STOPPED, "by me"), lambda: bench.drive(0.2))
 
 

@@ -55,14 +55,6 @@ def test_odometry():
     assert math.isnan(found["turn_rate"])
 
 
-def test_a_driver_that_sets_no_orientation_has_no_heading():
-    zeros = Quaternion(x=0.0, y=0.0, z=0.0, w=0.0)
-    message = OdometryMessage()
-    message.pose.pose.orientation = zeros
-    assert math.isnan(read(Odometry(), message)["heading"])
-    assert math.isnan(read(Imu(), ImuMessage(orientation=zeros))["pitch"])
-
-
 def test_an_imu_says_what_it_does_not_measure():
     message = ImuMessage(orientation=quaternion(0.1, 0.2, 0.3))
     message.angular_velocity.z, message.linear_acceleration.z = 0.7, 9.8
@@ -99,11 +91,6 @@ def test_a_range():
     ]:
         message = RangeMessage(range=distance, min_range=0.02, max_range=4.0)
         assert read(Range(), message)["range"] == pytest.approx(expected, nan_ok=True)
-
-
-def test_a_range_that_only_tells_whether_something_is_there():
-    there = RangeMessage(range=-math.inf, min_range=0.5, max_range=0.5)
-    assert read(Range(), there)["range"] == 0.5
 
 
 @given(*[st.floats(width=32) for _ in range(3)])

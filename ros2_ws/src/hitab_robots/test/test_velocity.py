@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_core import VocabularyError
 from hitab_robots import Drive
 from hitab_robots.velocity import REST_S, STEP_MAX_S, STILL, Gate
 
@@ -103,20 +102,6 @@ def test_an_emergency_holds_the_robot_as_long_as_it_lasts():
     assert sent[-1][0] > 0.0
 
 
-def test_a_base_is_told_to_stand_still_before_anything_passes():
-    gate = Gate(DRIVE, TIMEOUT, 0.0)
-    assert gate.velocity(0.0) == STILL
-    assert gate.velocity(REST_S + 0.01) is None
-
-
-def test_what_is_no_velocity_stops_the_robot():
-    for bad in [(math.nan, 0.0, 0.0), (0.1, 0.0, math.inf), (1.0,), ()]:
-        gate = Gate(DRIVE, TIMEOUT, 0.0)
-        now, _ = driven(gate, 0.0, (0.5, 0.0, 0.0), 1.0)
-        assert not gate.command(bad, now)
-        assert gate.velocity(now) == STILL
-
-
 def test_a_person_who_drives_by_hand_counts_until_they_are_silent():
     gate = Gate(DRIVE, TIMEOUT, 0.0)
     now, _ = driven(gate, 0.0, (0.5, 0.0, 0.0), 1.0)
@@ -155,9 +140,3 @@ def test_once_its_agent_is_gone_nothing_passes():
     _, sent = driven(gate, now, (0.5, 0.0, 0.0), REST_S + 0.5)
     assert sent[0] == STILL
     assert sent[-1] is None
-
-
-@pytest.mark.parametrize("limits", [(1.0, 0.0), (math.inf, 0.0, 0.0), (-1.0, 0.0, 0.0)])
-def test_limits_that_make_no_sense_are_refused(limits):
-    with pytest.raises(VocabularyError, match="max_velocity of a drive"):
-        Drive(limits)

@@ -14,7 +14,6 @@ from hitab_robots import (
     Drive,
     Odometry,
     Robot,
-    RobotBody,
     Scan,
     Sector,
     battery_low,
@@ -123,13 +122,6 @@ def test_a_silent_sensor_leaves_its_words_without_a_value():
         assert math.isnan(read(body, name, *["home"] * len(feature.parameters))), name
 
 
-@pytest.mark.parametrize(("charge", "low"), [(0.19, 1.0), (0.2, 0.0), (math.nan, math.nan)])
-def test_a_low_battery(charge, low):
-    body = DOMAIN.body("robot_1")
-    sense(body, battery_state__percentage=charge)
-    assert read(body, "BatteryLow") == pytest.approx(low, nan_ok=True)
-
-
 def drive(body, seconds, velocity, moves=1.0, turns=1.0, *, begin=0.0):
     """Drive for a while, and sense what comes of it; return whether it was stuck, each time."""
     x = heading = 0.0
@@ -162,16 +154,6 @@ def test_a_clock_that_is_set_back_does_not_look_like_being_stuck():
     body = DOMAIN.body("robot_1")
     drive(body, 5.0, (0.4, 0.0), begin=100.0)
     assert {*drive(body, 1.9, (0.4, 0.0), 0.0)} == {0.0}
-
-
-def test_a_body_can_remember_what_words_need():
-    class Counting(RobotBody):
-        bumps = 0
-
-    robot = Robot((Odometry(),), body=Counting)
-    body = robot("robot_1")
-    body.bumps += 1
-    assert (body.bumps, robot("robot_2").bumps, body.robot) == (1, 0, robot)
 
 
 def test_what_the_robot_does_not_have_is_named():
@@ -227,12 +209,12 @@ def test_a_robot_turns_to_a_place_on_the_spot(distance, angle, heading):
     assert abs(there[2] - heading) < math.pi + 0.1, "the shorter way"
 
 
-@pytest.mark.parametrize("behavior", ["DriveTo", "TurnTo"])
-def test_without_odometry_a_robot_drives_nowhere(behavior):
+def test_without_odometry_a_robot_drives_nowhere():
     body = DOMAIN.body("robot_1")
     sense(body, time=1.0)
-    DOMAIN.behaviors[behavior].pulse(body, (0.0, 0.0))
-    assert list(body.act()[0]) == [0.0, 0.0, 0.0]
+    for behavior in ("DriveTo", "TurnTo"):
+        DOMAIN.behaviors[behavior].pulse(body, (0.0, 0.0))
+        assert list(body.act()[0]) == [0.0, 0.0, 0.0]
 
 
 def test_what_a_robot_faces():
@@ -240,17 +222,3 @@ def test_what_a_robot_faces():
         body = DOMAIN.body("robot_1")
         sense(body, odom__x=-1.0, odom__y=0.0, odom__heading=math.radians(degrees))
         assert read(body, "Facing", "home") == faces
-
-
-@pytest.mark.parametrize(("x", "is_near"), [(0.29, 1.0), (0.31, 0.0)])
-def test_what_a_robot_is_near_to(x, is_near):
-    body = DOMAIN.body("robot_1")
-    sense(body, odom__x=x, odom__y=0.0, odom__heading=0.0)
-    assert read(body, "Near", "home") == is_near
-
-
-def test_facing_within_no_angle_is_refused():
-    with pytest.raises(
-        VocabularyError, match=r'feature "F" is true within 0 rad; it must be betw'
-    ):
-        facing("F", within=0.0)

@@ -52,8 +52,8 @@ def studio(
     camera: Annotated[
         list[str] | None,
         typer.Option(
-            help="Of real robots: the topic of a camera, if a robot has several; without a slash "
-            "at its beginning, in the namespace of each. Repeatable.",
+            help="Of real robots: the topic of a camera, or how it ends, if a robot has several. "
+            "Repeatable.",
             show_default=False,
             metavar="TOPIC",
         ),

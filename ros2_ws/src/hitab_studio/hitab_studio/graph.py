@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-
-import numpy as np
 
 from hitab_core import FLAGS, START, Automaton
 from hitab_core.drawing.graph import Arrow, arrows
@@ -23,210 +21,52 @@ from hitab_core.drawing.layout import (
 )
 from hitab_core.drawing.picture import words
 
-INCH = 72.0
+INCH = 72.0  # in which `hitab_core.drawing` measures
 WIDTH = 392.0
 LINE = 13.0
 WRAP = 26
 """Characters in a line of a label."""
 
-STRETCHES = (1.0, 1.4)
-"""Heights that are tried, by the least one, for the one with room for most labels."""
-
-FEW = 2
-"""Rules listed below a drawing with which no other height is tried."""
-
-TALLER = 3.0
-"""Labels for which there has to be room so that a drawing may be twice as high."""
-
-
-@dataclass(frozen=True)
-class DrawnState:
-    """A state: its center, size, name and kind."""
-
-    name: str
-    kind: str
-    x: float
-    y: float
-    width: float
-    height: float
+GAP = 2.0
+"""Between a state and an arrow."""
 
 
 @dataclass(frozen=True)
 class DrawnArrow:
-    """An arrow: its path, its label and where the label goes.
+    """An arrow.
 
     Attributes:
-        lines: of its label, or its number if there was no room for the label.
-        number: under which its rule is listed below the drawing; 0 if it is drawn.
-        rule: in one line.
+        path: of an SVG.
+        lines: of its label, or the number of its rule if there is no room for the label.
+        place: of the label.
+        number: of its rule, which is listed below the drawing; 0: it is not.
     """
 
-    source: str
-    target: str
+    arrow: Arrow
     path: str
     lines: tuple[str, ...]
-    x: float
-    y: float
-    width: float
-    height: float
-    weak: bool
-    number: int = 0
-    rule: str = ""
+    place: Box
+    number: int
 
 
 @dataclass(frozen=True)
 class Graph:
-    """A drawing of an automaton."""
+    """A drawing of an automaton: its states, each with its kind and place, and arrows."""
 
     width: float
     height: float
-    states: tuple[DrawnState, ...]
+    states: tuple[tuple[str, str, Box], ...]
     arrows: tuple[DrawnArrow, ...]
 
 
-def _size(text: str, per_letter: float, line: float) -> tuple[float, float]:
-    lines = text.split("\n")
-    widest = max(len(part) for part in lines)
-    return (widest * per_letter + 6) / INCH, (len(lines) * line + 2) / INCH
+def graph(automaton: Automaton, automata: Collection[str]) -> Graph:
+    """Return the drawing of an automaton.
 
-
-@lru_cache(maxsize=64)
-def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
-    automaton = key.automaton
-    drawn = [arrow for arrow in arrows(automaton) if not arrow.is_loop]
-    drawn.sort(key=lambda arrow: words(arrow) == "")
-    texts = [_narrow(text) for arrow in drawn if (text := words(arrow))]
-    lines = sum(text.count("\n") + 1 for text in texts)
-    states = len(automaton.labels) + 1
-    least = min(620.0, 150.0 + 34.0 * states + 7.0 * lines)
-    found: list[tuple[int, float, _Layout, list[int]]] = []
-    for stretch in STRETCHES:
-        laid, numbered = _with_numbers(automaton, drawn, texts, least * stretch)
-        found.append((len(numbered), stretch, laid, numbered))
-        if len(numbered) <= FEW:
-            break
-    _, _, laid, numbered = min(found, key=lambda one: one[0] + TALLER * (one[1] - 1.0))
-    return _drawn(laid, drawn, texts, numbered, automata)
-
-
-def _with_numbers(
-    automaton: Automaton, drawn: Sequence[Arrow], texts: Sequence[str], height: float
-) -> tuple[_Layout, list[int]]:
-    """Return a layout of this height, and the arrows whose rules are listed below the drawing."""
-    numbered: list[int] = []
-    while True:
-        laid = _layout(automaton, drawn, texts, numbered, height)
-        more = [i for i in _without_room(laid) if i not in numbered]
-        if not more:
-            return laid, numbered
-        # The longest half first: then there may be room for the others.
-        more.sort(key=lambda i: -laid.places[i].width * laid.places[i].height)
-        numbered = sorted([*numbered, *more[: (len(more) + 1) // 2]])
-
-
-@dataclass(frozen=True)
-class _Layout:
-    """Where everything goes; lengths in inches, around the middle."""
-
-    height: float
-    boxes: Mapping[str, Box]
-    curves: Sequence[Floats]
-    places: Sequence[Box]
-
-
-def _narrow(text: str) -> str:
-    """Wrap a label so that there is room for it beside the states."""
-    return "\n".join(
-        part
-        for line in text.split("\n")
-        for part in textwrap.wrap(line, WRAP, break_long_words=False) or [""]
-    )
-
-
-def _layout(
-    automaton: Automaton,
-    drawn: Sequence[Arrow],
-    texts: Sequence[str],
-    numbered: Sequence[int],
-    height: float,
-) -> _Layout:
-    pairs = [(arrow.source, arrow.target) for arrow in drawn]
-    states = least_crossed([START, *automaton.labels], pairs)
-    sizes = [
-        _size(str(numbered.index(i) + 1) if i in numbered else text, 5.9, LINE)
-        for i, text in enumerate(texts)
-    ]
-    inches = WIDTH / INCH, height / INCH
-    boxes = state_boxes(
-        states,
-        *inches,
-        lambda text: _size(text, 6.6, 15.0),
-        margin=0.42 * max((size[0] for size in sizes), default=0.0),
-    )
-    bends = bend_arrows(boxes, pairs, *inches)
-    curves = [curve(boxes[s], boxes[t], b) for (s, t), b in zip(pairs, bends, strict=True)]
-    return _Layout(height, boxes, curves, place_words(sizes, curves, [*boxes.values()], *inches))
-
-
-def _without_room(laid: _Layout) -> list[int]:
-    """Return the labels that lie on a state, an earlier label or an arrow, or outside."""
-    half = WIDTH / INCH / 2, laid.height / INCH / 2
-    found = []
-    for i, place in enumerate(laid.places):
-        others = [*laid.boxes.values(), *laid.places[:i]]
-        outside = (
-            abs(place.x) + place.width / 2 > half[0] or abs(place.y) + place.height / 2 > half[1]
-        )
-        crossed = any(crosses(points, place) for points in laid.curves)
-        if outside or crossed or any(map(place.touches, others)):
-            found.append(i)
-    return found
-
-
-def _drawn(
-    laid: _Layout,
-    drawn: Sequence[Arrow],
-    texts: Sequence[str],
-    numbered: Sequence[int],
-    automata: frozenset[str],
-) -> Graph:
-    height, boxes = laid.height, laid.boxes
-
-    def px(x: float, y: float) -> tuple[float, float]:
-        return x * INCH + WIDTH / 2, height / 2 - y * INCH
-
-    shown = []
-    for i, (arrow, points) in enumerate(zip(drawn, laid.curves, strict=True)):
-        outside = [p for p in points if not _inside(p, boxes[arrow.source], 2.0 / INCH)]
-        outside = [p for p in outside if not _inside(p, boxes[arrow.target], 3.0 / INCH)]
-        if len(outside) < 2:
-            continue
-        text = texts[i] if i < len(texts) else ""
-        place = laid.places[i] if text else Box(0, 0, 0, 0)
-        number = numbered.index(i) + 1 if i in numbered else 0
-        x, y = px(place.x, place.y)
-        shown.append(
-            DrawnArrow(
-                arrow.source,
-                arrow.target,
-                "M" + " L".join("{:.1f} {:.1f}".format(*px(*p)) for p in outside),
-                (str(number),) if number else tuple(text.split("\n")) if text else (),
-                x,
-                y,
-                place.width * INCH,
-                place.height * INCH,
-                arrow.leaves_flag,
-                number,
-                " ".join(text.split()),
-            )
-        )
-    nodes = [
-        DrawnState(
-            name, _kind(name, automata), *px(box.x, box.y), box.width * INCH, box.height * INCH
-        )
-        for name, box in boxes.items()
-    ]
-    return Graph(WIDTH, height, tuple(nodes), tuple(shown))
+    Args:
+        automaton: to draw.
+        automata: names of the behaviors that can be opened.
+    """
+    return _graph(_ByIdentity(automaton), frozenset(automata))
 
 
 class _ByIdentity:
@@ -242,24 +82,102 @@ class _ByIdentity:
         return isinstance(other, _ByIdentity) and other.automaton is self.automaton
 
 
-def graph(automaton: Automaton, automata: Sequence[str]) -> Graph:
-    """Return the drawing of an automaton.
+@lru_cache(maxsize=64)
+def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
+    """Lay everything out with all labels, and again with numbers where there is no room."""
+    automaton = key.automaton
+    drawn = [arrow for arrow in arrows(automaton) if not arrow.is_loop]
+    drawn.sort(key=lambda arrow: words(arrow) == "")
+    texts = [_narrow(text) for arrow in drawn if (text := words(arrow))]
+    lines = sum(text.count("\n") + 1 for text in texts)
+    height = min(620.0, 150.0 + 34.0 * (len(automaton.labels) + 1) + 7.0 * lines)
+    states = [START, *automaton.labels]
+    crowded = _without_room(_layout(states, drawn, texts, height), height)
+    numbers = {i: number for number, i in enumerate(crowded, 1)}
+    labels = [str(numbers[i]) if i in numbers else text for i, text in enumerate(texts)]
+    boxes, curves, places = _layout(states, drawn, labels, height)
+    shown = []
+    for i, (arrow, points) in enumerate(zip(drawn, curves, strict=True)):
+        outside = [
+            p for p in points if not any(_in(p, boxes[s]) for s in (arrow.source, arrow.target))
+        ]
+        shown.append(
+            DrawnArrow(
+                arrow,
+                "M" + " L".join(f"{x:.1f} {y:.1f}" for x, y in outside) if outside else "",
+                tuple(labels[i].split("\n")) if i < len(labels) else (),
+                places[i] if i < len(labels) else Box(0.0, 0.0, 0.0, 0.0),
+                numbers.get(i, 0),
+            )
+        )
+    nodes = tuple((name, _kind(name, automata), box) for name, box in boxes.items())
+    return Graph(WIDTH, height, nodes, tuple(shown))
 
-    Args:
-        automaton: to draw.
-        automata: names of the behaviors that can be opened.
-    """
-    return _graph(_ByIdentity(automaton), frozenset(automata))
+
+def _narrow(text: str) -> str:
+    """Wrap a label so that there is room for it beside the states."""
+    lines = text.split("\n")
+    return "\n".join(part for line in lines for part in textwrap.wrap(line, WRAP) or [""])
 
 
-def _inside(point: np.ndarray[tuple[int], np.dtype[np.float64]], box: Box, margin: float) -> bool:
-    return bool(
-        abs(point[0] - box.x) <= box.width / 2 + margin
-        and abs(point[1] - box.y) <= box.height / 2 + margin
+def _size(text: str, per_letter: float, line: float) -> tuple[float, float]:
+    lines = text.split("\n")
+    widest = max(len(part) for part in lines)
+    return (widest * per_letter + 6) / INCH, (len(lines) * line + 2) / INCH
+
+
+Layout = tuple[dict[str, Box], list[Floats], list[Box]]
+"""The states, the points of the arrows, and the places of the labels."""
+
+
+def _layout(
+    states: Sequence[str], drawn: Sequence[Arrow], labels: Sequence[str], height: float
+) -> Layout:
+    pairs = [(arrow.source, arrow.target) for arrow in drawn]
+    sizes = [_size(label, 5.9, LINE) for label in labels]
+    inches = WIDTH / INCH, height / INCH
+    boxes = state_boxes(
+        least_crossed(states, pairs),
+        *inches,
+        lambda text: _size(text, 6.6, 15.0),
+        margin=0.42 * max((size[0] for size in sizes), default=0.0),
+    )
+    bends = bend_arrows(boxes, pairs, *inches)
+    curves = [curve(boxes[s], boxes[t], b) for (s, t), b in zip(pairs, bends, strict=True)]
+    places = place_words(sizes, curves, [*boxes.values()], *inches)
+    return (
+        {name: _pixels(box, height) for name, box in boxes.items()},
+        [points * (INCH, -INCH) + (WIDTH / 2, height / 2) for points in curves],
+        [_pixels(place, height) for place in places],
     )
 
 
-def _kind(state: str, automata: frozenset[str]) -> str:
+def _pixels(box: Box, height: float) -> Box:
+    x, y = WIDTH / 2 + box.x * INCH, height / 2 - box.y * INCH
+    return Box(x, y, box.width * INCH, box.height * INCH)
+
+
+def _without_room(layout: Layout, height: float) -> list[int]:
+    """Return the labels that lie on a state, an earlier label or an arrow, or outside."""
+    boxes, curves, places = layout
+    found = []
+    for i, place in enumerate(places):
+        outside = (
+            abs(place.x - WIDTH / 2) + place.width / 2 > WIDTH / 2
+            or abs(place.y - height / 2) + place.height / 2 > height / 2
+        )
+        touched = any(map(place.touches, (*boxes.values(), *places[:i])))
+        if outside or touched or any(crosses(points, place) for points in curves):
+            found.append(i)
+    return found
+
+
+def _in(point: Floats, box: Box) -> bool:
+    x, y = point
+    return bool(abs(x - box.x) <= box.width / 2 + GAP and abs(y - box.y) <= box.height / 2 + GAP)
+
+
+def _kind(state: str, automata: Collection[str]) -> str:
     if state == START:
         return "start"
     if state in FLAGS:

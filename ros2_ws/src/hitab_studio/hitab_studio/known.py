@@ -17,8 +17,8 @@ from hitab_core import natural
 from hitab_ros import names
 from hitab_studio.agent_watch import Watched
 from hitab_studio.learned import NOTHING
-from hitab_studio.remembered_scenes import ExampleScenes
-from hitab_studio.robots.state import Robots
+from hitab_studio.remembered_scenes import Key
+from hitab_studio.robots.watch import Robots
 from hitab_studio.scene import SILENT, Scene, state_shown
 from hitab_studio.swarm_finder import Target
 
@@ -63,7 +63,7 @@ class Known:
     why: Mapping[str, Silence] = field(default_factory=lambda: NOTHING)
     groups: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
     watched: Mapping[str, Watched] = field(default_factory=lambda: NOTHING)
-    moments: ExampleScenes = field(default_factory=ExampleScenes)
+    moments: Mapping[Key, Scene] = field(default_factory=lambda: NOTHING)
     elsewhere: tuple[str, ...] = ()
     emergency: Any = None
     recording: str = ""

@@ -48,7 +48,6 @@ class Markers:
         self._publisher = link.node.create_publisher(MarkerArray, TOPIC, qos.LATCHED)
         self._heard = False
         self._last = -math.inf
-        self._count = 0
 
     def look(self, scene: Scene | None, doing: Doing, colors: Mapping[str, int]) -> None:
         """Check whether there are subscribers, and publish the last moment for them once more.
@@ -91,15 +90,10 @@ class Markers:
                 look = replace(look, color=STATE_COLORS[color])
             x, y, heading = scene.places[i, :3].tolist()
             markers += _thing(header, i, name, look, (x, y, heading), scene.radii[i])
-        gone = [
-            Marker(header=header, ns=ns, id=i, action=Marker.DELETE)
-            for i in range(len(scene.names), self._count)
-            for ns in ("things", "headings", "names")
-        ]
-        self._count = len(scene.names)
         for marker in markers:
             marker.lifetime = Duration(sec=LIFETIME_SECONDS)
-        return MarkerArray(markers=[*markers, *gone])
+        # What is no longer there goes at once.
+        return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL), *markers])
 
 
 def _color(text: str, alpha: float = 1.0) -> ColorRGBA:
@@ -130,39 +124,24 @@ def _thing(
     radius: float,
 ) -> list[Any]:
     x, y, heading = place
-    pose = Pose(
-        position=Point(x=x, y=y),
-        orientation=Quaternion(z=math.sin(heading / 2), w=math.cos(heading / 2)),
-    )
+    turn = Quaternion(z=math.sin(heading / 2), w=math.cos(heading / 2))
     size = 2 * max(radius, 0.1)
-    body = Marker(
-        header=header,
-        ns="things",
-        id=number,
-        type=SHAPES.get(look.shape, Marker.CYLINDER),
-        pose=pose,
-        scale=Vector3(x=size, y=size, z=size if look.shape == msg.Look.BALL else 0.4),
-        color=_color(look.color, look.opacity),
-    )
+
+    def marker(ns: str, kind: int, scale: Vector3, color: ColorRGBA, **more: Any) -> Any:
+        pose = more.pop("pose", Pose(position=Point(x=x, y=y), orientation=turn))
+        return Marker(
+            header=header, ns=ns, id=number, type=kind, pose=pose, scale=scale, color=color, **more
+        )
+
+    high = size if look.shape == msg.Look.BALL else 0.4
+    shape = SHAPES.get(look.shape, Marker.CYLINDER)
+    color = _color(look.color, look.opacity)
+    body = marker("things", shape, Vector3(x=size, y=size, z=high), color)
     if not look.faces:
         return [body]
-    arrow = Marker(
-        header=header,
-        ns="headings",
-        id=number,
-        type=Marker.ARROW,
-        pose=pose,
-        scale=Vector3(x=2.2 * size, y=0.2 * size, z=0.2 * size),
-        color=_color("#20262e"),
-    )
-    label = Marker(
-        header=header,
-        ns="names",
-        id=number,
-        type=Marker.TEXT_VIEW_FACING,
-        pose=Pose(position=Point(x=x, y=y, z=1.0), orientation=Quaternion(w=1.0)),
-        scale=Vector3(z=0.5),
-        color=_color("#20262e"),
-        text=name,
-    )
-    return [body, arrow, label]
+    ink = _color("#20262e")
+    above = Pose(position=Point(x=x, y=y, z=1.0), orientation=Quaternion(w=1.0))
+    scale = Vector3(x=2.2 * size, y=0.2 * size, z=0.2 * size)
+    arrow = marker("headings", Marker.ARROW, scale, ink)
+    text = Marker.TEXT_VIEW_FACING
+    return [body, arrow, marker("names", text, Vector3(z=0.5), ink, pose=above, text=name)]

@@ -21,12 +21,11 @@ from hitab_studio.known import Known
 from hitab_studio.markers import Markers
 from hitab_studio.processes import Processes
 from hitab_studio.remembered_scenes import RememberedScenes
-from hitab_studio.robots.robot_watch import RobotWatch
-from hitab_studio.robots.state import Robots
 from hitab_studio.robots.topics import Options
+from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.scene import scene_of
 from hitab_studio.swarm_finder import Choice
-from hitab_studio.viewing import CAMERA, MAP, Viewing
+from hitab_studio.viewing import Viewing
 
 ARM_S = 3.0
 """How long a robot may take to be found that is to act again, s."""
@@ -90,8 +89,7 @@ class Observer:
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(swarm.link)
-        refuse = partial(complain, "")
-        self._robots = RobotWatch(swarm.link, options or Options(), refuse)
+        self._robots = RobotWatch(swarm.link, options or Options())
         self._shown: object = None
 
     def _know(self, **changes: Any) -> None:
@@ -150,11 +148,7 @@ class Observer:
         elif any(known.watched[name] is not it for name, it in watched.items()):
             self.known = replace(self.known, watched=MappingProxyType(watched))
         if known.robots is not None:
-            robots = self._robots.look(
-                viewed=bool(self._viewing.pages),
-                cameras=self._viewing.wanted(CAMERA),
-                map_=bool(self._viewing.wanted(MAP)),
-            )
+            robots = self._robots.look(wanted, viewed=bool(self._viewing.pages))
             if robots is not known.robots:
                 self.known = replace(self.known, robots=robots)
 

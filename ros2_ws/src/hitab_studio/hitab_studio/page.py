@@ -64,7 +64,6 @@ class Page:
             '<link rel="stylesheet" href="/studio/studio.css">'
             '<script type="module" src="/studio/studio.js"></script>'
             '<script type="module" src="/studio/keys.js"></script>'
-            '<script type="module" src="/studio/drafts.js"></script>'
             '<script type="module" src="/studio/field.js"></script>'
         )
         ui.query(".nicegui-content").classes(remove="nicegui-content")
@@ -74,7 +73,6 @@ class Page:
             with ui.element("section").props('id="stage" aria-label="The field"'):
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(Panel("overlay"))
-                ui.element("figure").props('id="camera" hidden')
                 ui.element("div").props('id="field-told" role="status"').classes("unseen")
         ui.on("studio", lambda event: self._wish(event.args))
         self._refresh()

@@ -21,14 +21,12 @@ class Present:
     Attributes:
         frame: the moment as a binary frame.
         frames: number of frames so far.
-        scans: what scanners of real robots see, as a binary frame.
         roster: the message that names what frames show; empty until there is a moment.
     """
 
     def __init__(self, palette: Palette) -> None:
         self.frame = b""
         self.frames = 0
-        self.scans = b""
         self.roster = ""
         self._palette = palette
         self._roster_key: tuple[Any, ...] = ()
@@ -52,7 +50,7 @@ class Present:
 
     def clear(self) -> str:
         """Show an empty field; return its roster."""
-        self.frame = self.scans = b""
+        self.frame = b""
         self.roster = ""
         self._roster_key = ()
         return EMPTY

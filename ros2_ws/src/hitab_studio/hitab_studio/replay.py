@@ -86,16 +86,13 @@ class Recording:
             decode = decoders.get(schema.id)
             if decode is None:
                 decode = decoders[schema.id] = decoder_for(schema, message.type_hash)
-            match schema.name:
-                case name if name == STATE:
-                    self._states.add(seconds, decode, message.data)
-                case name if name == STATUS:
-                    agent = message.topic.split("/")[-2]
-                    self._statuses.setdefault(agent, _Line()).add(seconds, decode, message.data)
-                case name if name == TRANSITION:
-                    self._events.add(seconds, decode, message.data)
-                case name if name == EPISODE:
-                    self.episodes.append((seconds, decode(message.data).ended))
+            if schema.name == EPISODE:
+                self.episodes.append((seconds, decode(message.data).ended))
+                continue
+            line = self._states if schema.name == STATE else self._events
+            if schema.name == STATUS:
+                line = self._statuses.setdefault(message.topic.split("/")[-2], _Line())
+            line.add(seconds, decode, message.data)
 
     def scene(self, seconds: float) -> Scene:
         """Return the scene this many seconds after the beginning."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import Any
 
@@ -70,27 +70,22 @@ class Scene:
         real: whether these are real robots, which nobody can put elsewhere.
     """
 
-    world: str
-    cycle: int
-    episode: int
-    episode_cycle: int
-    mode: str
-    note: str
-    seconds: float
     size: tuple[float, float]
     names: tuple[str, ...]
     kinds: tuple[str, ...]
     radii: tuple[float, ...]
     places: NDArray[np.float64]
-    said: Mapping[int, str]
     looks: Mapping[str, Look]
+    world: str = ""
+    cycle: int = 0
+    episode: int = 0
+    episode_cycle: int = 0
+    mode: str = ""
+    note: str = ""
+    seconds: float = 0.0
+    said: Mapping[int, str] = field(default_factory=lambda: MappingProxyType({}))
     center: tuple[float, float] = (0.0, 0.0)
     real: bool = False
-
-    def place_of(self, name: str) -> dict[str, float]:
-        """Return the position and motion of a thing."""
-        row = self.places[self.names.index(name)].tolist()
-        return dict(zip(KNOWN_FIELDS, row, strict=True))
 
     def everything(self) -> dict[str, dict[str, float]]:
         """Return the places of everything, by name, as `WorldClient.place` takes them."""

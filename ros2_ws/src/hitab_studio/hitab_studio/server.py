@@ -101,7 +101,6 @@ def serve(
 
     from hitab_studio.actions.stopping import stop_robots
     from hitab_studio.page import STATIC, Page
-    from hitab_studio.robots.serving import add_routes
     from hitab_studio.stream import stream
     from hitab_studio.studio import Studio
 
@@ -132,8 +131,6 @@ def serve(
         """Close a page that a person has left, without waiting for it to connect again."""
         if (page := studio.sessions.get(session)) is not None:
             page.leave()
-
-    add_routes(app, studio)
 
     @app.get("/recordings/{name}")
     def download(name: str) -> FileResponse:

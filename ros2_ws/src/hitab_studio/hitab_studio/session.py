@@ -216,6 +216,14 @@ class Session:
         recording, at = self.player.recording, self.player.at
         return frame(recording.scene(at), recording.doing(at), self.shared.store.palette)
 
+    def layers(self) -> dict[str, bytes]:
+        """Return what else of real robots the page should show now."""
+        robots = self.shared.store.known.robots
+        if robots is None or self.player is not None:
+            return {}
+        shown = ("map", "scans", f"camera {self.agent}")
+        return {name: data for name, data in robots.layers.items() if name in shown}
+
     def show_again(self) -> None:
         """Show the present moment: of the recording that is open, else of the swarm.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from contextlib import suppress
 
 from fastapi import WebSocket, WebSocketDisconnect
 
-from hitab_studio.present import Present
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 
@@ -26,7 +26,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
     studio.link.connect(key, on=True)
     session.show_again()
     session.send({"t": "chosen", "names": session.chosen})
-    sending = asyncio.create_task(_send(socket, session, studio.present))
+    sending = asyncio.create_task(_send(socket, session))
     try:
         while True:
             await socket.receive_text()  # ends with the connection
@@ -39,8 +39,9 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         sending.cancel()
 
 
-async def _send(socket: WebSocket, session: Session, present: Present) -> None:
-    session.sent = seen = b""
+async def _send(socket: WebSocket, session: Session) -> None:
+    session.sent = b""
+    layers: Mapping[str, bytes] = {}
     with suppress(WebSocketDisconnect):
         while True:
             await session.news.wait()
@@ -55,7 +56,7 @@ async def _send(socket: WebSocket, session: Session, present: Present) -> None:
             if newest and newest is not session.sent:
                 session.sent = newest
                 await socket.send_bytes(newest)
-            if session.player is None and (scans := present.scans) != seen:
-                seen = scans
-                if scans:
-                    await socket.send_bytes(scans)
+            before, layers = layers, session.layers()
+            for name, data in layers.items():
+                if data is not before.get(name):
+                    await socket.send_bytes(data)

@@ -130,9 +130,8 @@ class Studio:
                 messages.append(self.present.roster)
             seen = {id(k.scene): k.scene for k in told if k.scene is not before.scene}
             messages += [said_message(s) for s in seen.values() if s is not None and s.said]
-            self.present.scans = known.robots.scans if known.robots is not None else b""
-            self._spread(messages)
-        self._spread([json.dumps(order) for order in self._new_orders(known.groups)])
+        orders = [json.dumps(order) for order in self._new_orders(known.groups)]
+        self._spread([*messages, *orders])
 
     def _meet(self, known: Known) -> None:
         """Forget an earlier swarm once another one is there; a restarted one is the same."""

@@ -126,10 +126,6 @@ class SwarmLink:
         """Note that a page is connected from now on, or no longer."""
         self._requests.put(lambda: self._viewing.connect(session, on=on))
 
-    def lease(self, what: str, agent: str = "") -> None:
-        """Listen to a camera or to the map for a while, since a page shows it."""
-        self._requests.put(lambda: self._viewing.lease(what, agent))
-
     def want(self, agent: str, behavior: str) -> None:
         """Ask a watched agent for a behavior of its library."""
         self._requests.put(lambda: self._with_watch(agent, lambda watch: watch.want(behavior)))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from jinja2.utils import markupsafe
 
-from hitab_core import START, Example
+from hitab_core import START
 from hitab_ros import names
 from hitab_studio.absence import absence
-from hitab_studio.session import CHOOSE_FIRST, REAL, Session, nothing_in_training
+from hitab_studio.session import CHOOSE_FIRST, REAL, Session
 
 RECORDING = "This is a recording: close it first (Esc)."
 
@@ -51,108 +51,29 @@ def agent(session: Session) -> str:
     return session.shared.generations.why_busy
 
 
-def commanding(session: Session) -> str:
-    """Return why a key for a behavior does nothing."""
-    return "" if session.agent else agent(session)
-
-
-def raising(session: Session) -> str:
-    """Return why a key for a flag does nothing."""
-    if session.status is not None and session.status.mode in ("training", "testing"):
-        return ""
-    return (
-        agent(session) or f"{session.agent} is not training anything; only a training has flags."
-    )
+def training(session: Session) -> str:
+    """Return why keys that only mean something in a training do nothing."""
+    kept = session.watched.training is not None
+    if (why := agent(session)) or session.is_training or kept:
+        return why
+    return f"{session.agent} trains nothing: press Train… above the field to begin."
 
 
 def undoing(session: Session) -> str:
     """Return why nothing can be undone."""
-    watched = session.watched
-    known = watched.training is not None or not _examples(session)
-    if known and not watched.history.done:
-        return _without_training(session) or (
-            "There is nothing to undo: no command and no edit was made yet."
-        )
-    return agent(session)
+    done = session.watched.history.done
+    return training(session) or ("" if done else "There is nothing to undo.")
 
 
 def redoing(session: Session) -> str:
     """Return why nothing can be redone."""
-    if not session.watched.history.undone:
-        return _without_training(session) or (
-            "There is nothing to redo: nothing was undone, or something else was done since."
-        )
-    return agent(session)
-
-
-def retiming(session: Session) -> str:
-    """Return why no command can have been due earlier."""
-    training = session.watched.training
-    if not _examples(session) or (training is not None and not training.examples):
-        return _without_training(session) or (
-            "There is no command yet that could have been due earlier."
-        )
-    return last_standing_still(session) or agent(session)
-
-
-def _without_training(session: Session) -> str:
-    known = session.is_training or session.watched.training is not None
-    return nothing_in_training(session) if session.agent and not known else ""
-
-
-def last_standing_still(session: Session) -> str:
-    """Return why the last command was not late, if the world stood still when it was given."""
-    training = session.watched.training
-    if training is None or not training.examples:
-        return ""
-    last = max(training.examples, key=lambda e: (e.command, -e.number))
-    return standing_still(session, last)
-
-
-def standing_still(session: Session, example: Example) -> str:
-    """Return why an example cannot be due earlier, if the world stood still at its command."""
-    training, moments = session.watched.training, session.shared.store.known.moments
-    if training is None or not moments.stood_still(
-        session.agent, training.name, example.number, example.cycle
-    ):
-        return ""
-    return (
-        "The command was given while the world stood still, so it was not late. If it was wrong, "
-        "undo it (U), or delete its examples."
-    )
+    undone = session.watched.history.undone
+    return training(session) or ("" if undone else "There is nothing to redo.")
 
 
 def testing(session: Session) -> str:
-    """Return why what was learned cannot be tested."""
-    training = session.watched.training
-    begun = training is not None and any(e.state == START for e in training.examples)
-    if not begun and (training is not None or not _examples(session)):
-        return "There is nothing to test yet: command the behavior that it should begin with."
-    return agent(session)
-
-
-def switching(session: Session) -> str:
-    """Return why nobody can switch between training and testing."""
-    why = agent(session)
-    kept = session.watched.training is not None
-    if why or session.is_training or kept or session.status is None:
-        return why
-    learned = ""
-    if session.watched.vocabulary.trained:
-        learned = " To see what it has learned before, press Perform in Teach."
-    return (
-        f"{session.agent} trains nothing, so there is nothing to test (T). Press Train… above the "
-        f"field to begin.{learned}"
-    )
-
-
-def _examples(session: Session) -> int:
-    """Return the number of examples by the status, which is known before what they are."""
-    return session.status.examples if session.status is not None else 0
-
-
-def saving(session: Session) -> str:
-    """Return why a training cannot be saved."""
-    if not _examples(session):
-        return "There is nothing to save yet: no example was recorded."
-    return testing(session)
+    """Return why what was learned cannot be tested, or saved."""
+    learned = session.watched.training
+    if learned is not None and not any(e.state == START for e in learned.examples):
+        return "There is nothing yet: command the behavior that it should begin with."
+    return training(session)

@@ -2,10 +2,9 @@
 
 import array
 import contextlib
+import io
 import math
-import struct
 import threading
-import zlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,6 +14,7 @@ import rclpy
 from geometry_msgs.msg import Quaternion
 from hitab_msgs import msg, srv
 from nav_msgs.msg import OccupancyGrid, Odometry
+from PIL import Image
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CompressedImage, LaserScan
@@ -151,7 +151,11 @@ class RobotStandIn:
             namespace=f"/{robot}",
             context=context,
             automatically_declare_parameters_from_overrides=True,
-            parameter_overrides=[rclpy.Parameter("scan.yaw", value=yaw)],
+            parameter_overrides=[
+                *(rclpy.Parameter(f"scan.{name}", value=0.0) for name in ("x", "y")),
+                rclpy.Parameter("scan.yaw", value=yaw),
+                rclpy.Parameter("scan.upside_down", value=False),
+            ],
         )
         self._status = self._agent.create_publisher(msg.AgentStatus, "status", qos.LATCHED)
         self._status.publish(msg.AgentStatus(agent=robot, mode="idle", domain="stand_in"))
@@ -213,24 +217,10 @@ class RobotStandIn:
 
     @staticmethod
     def png(width: int, height: int) -> bytes:
-        """Return a red picture."""
-
-        def chunk(kind: bytes, data: bytes) -> bytes:
-            return (
-                struct.pack(">I", len(data))
-                + kind
-                + data
-                + struct.pack(">I", zlib.crc32(kind + data))
-            )
-
-        rows = (b"\0" + b"\xff\0\0" * width) * height
-        return b"\x89PNG\r\n\x1a\n" + b"".join(
-            (
-                chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)),
-                chunk(b"IDAT", zlib.compress(rows)),
-                chunk(b"IEND", b""),
-            )
-        )
+        """Return a picture."""
+        out = io.BytesIO()
+        Image.new("RGB", (width, height), "red").save(out, "PNG")
+        return out.getvalue()
 
     def _publish(self) -> None:
         now = self._node.get_clock().now().to_msg()

@@ -14,7 +14,6 @@ from hitab_client.errors import SwarmError
 from hitab_studio.actions import perform
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
-from hitab_studio.viewing import CAMERA, MAP
 from hitab_studio.views import render
 
 SECONDS = 60.0
@@ -34,22 +33,20 @@ class Page:
     def known(self) -> Any:
         return self.studio.store.known
 
-    async def until(self, true: Callable[[], Any], leases: tuple[str, ...] = ()) -> None:
+    async def until(self, true: Callable[[], Any]) -> None:
         deadline = time.monotonic() + SECONDS
         while not true():
-            for what in leases:
-                self.studio.link.lease(what, ROBOT if what == CAMERA else "")
             assert time.monotonic() < deadline, "it did not happen in time"
             await asyncio.sleep(0.01)
 
-    def place(self) -> tuple[float, ...] | None:
-        """Return where the page shows the robot."""
+    def stands(self, *expected: float) -> bool:
+        """Whether the page shows the robot there."""
         scene = self.known.shown
-        return tuple(scene.places[0, :3].tolist()) if scene is not None else None
+        return scene is not None and np.allclose(scene.places[0, :3], expected, atol=1e-5)
 
     def points(self) -> Any:
         """Return what the page shows of what the scanner sees."""
-        return np.frombuffer(self.known.robots.scans[16:], "<f4").reshape(-1, 2)
+        return np.frombuffer(self.session.layers()["scans"][4:], "<f4").tolist()
 
     def shown(self, panel: str) -> str:
         return re.sub(r"\s+", " ", render(panel, self.session))
@@ -67,110 +64,70 @@ def at_a_page(robot: Any, use: Callable[[Page], Awaitable[None]]) -> None:
     asyncio.run(asyncio.wait_for(run(), 3 * SECONDS))
 
 
-def near(place: Any, *expected: Any) -> bool:
-    found = place is not None and np.shape(place) == np.shape(expected)
-    return bool(found and np.allclose(place, expected, atol=1e-5))
-
-
 def test_a_robot_is_drawn_where_its_odometry_is_and_what_it_scans_where_that_is(robot):
     robot.stand(3.0, 1.0, math.pi / 2)
     robot.see(math.nan, 0.05, 2.0, math.inf)  # one return, straight ahead of the scanner
 
     async def use(page: Page) -> None:
-        await page.until(lambda: near(page.place(), 3.0, 1.0, math.pi / 2))
+        await page.until(lambda: page.stands(3.0, 1.0, math.pi / 2))
         # The scanner faces left of the robot (scan.yaw), and the robot faces y: so it faces -x.
-        await page.until(lambda: near(page.points().tolist(), [1.0, 1.0]))
-        assert not page.known.robots.of(ROBOT).notes
+        await page.until(lambda: np.allclose([*page.points(), 0, 0][:2], [1.0, 1.0], atol=1e-5))
+        assert not page.known.robots.notes[ROBOT]
         for topic in ("odom", "scan"):
             row = rf'sensor-/{ROBOT}/{topic}"((?!sensor-).)*\d\.\d s ago'
             await page.until(lambda row=row: re.search(row, page.shown("side")))
         robot.scan = None
-        await page.until(lambda: "silent for" in page.shown("side"))
-        await page.until(lambda: "scan (silent for" in page.shown("overlay"))
-        await page.until(lambda: page.known.doing()[ROBOT][0] != "silent")
-        await page.until(lambda: not len(page.points()))
+        await page.until(lambda: not page.points())
+        assert page.known.doing()[ROBOT][0] != "silent"
         robot.odometry = None
         await page.until(lambda: page.known.doing()[ROBOT][0] == "silent")
 
     at_a_page(robot, use)
 
 
-def test_what_needs_a_world_is_not_offered_for_robots(robot):
+def test_what_needs_a_world_is_not_offered_for_robots_and_one_is_seen_when_its_agent_has_ended(
+    robot,
+):
     robot.stand(0.0, 0.0, 0.0)
 
     async def use(page: Page) -> None:
-        await page.until(page.place)
+        await page.until(lambda: page.stands(0.0, 0.0, 0.0))
         await page.until(lambda: "real robots" in page.shown("top"))
         assert 'data-test="pause"' not in page.shown("top")
-        assert "No world" not in page.shown("overlay")
         for wish in ({"do": "pause"}, {"do": "reset"}, {"do": "step"}):
             await perform(page.session, wish)
         await perform(page.session, {"do": "place", "things": {ROBOT: {"x": 1.0, "y": 1.0}}})
-        said = page.shown("messages")
-        assert "These are real robots: they cannot be paused" in said
+        assert "These are real robots: they cannot be paused" in page.shown("messages")
         with pytest.raises(SwarmError, match="real robots"):
             await page.session.ask_world(lambda world: None)
-
-    at_a_page(robot, use)
-
-
-def test_a_robot_is_seen_after_its_agent_has_ended_too(robot):
-    robot.stand(0.0, 0.0, 0.0)
-
-    async def use(page: Page) -> None:
-        await page.until(page.place)
         robot.end_agent()
         await page.until(lambda: ROBOT in page.known.gone)
         robot.stand(2.0, 0.0, 0.0)
-        await page.until(lambda: near(page.place(), 2.0, 0.0, 0.0))
+        await page.until(lambda: page.stands(2.0, 0.0, 0.0))
         await page.until(lambda: page.known.doing()[ROBOT][0] == "silent")
 
     at_a_page(robot, use)
 
 
-def test_nothing_is_listened_to_that_no_page_shows(robot):
+def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
     robot.stand(0.0, 0.0, 0.0)
-    robot.film(robot.png(4, 3))
+    robot.film(b"no picture")
     robot.draw_map([[0, 100]], 0.5, -1.0, 0.0, 0.0)
 
     async def use(page: Page) -> None:
-        own = robot.listeners("odometry")  # the agent's, and that of the studio
-        await page.until(page.place)
-        await page.until(lambda: robot.listeners("odometry") == 2)
-        assert robot.listeners("picture") == robot.listeners("map") == 0
-        camera = lambda: page.known.robots.of(ROBOT).camera  # noqa: E731
-        await page.until(lambda: camera().picture, (CAMERA,))
-        assert camera().picture.data == robot.png(4, 3)
-        assert robot.listeners("map") == 0
-        await page.until(lambda: page.known.robots.map.grid, (MAP,))
-        await page.until(lambda: not robot.listeners("picture") + robot.listeners("map"))
-        page.studio.link.connect(page.session.id, on=False)
-        await page.until(lambda: robot.listeners("odometry") == 1)
-        assert own
-
-    at_a_page(robot, use)
-
-
-def test_what_cannot_be_shown_is_refused_once_with_a_word(robot):
-    robot.stand(0.0, 0.0, 0.0)
-    robot.film(bytes(9_000_000), "jpeg")
-    robot.draw_map([[0]], math.nan, 0.0, 0.0, 0.0)
-
-    async def use(page: Page) -> None:
-        await page.until(page.place)
-        camera = f"/{ROBOT}/camera/image_raw/compressed"
-        for what, text in (
-            (CAMERA, f"{camera} sends 9 MB in one message; up to 8 MB are shown"),
-            (MAP, "/map has cells of nan m"),
-        ):
-            await page.until(lambda text=text: text in page.shown("messages"), (what,))
-        await page.until(lambda: not robot.listeners("picture"), (CAMERA,))
+        await page.until(lambda: "is neither JPEG nor PNG" in page.shown("overlay"))
+        robot.film(robot.png(4, 3))
+        await page.until(lambda: {"map", f"camera {ROBOT}"} <= page.session.layers().keys())
+        assert page.session.layers()[f"camera {ROBOT}"][4:] == robot.png(4, 3)
         robot.stand(math.nan, 0.0, 0.0)
-        await page.until(lambda: "which is nowhere" in page.shown("messages"))
+        await page.until(lambda: "or nowhere" in page.shown("side"))
         await page.until(lambda: page.known.shown is None)  # nobody knows where it is
         await page.until(lambda: "No robot has a place yet" in page.shown("overlay"))
-        assert page.shown("messages").count("which is nowhere") == 1
         robot.stand(1.0, 0.0, 0.0)
-        await page.until(lambda: near(page.place(), 1.0, 0.0, 0.0))
+        await page.until(lambda: page.stands(1.0, 0.0, 0.0))
+        page.session.look_at("")
+        await page.until(lambda: not robot.listeners("picture"))
+        page.studio.link.connect(page.session.id, on=False)
+        await page.until(lambda: robot.listeners("odometry") == 1)  # the agent's
 
     at_a_page(robot, use)

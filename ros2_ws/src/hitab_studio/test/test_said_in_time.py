@@ -1,8 +1,7 @@
 """The page says what a person should know before they press, and where they look."""
 
 import asyncio
-from dataclasses import replace
-from types import MappingProxyType, SimpleNamespace
+from types import MappingProxyType
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus
@@ -14,7 +13,6 @@ from hitab_studio.actions import perform
 from hitab_studio.agent_watch import Watched
 from hitab_studio.known import Known
 from hitab_studio.learned import Vocabulary
-from hitab_studio.remembered_scenes import RememberedScenes
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
@@ -50,47 +48,6 @@ def keeper(status: AgentStatus | None = None, **watched: Any) -> Known:
     known = Watched(vocabulary=WORDS, behaviors={"FetchBall": SAVED}, **watched)
     idle = AgentStatus(agent=ONE, mode="idle", domain="soccer")
     return Known(UP, statuses={ONE: status or idle}, watched=MappingProxyType({ONE: known}))
-
-
-# -- commands while the world stands still ----------------------------------------------------
-
-
-def scene(cycle: int, mode: str) -> Any:
-    return SimpleNamespace(cycle=cycle, mode=mode, names=())
-
-
-def test_a_command_that_was_given_while_the_world_stood_still_was_never_late():
-    """The button was gray then, but not once the world ran; it failed with "from 0 to 0"."""
-    scenes = RememberedScenes()
-    scenes.see(scene(5, "running"))
-    scenes.keep(ONE, "Chase", [(1, 5)])
-    scenes.see(scene(9, "paused"))
-    scenes.keep(ONE, "Chase", [(1, 5), (2, 9)])
-    scenes.see(scene(30, "running"))
-    scenes.keep(ONE, "Chase", [(1, 5), (2, 9)])
-
-    given = tuple(
-        Example("Start", (), "Stop", ExampleKind.DEMONSTRATED, n, n, cycle)
-        for n, cycle in ((1, 5), (2, 9))
-    )
-    training = replace(SAVED, name="Chase", examples=given)
-    status = AgentStatus(agent=ONE, mode="testing", behavior="Chase", examples=2)
-    known = replace(keeper(status, training=training), moments=scenes.kept)
-
-    async def use(session: Session) -> None:
-        teach = render("side", session).partition('data-test="earlier"')[2]
-        assert teach.startswith(' aria-disabled="true" title="The command was given while the')
-        session.tab = "examples"
-        table = render("side", session)
-        assert "readonly" in table.partition('data-test="ago-2"')[2].partition("</td>")[0]
-        assert "readonly" not in table.partition('data-test="ago-1"')[2].partition("</td>")[0]
-        await perform(session, {"do": "earlier"})
-        await perform(session, {"do": "retime", "number": 2, "value": "0.2"})
-        (said,) = session.messages.shown
-        assert said.times == 2
-        assert "while the world stood still" in said.text
-
-    page(known, use)
 
 
 # -- a name that is taken ---------------------------------------------------------------------

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from hitab_msgs.msg import Entity, Look, WorldState
-from visualization_msgs.msg import MarkerArray
 
 from hitab_client import Learned
 from hitab_client.errors import SwarmError
-from hitab_client.recording import definition, type_name
 from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_tree import TransitionTree
@@ -156,11 +154,9 @@ def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():
     scenes.keep("keeper_1", "Near", [(1, 1), (2, 400)])
     for cycle in range(2, RECENT + 10):
         scenes.see(scene(cycle, 9.0))
-    kept = scenes.of("keeper_1", "Near", 1, 1)
-    assert kept is not None
+    assert [*scenes.kept] == [("keeper_1", "Near", 1, 1)]
+    (kept,) = scenes.kept.values()
     assert kept.everything()["keeper_1"]["x"] == 3.0
-    assert scenes.of("keeper_1", "Near", 2, 400) is None
-    assert scenes.of("keeper_1", "Near", 1, 2) is None  # the number was given again
 
 
 # -- what was learned -----------------------------------------------------------------------
@@ -194,14 +190,3 @@ def test_the_path_of_a_decision_is_lit_in_the_tree():
     assert [row.chances[0][1] for row in leaves if row.taken] == ["GoSlow"]
     assert len(leaves) == 3
     assert not any(row.taken for row in tree_rows(tree, [DISTANCE], {}))
-
-
-# -- recordings -----------------------------------------------------------------------------
-
-
-def test_the_definition_of_a_message_holds_those_that_it_is_made_of():
-    assert type_name(WorldState) == "hitab_msgs/msg/WorldState"
-    text = definition("hitab_msgs/msg/WorldState")
-    assert "MSG: hitab_msgs/Entity" in text
-    assert "MSG: builtin_interfaces/Time" in text
-    assert "MSG: std_msgs/ColorRGBA" in definition(type_name(MarkerArray))

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import AgentStatus, CommanderStatus, Subordinate, WorldStatus
+from builtin_interfaces.msg import Time
+from hitab_msgs.msg import AgentStatus, EmergencyStop, WorldStatus
 
 from hitab_client import SwarmError
 from hitab_studio.actions import perform
@@ -135,20 +136,21 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
     assert not both.is_waiting
 
 
-def test_an_order_stands_under_a_commander_that_was_not_heard_yet():
-    groups = {
-        "general_1": CommanderStatus(
-            commander="general_1", subordinates=[Subordinate(name="staff_1")]
-        ),
-        "company_1": CommanderStatus(commander="company_1", superior="staff_1", order="Go"),
-    }
-    agents = ("company_1", "general_1", "staff_1")
-    known = Known(Target(0, "many", agents), groups=groups, statuses=hears(*agents))
-    said = shown(known, "side", tab="swarm", agent="")
-    places = [said.index(f'data-key="gr-{n}"') for n in ("general_1", "staff_1", "company_1")]
-    assert places == sorted(places)
-    assert '--depth: 2"><span class="name">company_1' in said
-    assert "not heard yet" in said
+# -- the emergency stop -----------------------------------------------------------------------
+
+
+def test_the_emergency_stop_is_large_where_robots_may_do_harm_and_when_it_is_engaged():
+    status = hears(ONE)
+    assert "large" in shown(Known(UP, statuses=status), "emergency")
+    assert "large" not in shown(Known(UP, statuses=status, world=WorldStatus()), "emergency")
+    assert "large" not in shown(Known(UP), "emergency")
+    stop = EmergencyStop(stamp=Time(sec=5), engaged=True, by="Anna", reason="a dog")
+    said = shown(Known(UP, world=WorldStatus(), emergency=stop), "emergency", "top")
+    assert "large" in said
+    assert 'data-test="release"' in said
+    assert "Anna has stopped them (a dog)" in said
+    released = EmergencyStop(stamp=Time(sec=6), engaged=False, by="Ben")
+    assert 'data-test="stop-robots"' in shown(Known(UP, emergency=released), "emergency")
 
 
 # -- a swarm that is slow ---------------------------------------------------------------------

@@ -71,13 +71,11 @@ class Control:
         Raises:
             HitabError, LookupError, TypeError, ValueError: if a world cannot be run so.
         """
-        kinds = get_type_hints(cls)
-        for name, kind in kinds.items():
+        control = cls(**values)
+        for name, kind in get_type_hints(cls).items():
             value = values[name]
-            if type(value) is not kind:
+            if type(value) is not kind or (kind is int and value < 0):
                 raise TypeError(f"{name} is {value!r}")
-            if isinstance(value, int) and value < 0:
-                raise ValueError(f"{name} is {value!r}")
-        check_pace(values["pace"])
-        check_factor(values["factor"])
-        return cls(**{name: values[name] for name in kinds})
+        check_pace(control.pace)
+        check_factor(control.factor)
+        return control

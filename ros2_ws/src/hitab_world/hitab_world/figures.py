@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import MISSING, Field, fields
-from typing import Any, TypeVar
+from dataclasses import Field, fields
+from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.exceptions import InvalidParameterTypeException
@@ -13,31 +13,14 @@ from hitab_core import HitabError, has
 
 GROUP = "parameters"
 
-Figures = TypeVar("Figures")
 
-
-def declare_figures(node: Node, kind: type[Figures]) -> Figures:
+def declare_figures(node: Node, *kinds: type[Any]) -> Any:
     """Return the figures that a node's parameters give, such as ``-p parameters.width:=30.0``.
 
     Args:
         node: the world's node.
-        kind: a dataclass whose fields all have defaults and whose construction raises a
-            ValueError, naming the figure, for an invalid value; see `hitab_world.parameters`.
-
-    Raises:
-        HitabError: for an invalid or unknown figure.
-    """
-    figures: Figures
-    (figures,) = declare_all_figures(node, kind)
-    return figures
-
-
-def declare_all_figures(node: Node, *kinds: type[Any]) -> tuple[Any, ...]:
-    """Return the figures of several dataclasses; no two may have a field of the same name.
-
-    Args:
-        node: the world's node.
-        kinds: as in `declare_figures`.
+        kinds: dataclasses whose fields all have defaults; see `hitab_world.parameters`. No two may
+            have a field of the same name. For several, a list is returned.
 
     Raises:
         HitabError: for an invalid or unknown figure.
@@ -49,14 +32,12 @@ def declare_all_figures(node: Node, *kinds: type[Any]) -> tuple[Any, ...]:
         group, _, name = override.partition(".")
         if group == GROUP and name not in known:
             raise HitabError(f'this world has no parameter "{name}" {has(known, name)}')
-    try:
-        return tuple(kind(**one) for kind, one in zip(kinds, values, strict=True))
-    except ValueError as error:
-        raise HitabError(str(error)) from error
+    made = [kind(**one) for kind, one in zip(kinds, values, strict=True)]
+    return made if len(made) > 1 else made[0]
 
 
 def _declare(node: Node, figure: Field[Any]) -> Any:
-    default = figure.default if figure.default is not MISSING else None
+    default = figure.default
     name = f"{GROUP}.{figure.name}"
     try:
         return node.declare_parameter(name, default, ParameterDescriptor(read_only=True)).value

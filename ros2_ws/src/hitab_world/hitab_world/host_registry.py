@@ -15,7 +15,6 @@ from hitab_world.lockstep import Answer
 PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
 """Returns what an agent perceives; None: send it nothing."""
 
-GONE_MAX = 50  # hosts that are kept although they do not listen, or not yet
 HOSTS_MAX = 1000  # announcements that are kept for a late reader
 TAKE_IN = QoSProfile(
     depth=HOSTS_MAX, reliability=qos.LATCHED.reliability, durability=qos.LATCHED.durability
@@ -25,19 +24,35 @@ TAKE_IN = QoSProfile(
 class _Host:
     """A host, as its last announcement describes it."""
 
-    def __init__(self, node: GuardedNode, roster: msg.HostRoster, known: Iterable[str]) -> None:
+    def __init__(self, node: GuardedNode, roster: msg.HostRoster, known: frozenset[str]) -> None:
         self.number = roster.number
         self.names = tuple(roster.agents)
-        places = set(known)
-        self.indices = array("I", (i for i, name in enumerate(self.names) if name in places))
+        self.indices = [i for i, name in enumerate(self.names) if name in known]
         topic = names.in_swarm(node, roster.host, names.PERCEPTS)
         self.publisher = node.create_publisher(msg.PerceptBatch, topic, qos.CYCLE, temporary=True)
-        self.percepts = msg.PerceptBatch(roster=roster.number, agents=self.indices)
 
     @property
     def listens(self) -> bool:
         """Whether the host is present."""
         return bool(self.publisher.get_subscription_count())
+
+    def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
+        """Send the percepts of its agents."""
+        batch = msg.PerceptBatch(roster=self.number, **common)
+        agents, values, value_counts = array("I"), array("d"), array("I")
+        heard_counts, heard = array("I"), list[str]()
+        for index in self.indices:
+            if (sensed := percept_of(self.names[index])) is not None:
+                seen, said = sensed
+                agents.append(index)
+                values.extend(seen)
+                value_counts.append(len(seen))
+                heard_counts.append(len(said))
+                heard += said
+        batch.agents, batch.values, batch.value_counts = agents, values, value_counts
+        if heard:
+            batch.heard, batch.heard_counts = heard, heard_counts
+        self.publisher.publish(batch)
 
 
 class HostRegistry:
@@ -53,45 +68,33 @@ class HostRegistry:
             agents: all agents of the world.
             take: receives each agent's answer, with the sequence of the percept.
         """
-        self._node = node
-        self._agents = tuple(agents)
-        self._places = frozenset(self._agents)
-        self._take = take
+        self._node, self._agents, self._take = node, frozenset(agents), take
         self._hosts: dict[str, _Host] = {}
         self._there: set[str] = set()
         self._listening: set[tuple[str, int]] = set()  # names and numbers of hosts
-        self._rosters = node.create_subscription(
-            msg.HostRoster, names.in_swarm(node, names.HOSTS), self._on_roster, TAKE_IN
-        )
-        self._actions = node.create_subscription(
+        rosters = names.in_swarm(node, names.HOSTS)
+        node.create_subscription(msg.HostRoster, rosters, self._on_roster, TAKE_IN)
+        node.create_subscription(
             msg.ActionBatch, names.ACTION_BATCHES, self._on_actions, qos.CYCLE
         )
 
     def _on_roster(self, roster: msg.HostRoster) -> None:
-        if self._places.isdisjoint(roster.agents):
+        if self._agents.isdisjoint(roster.agents):
             return  # none of them is an agent of this world
         before = self._hosts.get(roster.host)
         if before is not None:
             if roster.number <= before.number:
                 return
-            self._forget(roster.host)
-        gone = [name for name, host in self._hosts.items() if not host.listens]
-        if len(gone) >= GONE_MAX:  # the one that announced itself first
-            self._forget(gone[0])
+            self._node.destroy_publisher(before.publisher)
         self._hosts[roster.host] = _Host(self._node, roster, self._agents)
-
-    def _forget(self, name: str) -> None:
-        self._node.destroy_publisher(self._hosts.pop(name).publisher)
 
     def look(self) -> bool:
         """Update which hosts are present; return whether that has changed."""
-        listening = {(name, host.number) for name, host in self._hosts.items() if host.listens}
-        changed = listening != self._listening
-        self._listening = listening
-        self._there = {
-            host.names[i] for host in self._hosts.values() if host.listens for i in host.indices
-        }
-        return changed
+        there = {name: host for name, host in self._hosts.items() if host.listens}
+        before = self._listening
+        self._listening = {(name, host.number) for name, host in there.items()}
+        self._there = {host.names[i] for host in there.values() for i in host.indices}
+        return before != self._listening
 
     def has(self, agent: str) -> bool:
         """Whether a host that was present at the last `look` runs an agent."""
@@ -106,7 +109,7 @@ class HostRegistry:
         """
         for name, host in self._hosts.items():
             if host.listens:
-                self._node.guard.run(f"percepts to {name}", _send_to, host, common, percept_of)
+                self._node.guard.run(f"percepts to {name}", host.send, common, percept_of)
 
     def _on_actions(self, batch: msg.ActionBatch) -> None:
         host = self._hosts.get(batch.host)
@@ -119,28 +122,3 @@ class HostRegistry:
             if index < len(host.names):
                 answer = values[begin:end], said.get(index, "")
                 self._take(host.names[index], batch.sequence, answer)
-
-
-def _send_to(host: _Host, common: dict[str, Any], percept_of: PerceptOf) -> None:
-    batch = host.percepts
-    for name, value in common.items():
-        setattr(batch, name, value)
-    agents, values, value_counts = host.indices, array("d"), array("I")
-    heard_counts = array("I")
-    heard: list[str] = []
-    for index in host.indices:
-        sensed = percept_of(host.names[index])
-        if sensed is None:
-            agents = array("I", (i for i in agents if i != index))
-            continue
-        seen, said = sensed
-        values.extend(seen)
-        value_counts.append(len(seen))
-        heard_counts.append(len(said))
-        heard += said
-    batch.agents = agents
-    batch.values = values
-    batch.value_counts = value_counts
-    batch.heard = heard
-    batch.heard_counts = heard_counts if heard else array("I")
-    host.publisher.publish(batch)

@@ -70,26 +70,17 @@ class AutomatonPlayer:
         repertoire: the behaviors that there are.
         use: the behavior to perform, bound to targets.
         name: of the agent.
-        most_probable: take the most probable next state instead of drawing one.
         time: returns the simulated time, s; for timers.
     """
 
     def __init__(
-        self,
-        repertoire: Repertoire,
-        use: Use,
-        name: str,
-        *,
-        most_probable: bool = False,
-        time: Callable[[], float] = float,
+        self, repertoire: Repertoire, use: Use, name: str, *, time: Callable[[], float] = float
     ) -> None:
         self.body = repertoire.domain.body(name)
         self._name = name
         self._random = Random()
         self._senses = Senses(self.body, repertoire.domain)
-        context = RunContext(
-            repertoire, self.body, self._senses, self._random.random, most_probable
-        )
+        context = RunContext(repertoire, self.body, self._senses, self._random.random)
         self.running = context.perform(use)
         self._clock = context.clock
         self._time = time
@@ -108,19 +99,14 @@ class AutomatonPlayer:
         self.running.tick()
 
 
-def perform(
-    world: World, repertoire: Repertoire, behavior: str | Use, *, most_probable: bool = False
-) -> dict[str, Player]:
+def perform(world: World, repertoire: Repertoire, behavior: str | Use) -> dict[str, Player]:
     """Return players that perform the same behavior with all agents of a world."""
     use = Use.parse(behavior) if isinstance(behavior, str) else behavior
 
     def time() -> float:
         return world.episode_cycle * world.cycle_seconds
 
-    return {
-        name: AutomatonPlayer(repertoire, use, name, most_probable=most_probable, time=time)
-        for name in world.agents
-    }
+    return {name: AutomatonPlayer(repertoire, use, name, time=time) for name in world.agents}
 
 
 def play(

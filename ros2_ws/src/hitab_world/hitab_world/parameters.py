@@ -22,10 +22,10 @@ from dataclasses import asdict, dataclass, fields
 from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
-from hitab_core import has
+from hitab_core import HitabError, has
 
 
-class ParameterError(ValueError):
+class ParameterError(HitabError, ValueError):
     """An invalid figure of a world; the message names the figure and its limit."""
 
 
@@ -114,19 +114,14 @@ class Parameters:
 def _missed(kind: Any, value: Any, limit: Limit | None) -> str:
     """Return the requirement that a field's value misses; "" if it is valid."""
     whole = isinstance(value, int) and not isinstance(value, bool)
-    if kind == "bool":
-        return "" if isinstance(value, bool) else "be true or false"
-    if kind == "int":
+    if kind in ("int", "float"):
         limit = limit or POSITIVE
-        fits = whole and limit.holds(value)
-        return "" if fits else f"be a whole number and {limit.words}"
-    if kind == "float":
-        limit = limit or POSITIVE
+        if kind == "int":
+            return "" if whole and limit.holds(value) else f"be a whole number and {limit.words}"
         if not whole and not isinstance(value, float):
             return "be a number"
         if not math.isfinite(value):
             return "be finite"
-        return "" if limit.holds(value) else limit.words
-    if limit is not None:
-        return "" if limit.holds(value) else limit.words
-    return "be text" if kind == "str" and not isinstance(value, str) else ""
+    elif not isinstance(value, bool if kind == "bool" else str):
+        return "be true or false" if kind == "bool" else "be text"
+    return "" if limit is None or limit.holds(value) else limit.words

@@ -20,7 +20,7 @@ class PerceptSender:
     def __init__(self, node: GuardedNode, agents: tuple[str, ...]) -> None:
         self._node = node
         self._agents = agents
-        self._alone: dict[str, tuple[Any, msg.Percept]] = {}
+        self._alone: dict[str, Any] = {}  # publishers
         self._receivers: dict[str, Receivers] = {}
         self._hosts: HostRegistry | None = None
         if len(agents) <= ALONE_MAX:
@@ -51,7 +51,7 @@ class PerceptSender:
         if self._hosted(agent):
             return True
         if agent in self._alone:
-            return bool(self._alone[agent][0].get_subscription_count())
+            return bool(self._alone[agent].get_subscription_count())
         if self._node.count_subscribers(names.in_swarm(self._node, agent, names.PERCEPT)):
             self._expect(agent)  # it is present once discovery has matched the two
         return False
@@ -63,16 +63,9 @@ class PerceptSender:
             common: the fields that all percepts of a cycle share.
             percept_of: returns what an agent perceives; None: send it nothing.
         """
-        for name, (publisher, percept) in self._alone.items():
-            if self._hosted(name):
-                continue
-            sensed = percept_of(name)
-            if sensed is None:
-                continue
-            for field, value in common.items():
-                setattr(percept, field, value)
-            percept.values, percept.heard = sensed
-            publisher.publish(percept)
+        for name, publisher in self._alone.items():
+            if not self._hosted(name) and (sensed := percept_of(name)) is not None:
+                publisher.publish(msg.Percept(**common, values=sensed[0], heard=sensed[1]))
         if self._hosts is not None:
             self._hosts.send(common, percept_of)
 
@@ -82,5 +75,5 @@ class PerceptSender:
     def _expect(self, agent: str) -> None:
         topic = names.in_swarm(self._node, agent, names.PERCEPT)
         publisher = self._node.create_publisher(msg.Percept, topic, qos.CYCLE)
-        self._alone[agent] = (publisher, msg.Percept())
+        self._alone[agent] = publisher
         self._receivers[agent] = Receivers(self._node, publisher)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 from hitab_msgs.msg import WorldStatus
@@ -22,8 +22,12 @@ DESCRIPTIONS = {
     "snapshot_period": "s; how often its state is saved for a restart; 0: never",
     "state_rate": "Hz; how often the true state is published while running",
 }
-_FLOATS = {"factor": (0.01, 1000.0), "deadline": (0.001, 3600.0), "state_rate": (0.1, 1000.0)}
-_FLOATS["snapshot_period"] = (0.0, 3600.0)
+_FLOATS = {
+    "factor": (0.01, 1000.0),
+    "deadline": (0.001, 3600.0),
+    "state_rate": (0.1, 1000.0),
+    "snapshot_period": (0.0, 3600.0),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,20 +52,16 @@ class WorldSettings:
             HitabError: if the pace is not one of the two.
         """
         values: dict[str, Any] = {}
-        for setting in fields(cls):
-            descriptor = ParameterDescriptor(
-                description=DESCRIPTIONS[setting.name], read_only=True
-            )
-            if setting.name in _FLOATS:
-                low, high = _FLOATS[setting.name]
-                descriptor.floating_point_range = [
-                    FloatingPointRange(from_value=low, to_value=high)
-                ]
-            elif setting.name == "seed":
+        for name, description in DESCRIPTIONS.items():
+            descriptor = ParameterDescriptor(description=description, read_only=True)
+            if name in _FLOATS:
+                low, high = _FLOATS[name]
+                limits = FloatingPointRange(from_value=low, to_value=high)
+                descriptor.floating_point_range = [limits]
+            elif name == "seed":
                 descriptor.integer_range = [IntegerRange(from_value=0, to_value=2**63 - 1, step=1)]
-            values[setting.name] = node.declare_parameter(
-                setting.name, setting.default, descriptor
-            ).value
+            default = cls.__dataclass_fields__[name].default
+            values[name] = node.declare_parameter(name, default, descriptor).value
         check_pace(values["pace"])
         return cls(**values)
 

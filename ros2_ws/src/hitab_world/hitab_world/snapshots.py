@@ -42,26 +42,14 @@ class Moment:
     episode_cycle: int
     ended: str
 
-    @classmethod
-    def of(cls, state: Mapping[str, Any]) -> Moment:
-        """Return the moment in a snapshot's header.
-
-        Raises:
-            KeyError, TypeError: if the header is incomplete or wrong.
-        """
-        return cls(
-            seed=whole(state["seed"]),
-            episode=whole(state["episode"]),
-            cycle=whole(state["cycle"]),
-            episode_cycle=whole(state["episode_cycle"]),
-            ended=text(state["ended"]),
-        )
-
     def bring_back(self, world: World) -> None:
         """Set the world's counts, and clear what was refused since."""
         for name, value in asdict(self).items():
             setattr(world, name, value)
         world.refused = {}
+
+
+COUNTS = ("seed", "episode", "cycle", "episode_cycle")
 
 
 def header(world: WorldOfFigures, version: int) -> dict[str, Any]:
@@ -71,8 +59,8 @@ def header(world: WorldOfFigures, version: int) -> dict[str, Any]:
         world: the world.
         version: of the layout of this kind of world's snapshots.
     """
-    moment = Moment(world.seed, world.episode, world.cycle, world.episode_cycle, world.ended)
-    return {**_origin(world, version), **asdict(moment)}
+    moment = {name: getattr(world, name) for name in (*COUNTS, "ended")}
+    return {**_origin(world, version), **moment}
 
 
 @contextmanager
@@ -96,7 +84,8 @@ def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) ->
                     else "restore it in a world like the one it was taken from"
                 )
                 raise WorldError(f"{_difference(key, snapshot.get(key), mine)}; {way_out}")
-        yield Moment.of(snapshot)
+        counts = {name: whole(snapshot[name]) for name in COUNTS}
+        yield Moment(**counts, ended=text(snapshot["ended"]))
     except WorldError:
         raise
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -111,7 +100,7 @@ def whole(value: Any) -> int:
     Raises:
         TypeError: if it is not.
     """
-    if not isinstance(value, int) or isinstance(value, bool):
+    if type(value) is not int:
         raise TypeError(f"{value!r} is not a whole number")
     return value
 
@@ -142,13 +131,10 @@ def finite(value: Any) -> float:
     """Return a value that must be a finite number.
 
     Raises:
-        TypeError: if it is not a number.
-        ValueError: if it is not finite.
+        TypeError: if it is not.
     """
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError(f"{value!r} is not a number")
-    if not math.isfinite(value):
-        raise ValueError(f"{value} is not finite")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise TypeError(f"{value!r} is not a finite number")
     return value
 
 
@@ -163,8 +149,5 @@ def _difference(key: str, there: Any, here: Any) -> str:
 
 def _origin(world: WorldOfFigures, version: int) -> dict[str, Any]:
     """Return what must match in the world where a snapshot is restored."""
-    return {
-        "world": world.name,
-        "version": version,
-        "parameters": world.parameters.as_dict(),
-    }
+    figures = world.parameters.as_dict()
+    return {"world": world.name, "version": version, "parameters": figures}

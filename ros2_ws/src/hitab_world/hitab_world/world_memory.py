@@ -1,144 +1,136 @@
 """What a world continues from after a restart of its process: its latest state and snapshots.
 
-A thread replaces the latest state at a period, so that no cycle waits for a disk. What somebody
-asks of the world is in the file before it is acknowledged. So is a snapshot that a person saves,
-which stays until a person deletes it. The latest state is valid for one start of a swarm: the next
-one starts as its description says.
+The latest state is replaced at a period, and before a request that has changed it is acknowledged.
+It is valid for one start of a swarm: the next one starts as its description says. A snapshot that
+a person saves stays until a person deletes it.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import threading
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from hitab_core import HitabError
 from hitab_core.library.durable_files import UNFINISHED, file_errors, write_durably
+from hitab_world.control import Control
+from hitab_world.course import Course
+from hitab_world.settings import WorldSettings
+from hitab_world.world import LiveWorld
 
 LATEST = "latest.json"
 NAMED = "snapshot-"
-BYTES_MAX = 32_000_000
-"""Larger states are not saved."""
+LEISURE = 50
+"""Minimum time between two states, as a multiple of the time that saving one takes."""
 
 
 class WorldMemory:
-    """A folder with the latest state of a world and one file per saved snapshot."""
+    """A folder with the latest state of a world and one file per saved snapshot.
 
-    def __init__(self, folder: Path, swarm: str, warn: Callable[[str], None]) -> None:
-        """Use a folder, which is created with the first file.
+    Nothing is saved for a world outside any swarm or one that runs by itself, such as on a server
+    elsewhere.
+
+    Attributes:
+        named: the saved snapshots, by name, also of earlier starts.
+    """
+
+    def __init__(
+        self, name: str, course: Course, settings: WorldSettings, warn: Callable[[str], None]
+    ) -> None:
+        """Locate the files of the previous process, if there are any.
 
         Args:
-            folder: the folder of the files.
-            swarm: identity of the world's swarm.
-            warn: called once per file that is ignored or cannot be written; from any thread.
+            name: of the world and its folder, which is created with the first file.
+            course: what to save.
+            settings: where, how often, and for which swarm.
+            warn: called once per thing that cannot be saved or restored.
         """
-        self._folder = folder
-        self._swarm = swarm
-        self._warn = warn
+        self.named: dict[str, dict[str, Any]] = {}
+        self._course, self._warn = course, warn
+        self._swarm, self._period = settings.swarm, settings.snapshot_period
         self._warned: set[str] = set()
-        self._next: bytes | None = None  # until it is written
-        self._change = threading.Condition()
-        self._closed = False
-        self._writer: threading.Thread | None = None
+        self._kept: tuple[Any, ...] = ()
+        self._next_s = self._earliest_s = 0.0
+        self._folder: Path | None = None
+        wanted = settings.swarm and settings.state_dir and settings.snapshot_period
+        if wanted and not isinstance(course.world, LiveWorld):
+            self._folder = Path(settings.state_dir).expanduser() / name
 
-    # -- the latest state -------------------------------------------------------------------
+    def restore(self) -> bool:
+        """Continue where the previous process ended; return whether there was one."""
+        if self._folder is None:
+            return False
+        for path in sorted(self._folder.glob(f"{NAMED}*.json")):
+            self._read(path, lambda saved: self.named.update({saved["name"]: {**saved["state"]}}))
+        return bool(self._read(self._folder / LATEST, self._take_over))
 
-    def latest(self) -> dict[str, Any] | None:
-        """Return the latest state saved by this swarm's world; None if there is none."""
-        path = self._folder / LATEST
-        saved = self._read(path)
-        if saved is not None and saved.get("swarm") != self._swarm:
-            path.unlink(missing_ok=True)  # of an earlier swarm, which will not return
+    def _take_over(self, latest: dict[str, Any]) -> bool:
+        if latest["swarm"] != self._swarm:
+            return False  # an earlier swarm, which will not return
+        control = Control.read(latest["control"])
+        self._course.world.restore(latest["world"])
+        self._course.control.take_over(control)
+        return True
+
+    def _read(self, path: Path, take: Callable[[dict[str, Any]], Any]) -> Any:
+        """Hand over what is in a file; a file that cannot be used is ignored, with a warning."""
+        try:
+            return take(json.loads(path.read_text(encoding="utf-8")))
+        except FileNotFoundError:
             return None
-        return saved
+        except Exception as error:  # a world's restore may be third-party code
+            self._say(f"{path} is ignored because it cannot be restored: {error!r}")
+            return None
 
-    def keep(self, state: Mapping[str, Any]) -> None:
-        """Replace the latest state soon; one that has not been written yet is skipped.
+    def save_if_due(self) -> None:
+        """Save the state if it is due and has changed; called between cycles."""
+        now = time.monotonic()
+        if now >= self._earliest_s and (self._course.touched or now >= self._next_s):
+            self.save_latest()
 
-        Args:
-            state: JSON-able.
+    def save_now(self) -> None:
+        """Save what a request has changed: then acknowledge it."""
+        if self._course.touched:
+            self.save_latest()
 
-        Raises:
-            HitabError: if it is too large.
-            TypeError, ValueError: if it is not JSON-able.
-        """
-        data = self._encoded(state)
-        with self._change:
-            self._next = data
-            if self._writer is None and not self._closed:
-                self._writer = threading.Thread(target=self._write_states, daemon=True)
-                self._writer.start()
-            self._change.notify_all()
-
-    def settle(self) -> None:
-        """Wait until the state that was kept last is in its file, unless it cannot be written."""
-        with self._change:
-            self._change.wait_for(lambda: self._next is None or self._closed)
-
-    def close(self) -> None:
-        """Write the pending state, and stop."""
-        with self._change:
-            self._closed = True
-            self._change.notify_all()
-            writer = self._writer
-        if writer is not None:
-            writer.join()
-
-    def _write_states(self) -> None:
-        while True:
-            with self._change:
-                self._change.wait_for(lambda: self._next is not None or self._closed)
-                data = self._next
-            if data is None:
-                return
-            try:
-                self._replace_latest(data)
-            finally:
-                with self._change:
-                    if self._next is data:  # nothing newer has come
-                        self._next = None
-                    self._change.notify_all()
-
-    def _replace_latest(self, data: bytes) -> None:
+    def save_latest(self) -> None:
+        """Save the state, if it has changed."""
+        if self._folder is None:
+            return
+        course, now = self._course, time.monotonic()
+        control = asdict(course.control)
+        state = (course.world.cycle, *control.values())
+        self._next_s = now + self._period
+        if state == self._kept and not course.touched:
+            return
+        self._kept, course.touched = state, False
         path = self._folder / LATEST
         beside = path.with_suffix(UNFINISHED)
         try:
-            # Readers see it whole or not at all; it need not survive a power failure.
+            saved = {"swarm": self._swarm, "control": control, "world": course.world.snapshot()}
             self._folder.mkdir(parents=True, exist_ok=True)
-            beside.write_bytes(data)
+            # Readers see it whole or not at all; it need not survive a power failure.
+            beside.write_text(json.dumps(saved), encoding="utf-8")
             beside.replace(path)
-        except OSError as error:
-            self._say(f"a restart would not resume the world's latest state: {error}")
+        except Exception as error:  # a world's snapshot may be third-party code
+            self._say(f"a restarted world would start over, its state cannot be saved: {error!r}")
+        self._earliest_s = now + LEISURE * (time.monotonic() - now)
 
-    # -- saved snapshots --------------------------------------------------------------------
-
-    def named(self) -> dict[str, dict[str, Any]]:
-        """Return the snapshots saved in this folder, by name, also at earlier starts."""
-        found = {}
-        for path in sorted(self._folder.glob(f"{NAMED}*.json")):
-            saved = self._read(path)
-            if saved is None:
-                continue
-            name, state = saved.get("name"), saved.get("state")
-            if isinstance(name, str) and isinstance(state, dict):
-                found[name] = state
-            else:
-                self._say(f"{path} is ignored: it is not a snapshot of a world")
-        return found
-
-    def save(self, name: str, state: Mapping[str, Any]) -> None:
+    def save(self, name: str, state: dict[str, Any]) -> None:
         """Save a snapshot under a name; it is on disk when this returns.
 
         Raises:
-            HitabError: if it cannot be written.
+            HitabError: if it cannot be written; then it is not saved at all.
         """
-        path = self._file(name)
-        data = self._encoded({"name": name, "state": state})
-        with file_errors(path, "write"):
-            write_durably(path, data)
+        if self._folder is not None:
+            path = self._file(self._folder, name)
+            data = json.dumps({"swarm": self._swarm, "name": name, "state": state}).encode()
+            with file_errors(path, "write"):
+                write_durably(path, data)
+        self.named[name] = state
 
     def delete(self, name: str) -> None:
         """Delete a snapshot.
@@ -146,37 +138,15 @@ class WorldMemory:
         Raises:
             HitabError: if its file cannot be removed.
         """
-        path = self._file(name)
-        with file_errors(path, "remove"):
-            path.unlink(missing_ok=True)
+        if self._folder is not None:
+            path = self._file(self._folder, name)
+            with file_errors(path, "remove"):
+                path.unlink(missing_ok=True)
+        del self.named[name]
 
-    def _file(self, name: str) -> Path:
-        return self._folder / f"{NAMED}{hashlib.sha256(name.encode()).hexdigest()[:16]}.json"
-
-    # -- files ------------------------------------------------------------------------------
-
-    def _read(self, path: Path) -> dict[str, Any] | None:
-        try:
-            if path.stat().st_size > BYTES_MAX:
-                raise ValueError(f"it has more than {BYTES_MAX} bytes")
-            values = json.loads(path.read_text(encoding="utf-8"))
-            if not isinstance(values, dict):
-                raise ValueError("it holds no fields")
-        except FileNotFoundError:
-            return None
-        except (OSError, ValueError, RecursionError) as error:
-            self._say(f"{path} is ignored because it cannot be read: {error}")
-            return None
-        return values
-
-    def _encoded(self, values: Mapping[str, Any]) -> bytes:
-        data = json.dumps({"swarm": self._swarm, **values}).encode()
-        if len(data) > BYTES_MAX:
-            raise HitabError(
-                f"the world's state has {len(data)} bytes, more than the {BYTES_MAX} that can be "
-                "saved for a restart"
-            )
-        return data
+    @staticmethod
+    def _file(folder: Path, name: str) -> Path:
+        return folder / f"{NAMED}{hashlib.sha256(name.encode()).hexdigest()[:16]}.json"
 
     def _say(self, text: str) -> None:
         if text not in self._warned:

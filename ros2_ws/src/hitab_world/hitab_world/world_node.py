@@ -34,13 +34,12 @@ from hitab_world.lockstep import RoundAnswers
 from hitab_world.percept_sender import PerceptSender
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, World
-from hitab_world.world_persistence import WorldPersistence
+from hitab_world.world_memory import WorldMemory
 from hitab_world.world_services import WorldServices
 from hitab_world.world_topics import WorldTopics
 
 STATUS_PERIOD_NS = NANOSECONDS
 FAULTS_PERIOD_NS = NANOSECONDS // 20  # between a change of the faults and its publication
-LOOK_FOR_VIEWERS_EVERY = 50  # cycles
 LISTENER_S = 10.0  # how long a restarted world waits for subscribers to its episodes
 NAMED_MAX = 10  # most agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
@@ -81,18 +80,18 @@ class WorldNode(GuardedNode):
         self.round_answers = RoundAnswers(self.world.agents, self._percept_sender.has)
         self.course = Course(self.world, self.control, self.round_answers)
         warn = self.get_logger().warning
-        self.persistence = WorldPersistence(names.own_name(self), self.course, settings, warn)
+        self.memory = WorldMemory(names.own_name(self), self.course, settings, warn)
         self._topics = WorldTopics(self, self.course, settings)
         self._stop_states = self.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""
         self._percept_sender.join(self.round_answers.take)
-        self._restored = self.persistence.restore()
+        self._restored = self.memory.restore()
         if self._restored:
             self.course.go_on()
         self._world_services = WorldServices(
-            self, self.course, self.persistence, self._topics, self.look_who_is_there
+            self, self.course, self.memory, self._topics, self.look_who_is_there
         )
         self._switch = EmergencySwitch(self, self._emergency, hands_on=True)
         steady_timer(self, STOP_PERIOD_S, self._tell_of_stop)
@@ -113,7 +112,7 @@ class WorldNode(GuardedNode):
 
     def destroy_node(self) -> None:
         """Save the world's state, then destroy the node."""
-        self.persistence.close()
+        self.memory.save_latest()
         super().destroy_node()
 
     def look_who_is_there(self) -> bool:
@@ -137,7 +136,7 @@ class WorldNode(GuardedNode):
     def _turn(self, spinning: Spinner) -> None:
         """Take one turn: wait, show the world, or play a cycle."""
         self._attend()
-        self.persistence.save_if_due()
+        self.memory.save_if_due()
         if not self._live():
             spinning.spin_once(timeout_sec=0.01)
         elif self.control.at_rest:
@@ -194,15 +193,13 @@ class WorldNode(GuardedNode):
                 self.course.disturbed = True  # shown again, so that late agents may answer
             self._topics.publish_status()
             # A node that waits for the time must learn it from a world that is paused, too.
-            self._topics.look_for_viewers()
-            if self._topics.clocked:
-                self._topics.publish_clock()
+            self._topics.publish_clock()
 
     def _show(self, spinning: Spinner) -> None:
         """Have the agents perceive the present world without acting."""
         self.course.disturbed = False
         self._send_percepts(look=True)
-        self._wait(spinning, time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS))
+        self._wait(spinning, self._deadline())
         if self.course.disturbed or spinning.stopped:
             return  # nobody is late: there was no time to answer
         self.course.restart = False
@@ -216,19 +213,11 @@ class WorldNode(GuardedNode):
         lockstep = self.control.lockstep
         course.in_real_time |= not lockstep
         self._send_percepts(look=False)
-        now = time.monotonic_ns()
-        if lockstep:
-            deadline = now + int(self.settings.deadline * NANOSECONDS)
-        else:
-            period = int(self.world.cycle_seconds / self.control.factor * NANOSECONDS)
-            # After a pause or a delay the world continues from now instead of catching up.
-            behind = now - self._next_cycle_ns > 5 * period
-            deadline = self._next_cycle_ns = (now if behind else self._next_cycle_ns) + period
-        self._wait(spinning, deadline, whole=not lockstep)
-        for _ in range(STEPPED_DEADLINES - 1):
-            if not (lockstep and self._is_stepped_too_early()):
-                break
-            self._wait(spinning, time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS))
+        self._wait(
+            spinning, self._deadline() if lockstep else self._next_cycle(), whole=not lockstep
+        )
+        if lockstep and self.control.steps_left:
+            self._wait_for_stepped(spinning)
         if course.disturbed or spinning.stopped:
             return  # the answers were about another situation
         course.restart = False
@@ -241,18 +230,34 @@ class WorldNode(GuardedNode):
             self.guard.faults.set(LATE, late)
         self._advance()
 
-    def _is_stepped_too_early(self) -> bool:
-        """Whether a client steps the world and an agent that is still there has not answered.
+    def _wait_for_stepped(self, spinning: Spinner) -> None:
+        """Wait longer for agents that are still there, since a client steps the world.
 
-        Who steps a world looks at each cycle. One without an agent, for which a busy machine has
-        no time, would teach something else.
+        It looks at each cycle. One without an agent, for which a busy machine has no time, would
+        teach something else.
         """
-        late = self.round_answers.late
-        if not (late and self.control.steps_left) or self.course.disturbed:
-            return False
-        self.guard.faults.set(LATE, f"waits for {some(late, NAMED_MAX)}")
-        self._topics.publish_status()
-        return not self.look_who_is_there()
+        for _ in range(STEPPED_DEADLINES - 1):
+            late = self.round_answers.late
+            if not late or self.course.disturbed:
+                return
+            self.guard.faults.set(LATE, f"waits for {some(late, NAMED_MAX)}")
+            self._topics.publish_status()
+            if self.look_who_is_there():
+                return
+            self._wait(spinning, self._deadline())
+
+    def _deadline(self) -> int:
+        """Return until when to wait for answers."""
+        return time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS)
+
+    def _next_cycle(self) -> int:
+        """Return when the next cycle begins in real time."""
+        now = time.monotonic_ns()
+        period = int(self.world.cycle_seconds / self.control.factor * NANOSECONDS)
+        # After a pause or a delay the world continues from now instead of catching up.
+        behind = now - self._next_cycle_ns > 5 * period
+        self._next_cycle_ns = (now if behind else self._next_cycle_ns) + period
+        return self._next_cycle_ns
 
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
         """Handle events until all have answered, or, with ``whole``, until the deadline."""
@@ -315,18 +320,15 @@ class WorldNode(GuardedNode):
             self.guard.log(refused)
         self.guard.faults.set(REFUSED, refused)
         control, topics = self.control, self._topics
-        if topics.clocked:
-            topics.publish_clock()
+        topics.publish_clock()
         if control.steps_left:
             control.steps_left -= 1
         if ended is not None:
             topics.publish_episode(ended)
             self.course.end_episode()
-        if world.cycle % LOOK_FOR_VIEWERS_EVERY == 0:
-            topics.look_for_viewers()
         if control.at_rest:
             self.course.disturbed = True  # so that it is shown
-        elif topics.viewed:
+        else:
             topics.publish_state_if_due(at_once=ended is not None)
 
     def _diagnoses(self) -> list[Diagnosis]:

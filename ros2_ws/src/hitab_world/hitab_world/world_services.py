@@ -13,7 +13,7 @@ from hitab_ros.answering import Serve, answering
 from hitab_world.course import Course
 from hitab_world.settings import check_factor, check_pace
 from hitab_world.world import Placement
-from hitab_world.world_persistence import WorldPersistence
+from hitab_world.world_memory import WorldMemory
 from hitab_world.world_topics import WorldTopics
 
 SNAPSHOTS_MAX = 100
@@ -27,7 +27,7 @@ class WorldServices:
         self,
         node: GuardedNode,
         course: Course,
-        persistence: WorldPersistence,
+        memory: WorldMemory,
         topics: WorldTopics,
         look: Callable[[], Any],
     ) -> None:
@@ -36,12 +36,12 @@ class WorldServices:
         Args:
             node: to offer them on.
             course: what they change.
-            persistence: holds the snapshots.
+            memory: holds the snapshots.
             topics: publish changes at once.
             look: updates which agents have joined the world.
         """
         self._course = course
-        self._persistence = persistence
+        self._memory = memory
         self._topics = topics
         self._look = look
         offered: list[tuple[Any, str, Serve]] = [
@@ -60,21 +60,12 @@ class WorldServices:
             done = serve(request, response)
             self._course.changes += 1
             response.change = self._course.changes
-            self._persistence.save_now()
+            self._memory.save_now()
             return done
 
         return served
 
     def _control(self, request: srv.Control.Request, response: srv.Control.Response) -> str:
-        course, actions = self._course, srv.Control.Request
-        done = self._do(request)
-        course.touched = True
-        response.cycle = course.world.cycle + course.control.steps_left
-        if request.action != actions.STEP:
-            self._topics.publish_status()
-        return done
-
-    def _do(self, request: srv.Control.Request) -> str:
         course, control, actions = self._course, self._course.control, srv.Control.Request
         if request.action in (actions.RESUME, actions.STEP):
             self._need_release()
@@ -82,41 +73,45 @@ class WorldServices:
             case actions.PAUSE:
                 control.pause()
                 course.disturbed = True
-                return "paused"
+                done = "paused"
             case actions.RESUME:
                 control.resume()
-                return "running"
+                done = "running"
             case actions.STEP:
-                if not request.cycles:
-                    raise HitabError("step needs a number of cycles greater than 0")
-                self._need_agents()
-                control.step(request.cycles)
-                return f"stepping {quantity(request.cycles, 'cycle')}"
+                self._step(request.cycles)
+                done = f"stepping {quantity(request.cycles, 'cycle')}"
             case actions.RESET:
                 course.begin_episode()
-                return f"episode {course.world.episode}"
+                done = f"episode {course.world.episode}"
             case actions.PACE:
                 check_factor(request.factor or control.factor)
                 if request.pace:
                     check_pace(request.pace)
                     control.pace = request.pace
                     course.disturbed = True  # the agents must know whether the world waits
-                if request.factor:
-                    control.factor = request.factor
-                return f"pace {control.pace}, factor {control.factor:g}"
+                control.factor = request.factor or control.factor
+                done = f"pace {control.pace}, factor {control.factor:g}"
             case action:
                 known = (actions.PAUSE, actions.RESUME, actions.STEP, actions.RESET, actions.PACE)
                 raise HitabError(unknown("action", action, known))
+        course.touched = True
+        response.cycle = course.world.cycle + control.steps_left
+        if request.action != actions.STEP:
+            self._topics.publish_status()
+        return done
 
-    def _need_agents(self) -> None:
-        agents = self._course.world.agents
+    def _step(self, cycles: int) -> None:
+        if not cycles:
+            raise HitabError("step needs a number of cycles greater than 0")
         self._look()
         if not self._course.round_answers.present:
-            raise HitabError(f"no agent has joined the world; start any of {', '.join(agents)}")
+            agents = ", ".join(self._course.world.agents)
+            raise HitabError(f"no agent has joined the world; start any of {agents}")
+        self._course.control.step(cycles)
 
     def _need_release(self) -> None:
-        if self._course.control.held:
-            raise HitabError(f"{self._course.control.held}; `hitab go` releases it")
+        if held := self._course.control.held:
+            raise HitabError(f"{held}; `hitab go` releases it")
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
         course = self._course
@@ -147,8 +142,8 @@ class WorldServices:
         return f"placed {len(request.entities)}"
 
     def _snapshot(self, request: srv.Snapshot.Request, response: srv.Snapshot.Response) -> str:
-        persistence, actions = self._persistence, srv.Snapshot.Request
-        kept = persistence.named
+        memory, actions = self._memory, srv.Snapshot.Request
+        kept = memory.named
         name = request.name
         if request.action != actions.LIST and not name:
             raise HitabError("a snapshot needs a name, as in `hitab world snapshot save corner`")
@@ -161,14 +156,14 @@ class WorldServices:
                         f"there are {len(kept)} snapshots; delete one of them first, with "
                         "`hitab world snapshot delete NAME`"
                     )
-                persistence.save(name, self._course.world.snapshot())
+                memory.save(name, self._course.world.snapshot())
                 done = f'saved "{name}"'
             case actions.RESTORE:
                 self._course.world.restore(kept[name])
                 self._course.change()
                 done = f'restored "{name}"'
             case actions.DELETE:
-                persistence.delete(name)
+                memory.delete(name)
                 done = f'deleted "{name}"'
             case actions.LIST:
                 done = quantity(len(kept), "snapshot")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import asdict
+from typing import Any
 
 from hitab_msgs import msg
 from rosgraph_msgs.msg import Clock
@@ -16,15 +17,9 @@ from hitab_world.settings import WorldSettings
 
 
 class WorldTopics:
-    """Publishes a world's course; the state and the clock only while there are subscribers.
-
-    Attributes:
-        viewed: whether the state has subscribers.
-        clocked: whether the clock has subscribers.
-    """
+    """Publishes a world's course; the state and the clock only while there are subscribers."""
 
     def __init__(self, node: GuardedNode, course: Course, settings: WorldSettings) -> None:
-        self.viewed = self.clocked = False
         self._guard = node.guard
         self._course = course
         self._world = course.world
@@ -40,20 +35,18 @@ class WorldTopics:
         self._episodes = node.create_publisher(msg.Episode, names.EPISODES, qos.EVENTS)
         self._clock = node.create_publisher(Clock, names.CLOCK, qos.STREAM)
 
-    def look_for_viewers(self) -> None:
-        """Check whether the state and the clock have subscribers."""
-        self.viewed = self._state.get_subscription_count() > 0
-        self.clocked = self._clock.get_subscription_count() > 0
-
     @property
     def episodes_are_heard(self) -> bool:
         """Whether the episodes have subscribers."""
         return self._episodes.get_subscription_count() > 0
 
     def publish_clock(self) -> None:
-        """Publish the world's time."""
-        world = self._world
-        self._clock.publish(Clock(clock=time_of(world.cycle * world.cycle_seconds)))
+        """Publish the world's time, if anybody wants to know it."""
+        if self._clock.get_subscription_count():
+            self._clock.publish(Clock(clock=self._now()))
+
+    def _now(self) -> Any:
+        return time_of(self._world.cycle * self._world.cycle_seconds)
 
     # -- how it is run ----------------------------------------------------------------------
 
@@ -72,7 +65,7 @@ class WorldTopics:
         faults = self._guard.faults.texts()
         self._status.publish(
             msg.WorldStatus(
-                stamp=time_of(world.cycle * world.cycle_seconds),
+                stamp=self._now(),
                 world=world.name,
                 mode=self._mode(),
                 pace=control.pace,
@@ -118,9 +111,9 @@ class WorldTopics:
     # -- the state --------------------------------------------------------------------------
 
     def publish_state_if_due(self, *, at_once: bool) -> None:
-        """Publish the true state at the rate of the settings, or at once."""
+        """Publish the true state to viewers at the rate of the settings, or at once."""
         now = time.monotonic_ns()
-        if now >= self._next_state_ns or at_once:
+        if (now >= self._next_state_ns or at_once) and self._state.get_subscription_count():
             self._next_state_ns = now + int(NANOSECONDS / self._settings.state_rate)
             self.publish_state()
 
@@ -130,9 +123,7 @@ class WorldTopics:
         entities = self._guard.wrap("the state for viewers", self._entities, otherwise=[])()
         self._state.publish(
             msg.WorldState(
-                header=Header(
-                    stamp=time_of(world.cycle * world.cycle_seconds), frame_id=world.name
-                ),
+                header=Header(stamp=self._now(), frame_id=world.name),
                 world=world.name,
                 mode=self._mode(),
                 cycle=world.cycle,
@@ -149,8 +140,4 @@ class WorldTopics:
         self._note = ""
 
     def _entities(self) -> list[msg.Entity]:
-        fields = ("name", "kind", "x", "y", "heading", "vx", "vy", "radius", "say")
-        return [
-            msg.Entity(**{field: getattr(entity, field) for field in fields})
-            for entity in self._world.entities()
-        ]
+        return [msg.Entity(**asdict(entity)) for entity in self._world.entities()]

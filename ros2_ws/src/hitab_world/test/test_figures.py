@@ -7,7 +7,7 @@ import pytest
 
 from hitab_core.errors import HitabError
 from hitab_ros.spinning import make_node, spinner
-from hitab_world.figures import declare_all_figures, declare_figures
+from hitab_world.figures import declare_figures
 from hitab_world.parameters import Parameters
 
 
@@ -52,10 +52,10 @@ def test_figures_are_given_on_the_command_line(node_given):
 
 def test_several_dataclasses_give_the_figures_of_one_world(node_given):
     node = node_given("host:=there", "leaves:=7")
-    assert declare_all_figures(node, Place, PuddleParameters) == (
+    assert declare_figures(node, Place, PuddleParameters) == [
         Place("there"),
         PuddleParameters(leaves=7),
-    )
+    ]
 
 
 @pytest.mark.parametrize(

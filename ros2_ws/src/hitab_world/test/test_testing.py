@@ -44,10 +44,6 @@ class Line:
             self.random.random()
         return [self.x[agent]], []
 
-    def percepts(self):
-        order = reversed(self.agents) if self.flaw == "batches in another order" else self.agents
-        return Rows([[self.x[name]] for name in order])
-
     def step(self, actions):
         if self.ended and self.flaw != "goes on after the end":
             raise WorldError("has ended; reset()")
@@ -128,13 +124,6 @@ class Line:
         return EpisodeResult(self.episode, self.seed, self.episode_cycle, seconds, self.ended)
 
 
-class Rows(list):
-    """Rows as an array gives them."""
-
-    def tolist(self):
-        return list(self)
-
-
 WANDERING = Wandering([[], [0.1], [-0.2]])
 
 
@@ -156,7 +145,6 @@ def test_a_world_that_keeps_its_promises_passes():
         ("believes in damaged snapshots", "raises a WorldError"),
         ("goes on after the end", "after the end of an episode raises"),
         ("places half", "nothing is placed if anything is refused"),
-        ("batches in another order", "in the order of `agents`"),
     ],
 )
 def test_a_flaw_is_found(flaw, message):

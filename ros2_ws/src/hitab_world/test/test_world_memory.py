@@ -1,73 +1,109 @@
-"""What a world goes on from after a restart of its process."""
+"""What a world goes on from after a restart of its process, however soon it ends."""
+
+import json
 
 import pytest
+from hitab_msgs.msg import WorldStatus
 
 from hitab_core.errors import HitabError
-from hitab_world import world_memory
+from hitab_world.control import Control
+from hitab_world.course import Course
+from hitab_world.lockstep import RoundAnswers
+from hitab_world.settings import WorldSettings
 from hitab_world.world_memory import LATEST, WorldMemory
 
-RUN, NEXT_RUN = "keepaway-1", "keepaway-2"
+RUN, NEXT_RUN = "pond-1", "pond-2"
+
+
+class Pond:
+    cycle = 0
+    ducks = 0
+
+    def snapshot(self):
+        return {"ducks": self.ducks}
+
+    def restore(self, snapshot):
+        self.ducks = snapshot["ducks"]
 
 
 @pytest.fixture
-def warned():
-    return []
+def memory_of(tmp_path):
+    """Make what a new process of a swarm's world remembers; its warnings are in ``warned``."""
+
+    def make(swarm=RUN):
+        control = Control(WorldStatus.LOCKSTEP, 1.0, paused=True)
+        made.course = Course(Pond(), control, RoundAnswers((), lambda _: True))
+        settings = WorldSettings(swarm=swarm, state_dir=str(tmp_path), snapshot_period=60.0)
+        return WorldMemory("world", made.course, settings, made.warned.append)
+
+    made = make
+    made.warned = []
+    return make
 
 
-def make(folder, warned, swarm=RUN):
-    return WorldMemory(folder / "world", swarm, warned.append)
+def ask_for(memory_of, episodes):
+    memory_of.course.control.episodes_left = memory_of.course.world.ducks = episodes
+    memory_of.course.change()
 
 
-def test_the_last_state_that_was_kept_is_there_for_the_same_swarm_only(tmp_path, warned):
-    memory = make(tmp_path, warned)
-    for cycle in range(200):
-        memory.keep({"cycle": cycle})
-    memory.close()
-    assert make(tmp_path, warned).latest()["cycle"] == 199
-    assert make(tmp_path, warned, NEXT_RUN).latest() is None
-    assert warned == []
-    assert [path.name for path in (tmp_path / "world").iterdir()] == []
+def test_a_request_is_saved_before_it_is_acknowledged_also_right_after_another(
+    memory_of, tmp_path
+):
+    """It was saved once the world had its leisure: a world killed before then stood still."""
+    memory = memory_of()
+    memory.save_now()
+    assert not (tmp_path / "world").exists(), "nothing has changed"
+    for episodes in range(1, 6):
+        ask_for(memory_of, episodes)
+        memory.save_now()
+        saved = json.loads((tmp_path / "world" / LATEST).read_bytes())
+        assert saved["control"]["episodes_left"] == episodes
+    assert memory_of.warned == []
 
 
-def test_saved_snapshots_are_there_under_any_name_until_they_are_deleted(tmp_path, warned):
-    memory = make(tmp_path, warned)
+def test_the_last_state_is_there_for_the_same_swarm_only(memory_of):
+    memory = memory_of()
+    ask_for(memory_of, 7)
+    memory.save_latest()
+    assert not memory_of(NEXT_RUN).restore()
+    assert memory_of().restore()
+    course = memory_of.course
+    assert (course.world.ducks, course.control.episodes_left) == (7, 7)
+
+
+def test_saved_snapshots_are_there_under_any_name_until_they_are_deleted(memory_of):
+    memory = memory_of()
     for name in ("corner", "../x", "a" * 300, ""):
         memory.save(name, {"of": name})
     memory.delete("corner")
-    found = make(tmp_path, warned).named()
-    assert found == {name: {"of": name} for name in ("../x", "a" * 300, "")}
-    assert make(tmp_path, warned, NEXT_RUN).named() == found, "somebody may have saved them"
+    for swarm in (RUN, NEXT_RUN):
+        again = memory_of(swarm)
+        again.restore()
+        assert again.named == {name: {"of": name} for name in ("../x", "a" * 300, "")}
 
 
-@pytest.mark.parametrize("damaged", [b"", b"\0" * 50, b'{"swarm"', b"[]", b"\xff", b"[" * 10**5])
-def test_damaged_files_are_ignored_with_a_warning_that_names_them(tmp_path, warned, damaged):
-    memory = make(tmp_path, warned)
-    memory.save("corner", {})
+@pytest.mark.parametrize("damaged", [b"", b"\0" * 50, b"[]", b"{}", b"\xff", b"[" * 10**5])
+def test_damaged_files_are_ignored_with_a_warning_that_names_them(memory_of, tmp_path, damaged):
+    memory_of().save("corner", {})
     (saved,) = (tmp_path / "world").iterdir()
     latest = tmp_path / "world" / LATEST
     for file in (saved, latest):
         file.write_bytes(damaged)
-    memory = make(tmp_path, warned)
-    assert memory.latest() is None
-    assert memory.named() == {}
-    assert [str(file) in text for file, text in zip((latest, saved), warned, strict=True)] == [
-        True,
-        True,
+    memory = memory_of()
+    assert not memory.restore()
+    assert memory.named == {}
+    assert [
+        str(file) in text for file, text in zip((saved, latest), memory_of.warned, strict=True)
     ]
 
 
-def test_a_state_that_is_too_large_is_refused(tmp_path, warned, monkeypatch):
-    monkeypatch.setattr(world_memory, "BYTES_MAX", 1000)
-    with pytest.raises(HitabError, match="1000"):
-        make(tmp_path, warned).keep({"text": "x" * 1000})
-
-
-def test_a_folder_that_cannot_be_written_is_told_once(tmp_path, warned):
+def test_what_cannot_be_saved_is_told_once_and_holds_up_no_request(memory_of, tmp_path):
     (tmp_path / "world").write_text("not a folder")
-    memory = make(tmp_path, warned)
-    for cycle in range(3):
-        memory.keep({"cycle": cycle})
-    memory.close()
-    assert len(warned) == 1
+    memory = memory_of()
+    for episodes in (1, 2):
+        ask_for(memory_of, episodes)
+        memory.save_now()
+    (told,) = memory_of.warned
+    assert "its state cannot be saved" in told
     with pytest.raises(HitabError, match="cannot write"):
-        make(tmp_path, warned).save("corner", {})
+        memory.save("corner", {})

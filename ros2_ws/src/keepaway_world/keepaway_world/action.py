@@ -15,45 +15,74 @@ Values out of range are clipped, as in the server; extra values are ignored.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:  # an agent needs no world
+    from hitab_world import Action
 
 NONE, DASH, TURN, KICK = 0.0, 1.0, 2.0, 3.0
 
-_LENGTHS = {NONE: 1, DASH: 2, TURN: 2, KICK: 3}
-_NAMES = {NONE: "none", DASH: "dash", TURN: "turn", KICK: "kick"}
+Order = tuple[str, float, float]
+"""("dash", power, 0), ("turn", moment, 0), ("kick", power, direction) or ("none", 0, 0)."""
+
+_KINDS = {NONE: ("none", 1), DASH: ("dash", 2), TURN: ("turn", 2), KICK: ("kick", 3)}
 
 
 class ActionError(ValueError):
     """An action that is not valid."""
 
 
-Command = tuple[float, float, float]
-"""Kind, power or moment, direction."""
-
-NO_COMMAND: Command = (NONE, 0.0, 0.0)
-
-
-def parse(values: Sequence[float]) -> Command:
+def parse(values: Sequence[float]) -> Order:
     """Return the command that ``values`` encode.
 
     Raises:
         ActionError: if the kind is unknown, or a value is missing or not finite.
     """
     if len(values) == 0:
-        return NO_COMMAND
-    kind = values[0]
-    length = _LENGTHS.get(kind)
-    if length is None:
-        known = ", ".join(f"{number:g} {name}" for number, name in _NAMES.items())
-        raise ActionError(f"unknown kind of action {kind} (known: {known})")
+        return "none", 0.0, 0.0
+    if values[0] not in _KINDS:
+        known = ", ".join(f"{number:g} {name}" for number, (name, _) in _KINDS.items())
+        raise ActionError(f"unknown kind of action {values[0]} (known: {known})")
+    kind, length = _KINDS[values[0]]
     if len(values) < length:
-        raise ActionError(
-            f"a {_NAMES[kind]} has {length} values, not {len(values)}: {list(values)}"
-        )
-    if length == 1:
-        return NO_COMMAND
-    amount = values[1]
-    direction = values[2] if length == 3 else 0.0
+        raise ActionError(f"a {kind} has {length} values, not {len(values)}: {list(values)}")
+    amount, direction = (float(value) for value in (*values[1:length], 0.0, 0.0)[:2])
     if not (math.isfinite(amount) and math.isfinite(direction)):
-        raise ActionError(f"a {_NAMES[kind]} needs finite values, not {list(values)}")
-    return float(kind), float(amount), float(direction)
+        raise ActionError(f"a {kind} needs finite values, not {list(values)}")
+    return kind, amount, direction
+
+
+def orders_of(
+    actions: Mapping[str, Action],
+    agents: Sequence[str],
+    say_length: int,
+    refused: dict[str, str],
+) -> Iterator[tuple[str, Order, str]]:
+    """Yield what each keeper does and says, in the order of the agents.
+
+    Args:
+        actions: by agent.
+        agents: names of all agents.
+        say_length: of the longest message.
+        refused: receives what is wrong with an action, by agent.
+    """
+    for name in agents:
+        if name not in actions:
+            continue
+        try:
+            values, say = actions[name]
+            order = parse(values)
+        except (ValueError, TypeError) as error:
+            refused[name] = f"{name}: {error}; treated as no action"
+            continue
+        if say and not (isinstance(say, str) and len(say) <= say_length):
+            refused[name] = (
+                f"{name}: cannot say {say!r}: a message is text of at most {say_length} "
+                "characters; it is not heard"
+            )
+            say = ""
+        yield name, order, say
+    for name in actions:
+        if name not in agents:
+            refused[name] = f'no keeper "{name}" (known: {", ".join(agents)})'

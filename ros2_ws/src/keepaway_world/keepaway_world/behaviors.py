@@ -12,6 +12,7 @@ from hitab_core import BasicBehavior
 from keepaway_world import percept
 from keepaway_world.angles import wrapped
 from keepaway_world.body import NOBODY, YELL, KeeperBody
+from keepaway_world.features import direction_to
 from keepaway_world.kicking import kick_acceleration, kick_power, off_place, pass_speed
 from keepaway_world.percept import BALL
 
@@ -60,8 +61,13 @@ def stop(body: KeeperBody) -> None:
 
 def turn_to_ball(body: KeeperBody) -> None:
     """Turn to face the ball; at speed, a large turn takes more than one cycle."""
-    direction = body.values[BALL + 1]
-    if direction:
+    turn_to(body, BALL)
+
+
+def turn_to(body: KeeperBody, place: int) -> None:
+    """Turn to face the ball, a player or a corner; do nothing if there is no such player."""
+    direction = direction_to(body, place)
+    if direction and not math.isnan(direction):
         body.turn_by(direction)
 
 
@@ -97,7 +103,7 @@ def pass_to(body: KeeperBody, receiver: int) -> None:
 
     Does nothing if the ball is not kickable or there is no such teammate.
     """
-    if not body.ball_is_kickable or receiver == NOBODY:
+    if not body.ball_is_kickable or receiver < 0:
         return
     p, values = body.parameters, body.values
     ball_x, ball_y = body.vector_to(BALL)
@@ -186,4 +192,5 @@ BEHAVIORS = (
         get_open,
         description="move away from teammates, within 10 m of the center",
     ),
+    BasicBehavior("TurnTo", turn_to, parameters=("X",), description="turn to face X"),
 )

@@ -15,6 +15,9 @@ from keepaway_world.percept import BALL, CYCLES_PER_SECOND, OTHERS
 NOBODY = -1
 """The place of a missing player, such as the closest taker if there are none."""
 
+CORNERS = {-2: (-1.0, 1.0), -3: (1.0, 1.0), -4: (1.0, -1.0), -5: (-1.0, -1.0)}
+"""The places of the box's corners, which no percept holds, and the signs of their x and y."""
+
 YELL = "pass {}"
 """A passer's yell with the receiver's number; 10 characters at most, for numbers to 99999."""
 
@@ -195,6 +198,13 @@ class KeeperBody:
         bearing = self.values[percept.HEADING] + self.values[place + 1]
         distance = self.values[place]
         return distance * math.cos(bearing), distance * math.sin(bearing)
+
+    def corner(self, place: int) -> tuple[float, float]:
+        """Return the distance of a corner, m, and its direction relative to the body, rad."""
+        (right, up), (x, y) = CORNERS[place], self.position
+        dx = right * self.values[percept.WIDTH] / 2.0 - x
+        dy = up * self.values[percept.HEIGHT] / 2.0 - y
+        return math.hypot(dx, dy), wrapped(math.atan2(dy, dx) - self.heading)
 
     def angle_between(self, place: int, other: int) -> float:
         """Return the angle at the keeper between two players, on [0, pi]."""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from hitab_core import Feature, FeatureKind, Target
-from keepaway_world import features_of_all as of_all
-from keepaway_world.body import NOBODY, YELL, KeeperBody
+from keepaway_world.body import CORNERS, NOBODY, YELL, KeeperBody
 from keepaway_world.percept import BALL
 
 NAN = float("nan")
@@ -14,12 +14,16 @@ NAN = float("nan")
 
 def distance_to(body: KeeperBody, place: int) -> float:
     """Return the distance between the centers, m; NaN if there is no such player."""
-    return NAN if place == NOBODY else body.values[place]
+    if place >= 0:
+        return body.values[place]
+    return NAN if place == NOBODY else body.corner(place)[0]
 
 
 def direction_to(body: KeeperBody, place: int) -> float:
     """Return the direction relative to the body, rad on [-pi, pi], counter-clockwise."""
-    return NAN if place == NOBODY else body.values[place + 1]
+    if place >= 0:
+        return body.values[place + 1]
+    return NAN if place == NOBODY else body.corner(place)[1]
 
 
 def i_was_yelled_at(body: KeeperBody) -> float:
@@ -44,6 +48,10 @@ def a_teammate_is_closer_to_ball(body: KeeperBody) -> float:
     return 0.0
 
 
+def _corner(place: int, body: KeeperBody) -> int:
+    return place
+
+
 FEATURES = (
     Feature(
         "DistanceTo",
@@ -51,7 +59,6 @@ FEATURES = (
         parameters=("X",),
         unit="m",
         description="distance to X",
-        read_all=of_all.distance_to_all,
     ),
     Feature(
         "DirectionTo",
@@ -60,40 +67,35 @@ FEATURES = (
         parameters=("X",),
         unit="rad",
         description="direction to X relative to the body, counter-clockwise",
-        read_all=of_all.direction_to_all,
     ),
     Feature(
         "IWasYelledAt",
         i_was_yelled_at,
         FeatureKind.BOOLEAN,
         description="a passer has just yelled to this keeper",
-        read_all=of_all.all_yelled_at,
     ),
     Feature(
         "BallIsKickable",
         ball_is_kickable,
         FeatureKind.BOOLEAN,
         description="the ball is within kicking range",
-        read_all=of_all.ball_is_kickable_for_all,
     ),
     Feature(
         "ATeammateIsCloserToBall",
         a_teammate_is_closer_to_ball,
         FeatureKind.BOOLEAN,
         description="another keeper is closer to the ball",
-        read_all=of_all.teammates_closer_to_ball_of_all,
     ),
 )
 
 TARGETS = (
-    Target("ball", lambda body: BALL, "the ball", of_all.ball_of_all),
-    Target(
-        "closest_keeper",
-        KeeperBody.closest_keeper,
-        "the closest other keeper",
-        of_all.closest_keeper_of_all,
-    ),
-    Target(
-        "closest_taker", KeeperBody.closest_taker, "the closest taker", of_all.closest_taker_of_all
+    Target("ball", lambda body: BALL, "the ball"),
+    Target("closest_keeper", KeeperBody.closest_keeper, "the closest other keeper"),
+    Target("closest_taker", KeeperBody.closest_taker, "the closest taker"),
+    *(
+        Target(f"{name}_corner", partial(_corner, place), f"the box's {name} corner")
+        for name, place in zip(
+            ("top_left", "top_right", "bottom_right", "bottom_left"), CORNERS, strict=True
+        )
     ),
 )

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from keepaway_world.action import Order
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.physics import Mover
@@ -17,9 +18,6 @@ SOONEST, HORIZON = 2, 40  # cycles that a player looks ahead
 FULL = 100.0
 TURNS_MAX = 5
 ALIGNED = math.radians(10.0)  # a player that is off by less than this dashes
-
-Order = tuple[str, float, float]
-"""("dash", power, 0), ("turn", moment, 0) or ("kick", power, direction); angles in rad."""
 
 Point = tuple[float, float]
 

@@ -23,7 +23,6 @@ from hitab_world.parameters import (
 
 SIGHTS = ("quantised", "full")
 RESET_ANGLES = ("drawn", "kept")
-TAKER_POLICIES = ("intercept", "reference")
 
 
 _FROM_0 = (
@@ -42,8 +41,8 @@ class KeepawayParameters(Parameters):
         taker_speed: factor on the power of the takers' dashes (the paper: a quarter), known to
             them.
         taker_policy: "intercept": go where the ball can first be reached, seeing all exactly; or
-            "reference": UT Austin's own takers, which see as `sight` says and do not know that
-            they are slow. Their memory is not part of a snapshot.
+            what another package offers, see `keepaway_world.players`. The memory of such takers
+            is not part of a snapshot.
         ball_collides: whether players collide with the ball (the paper: they cannot).
         players_collide: whether players collide with each other.
         sight: "quantised" as a player of rcssserver sees, or "full": exact.
@@ -71,7 +70,6 @@ class KeepawayParameters(Parameters):
             **dict.fromkeys(("player_decay", "ball_decay"), FRACTION),
             "sight": one_of(*SIGHTS),
             "reset_angles": one_of(*RESET_ANGLES),
-            "taker_policy": one_of(*TAKER_POLICIES),
         }
     )
 

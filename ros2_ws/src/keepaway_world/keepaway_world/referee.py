@@ -157,12 +157,13 @@ def set_up(physics: Physics, random: Random) -> None:
                 x, y = random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)
         heading = random.uniform(-math.pi, math.pi) if drawn else player.heading
         physics.put(player, x, y, heading)
+    physics.put(physics.ball, *ball_start(p))
+
+
+def ball_start(p: KeepawayParameters) -> tuple[float, float]:
+    """Return where the ball begins, m."""
     corner_x, corner_y = KEEPER_CORNERS[0]
-    physics.put(
-        physics.ball,
-        corner_x * (p.width / 2.0 - BALL_INSET),
-        corner_y * (p.height / 2.0 - BALL_INSET),
-    )
+    return corner_x * (p.width / 2.0 - BALL_INSET), corner_y * (p.height / 2.0 - BALL_INSET)
 
 
 def _in_corner(

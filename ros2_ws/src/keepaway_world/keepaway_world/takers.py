@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import math
 
+from keepaway_world.action import Order
 from keepaway_world.angles import wrapped
-from keepaway_world.interception import FULL, Interceptor, Order, turn_by
+from keepaway_world.interception import FULL, Interceptor, turn_by
 from keepaway_world.kicking import kick_power
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.physics import Mover, Physics
@@ -19,15 +20,17 @@ from keepaway_world.physics import Mover, Physics
 class TakerTeam:
     """Decides for all takers of a world; shared results are computed once per cycle."""
 
-    def __init__(self, parameters: KeepawayParameters) -> None:
-        self.parameters = parameters
+    def __init__(self, physics: Physics) -> None:
+        self._physics = physics
+        self.parameters = parameters = physics.parameters
         self._interceptor = Interceptor(parameters, parameters.taker_speed)
 
     def begin(self) -> None:
         """Begin an episode; takers keep no state."""
 
-    def decide(self, physics: Physics) -> list[Order]:
+    def decide(self) -> list[Order]:
         """Return the order of each taker for this cycle; its dash power is already slowed."""
+        physics = self._physics
         takers, ball = physics.takers, physics.ball
         if not takers:
             return []

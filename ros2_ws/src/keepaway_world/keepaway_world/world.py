@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from random import Random
 from typing import Any
 
-from hitab_core import has, world_seed
+from hitab_core import world_seed
 from hitab_world import (
     Action,
     Entity,
@@ -19,18 +19,15 @@ from hitab_world import (
     snapshots,
 )
 from hitab_world.snapshots import finite, text, texts
-from keepaway_world import action, referee
+from keepaway_world import referee
+from keepaway_world.action import Order, orders_of
+from keepaway_world.arranging import entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
-from keepaway_world.percept import CYCLES_PER_SECOND, perceive
+from keepaway_world.percept import perceive
 from keepaway_world.physics import Mover, Physics
-from keepaway_world.reference.takers import ReferenceTakers
-from keepaway_world.takers import TakerTeam
+from keepaway_world.players import takers_of
 
 SNAPSHOT_VERSION = 2
-
-FARTHEST = 1000.0
-"""Largest distance from the center of the field, m, at which something can be placed."""
-
 
 LOOKS: Mapping[str, Look] = {
     "keeper": Look(),
@@ -49,6 +46,9 @@ class KeepawayWorld:
         parameters: of the game; the paper's by default.
         seed: of the run. Episode i draws from a generator seeded by both, so that it can be
             replayed by itself.
+
+    Raises:
+        ParameterError: if there are no takers as the parameters name them.
     """
 
     name = "keepaway"
@@ -67,11 +67,7 @@ class KeepawayWorld:
         self._random = Random()
         self._physics = Physics(parameters, self._random)
         self._referee = referee.Referee(parameters)
-        self._team = (
-            ReferenceTakers(self._physics)
-            if parameters.taker_policy == "reference"
-            else TakerTeam(parameters)
-        )
+        self._team = takers_of(self._physics)
         self._movers = {mover.name: mover for mover in self._physics.movers}
         self._keepers = {mover.name: mover for mover in self._physics.keepers}
         self.agents: tuple[str, ...] = tuple(self._keepers)
@@ -116,9 +112,10 @@ class KeepawayWorld:
             raise WorldError(
                 f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
             )
-        takers = self._team.decide(self._physics)  # from the state at the beginning of the cycle
+        takers = self._team.decide()  # from the state at the beginning of the cycle
         said, self.refused = self._perform(actions)
-        self._perform_takers(takers)
+        for taker, order in zip(self._physics.takers, takers, strict=True):
+            self._carry_out(taker, order)
         self._physics.advance()
         self._said = said
         self._heard = self._hear(said) if said else {}
@@ -133,46 +130,23 @@ class KeepawayWorld:
 
     def _perform(self, actions: Mapping[str, Action]) -> tuple[dict[str, str], dict[str, str]]:
         """Carry out the keepers' commands; return what they say and what was refused."""
-        physics = self._physics
         said: dict[str, str] = {}
         refused: dict[str, str] = {}
-        for name, keeper in self._keepers.items():
-            if name not in actions:
-                continue
-            try:
-                values, say = actions[name]
-                kind, amount, direction = action.parse(values)
-            except (ValueError, TypeError) as error:
-                refused[name] = f"{name}: {error}; treated as no action"
-                continue
-            if kind == action.DASH:
-                physics.dash(keeper, amount)
-            elif kind == action.TURN:
-                physics.turn(keeper, amount)
-            elif kind == action.KICK and physics.kick(keeper, amount, direction):
-                self._referee.saw_kick(keeper)
+        orders = orders_of(actions, self.agents, self.parameters.say_length, refused)
+        for name, order, say in orders:
+            self._carry_out(self._keepers[name], order)
             if say:
-                if not isinstance(say, str) or len(say) > self.parameters.say_length:
-                    refused[name] = (
-                        f"{name}: cannot say {say!r}: a message is text of at most "
-                        f"{self.parameters.say_length} characters; it is not heard"
-                    )
-                else:
-                    said[name] = say
-        for name in actions:
-            if name not in self._keepers:
-                refused[name] = f'no keeper "{name}" (known: {", ".join(self.agents)})'
+                said[name] = say
         return said, refused
 
-    def _perform_takers(self, commands: Iterable[tuple[str, float, float]]) -> None:
-        physics = self._physics
-        for taker, (kind, amount, direction) in zip(physics.takers, commands, strict=True):
-            if kind == "dash":
-                physics.dash(taker, amount)
-            elif kind == "turn":
-                physics.turn(taker, amount)
-            elif physics.kick(taker, amount, direction):
-                self._referee.saw_kick(taker)
+    def _carry_out(self, player: Mover, order: Order) -> None:
+        kind, amount, direction = order
+        if kind == "dash":
+            self._physics.dash(player, amount)
+        elif kind == "turn":
+            self._physics.turn(player, amount)
+        elif kind == "kick" and self._physics.kick(player, amount, direction):
+            self._referee.saw_kick(player)
 
     def _hear(self, said: Mapping[str, str]) -> dict[str, list[str]]:
         """Return what each keeper hears: one message per cycle, chosen at random."""
@@ -192,20 +166,7 @@ class KeepawayWorld:
 
     def entities(self) -> list[Entity]:
         """Return the true current state of the ball and the players, in SI units."""
-        return [
-            Entity(
-                mover.name,
-                mover.kind,
-                mover.x,
-                mover.y,
-                mover.heading,
-                mover.vx * CYCLES_PER_SECOND,
-                mover.vy * CYCLES_PER_SECOND,
-                mover.radius,
-                self._said.get(mover.name, ""),
-            )
-            for mover in self._physics.movers
-        ]
+        return entities_of(self._physics, self._said)
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
         """Put players or the ball somewhere else; nothing is placed if anything is refused.
@@ -214,31 +175,19 @@ class KeepawayWorld:
             WorldError: naming what does not exist or is impossible.
         """
         placements = list(placements)
-        for placement in placements:
-            mover = self._movers.get(placement.name)
-            if mover is None:
-                known = has(self._movers, placement.name)
-                raise WorldError(f'nothing is called "{placement.name}" {known}')
-            _check(placement, mover)
+        places = placed(placements, self._movers)
         if new_episode:
             self.reset()
-        for placement in placements:
-            mover = self._movers[placement.name]
-            self._physics.put(
-                mover,
-                _or(placement.x, mover.x),
-                _or(placement.y, mover.y),
-                math.remainder(_or(placement.heading, mover.heading), 2.0 * math.pi),
-                _or(placement.vx / CYCLES_PER_SECOND, mover.vx),
-                _or(placement.vy / CYCLES_PER_SECOND, mover.vy),
-            )
+            places = placed(placements, self._movers)
+        for name, place in places.items():
+            self._physics.put(self._movers[name], *place)
 
     def snapshot(self) -> dict[str, Any]:
         """Return the complete state, with its random generator, as JSON-serializable data."""
         version, internal, gauss = self._random.getstate()
         return {
             **snapshots.header(self, SNAPSHOT_VERSION),
-            "movers": {m.name: [m.x, m.y, m.heading, m.vx, m.vy] for m in self._physics.movers},
+            "movers": {name: list(place) for name, place in places_of(self._physics).items()},
             "said": dict(self._said),
             "heard": {name: list(messages) for name, messages in self._heard.items()},
             "referee": self._referee.state(),
@@ -285,31 +234,3 @@ def _random_state(version: Any, internal: Any, gauss: Any) -> tuple[Any, ...]:
     state = version, tuple(internal), None if gauss is None else finite(gauss)
     Random().setstate(state)
     return state
-
-
-def _or(value: float, otherwise: float) -> float:
-    """Return ``value``, or ``otherwise`` if it is NaN."""
-    return otherwise if math.isnan(value) else float(value)
-
-
-def _check(placement: Placement, mover: Mover) -> None:
-    """Refuse impossible placements: too far away, or faster than the body can move."""
-    for field in ("x", "y", "heading", "vx", "vy"):
-        if math.isinf(getattr(placement, field)):
-            raise WorldError(f"{placement.name}: {field} is infinite; give a number or NaN")
-    for field in ("x", "y"):
-        if abs(getattr(placement, field)) > FARTHEST:
-            raise WorldError(
-                f"{placement.name}: {field} {getattr(placement, field):g} m is beyond "
-                f"{FARTHEST:g} m; give it a place near the field, whose center is (0, 0)"
-            )
-    vx = _or(placement.vx, mover.vx * CYCLES_PER_SECOND)
-    vy = _or(placement.vy, mover.vy * CYCLES_PER_SECOND)
-    fastest = mover.speed_max * CYCLES_PER_SECOND
-    if math.hypot(vx, vy) > fastest * 1.001 and not (
-        math.isnan(placement.vx) and math.isnan(placement.vy)
-    ):
-        raise WorldError(
-            f"{placement.name}: a speed of {math.hypot(vx, vy):.2f} m/s exceeds its maximum, "
-            f"{fastest:g} m/s"
-        )

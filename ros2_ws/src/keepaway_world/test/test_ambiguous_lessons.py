@@ -47,10 +47,10 @@ def evidence(automaton, state, classifier):
     )
 
 
-def asked(given, readings, here, shipped):
+def asked(given, perceived, shipped):
     """Return the questions that come, each answered as the shipped automaton decides, and then."""
     questions = []
-    while open_questions := ambiguities(given, readings=readings, here=here):
+    while open_questions := ambiguities(given, perceived):
         question = open_questions[0]
         questions.append(question)
         (answer,) = shipped.predict([question.situation])
@@ -59,12 +59,9 @@ def asked(given, readings, here, shipped):
     return questions, given
 
 
-def situations_seen(automaton, state):
-    """Return the values of all examples of an automaton, and which are of a state."""
-    return (
-        [example.features for example in automaton.examples],
-        [example.state == state for example in automaton.examples],
-    )
+def situations_seen(automaton):
+    """Return the states and values of all examples of an automaton."""
+    return [(example.state, example.features) for example in automaton.examples]
 
 
 @pytest.mark.parametrize("state", ["GotoBall", "Stop"])
@@ -76,7 +73,7 @@ def test_control_ball_asks_without_the_tie_rule_and_answered_it_is_the_shipped_o
     shipped = evidence(automaton, state, "tree").learn()
     wrong = given.learn().predict(SITUATIONS) != shipped.predict(SITUATIONS)
     assert wrong.any()
-    (question,), answered = asked(given, *situations_seen(automaton, state), shipped)
+    (question,), answered = asked(given, situations_seen(automaton), shipped)
     texts = {side.because for side in (question.learned, question.other)}
     near = "DistanceTo(closest_taker) "
     assert any("BallIsKickable" in text for text in texts)
@@ -92,11 +89,11 @@ def test_control_ball_asks_without_the_tie_rule_and_answered_it_is_the_shipped_o
 def test_it_asks_the_same_with_the_tie_rule_and_answers_change_no_decision(automata):
     automaton = automata["ControlBall"]
     for state in ("GotoBall", "Stop"):
-        seen = situations_seen(automaton, state)
+        seen = situations_seen(automaton)
         with_rule = evidence(automaton, state, "tree")
         shipped = with_rule.learn()
-        questions, answered = asked(with_rule, *seen, shipped)
-        without, _ = asked(replace(with_rule, classifier=NO_RULE), *seen, shipped)
+        questions, answered = asked(with_rule, seen, shipped)
+        without, _ = asked(replace(with_rule, classifier=NO_RULE), seen, shipped)
         assert [question.key for question in questions] == [question.key for question in without]
         assert (answered.learn().predict(SITUATIONS) == shipped.predict(SITUATIONS)).all()
 
@@ -106,4 +103,4 @@ def test_the_other_lessons_leave_nothing_to_ask(automata):
         for state in dict.fromkeys(example.state for example in automata[name].examples):
             if state not in FLAGS:
                 given = evidence(automata[name], state, "tree")
-                assert asked(given, *situations_seen(automata[name], state), None)[0] == []
+                assert asked(given, situations_seen(automata[name]), None)[0] == []

@@ -35,25 +35,36 @@ def perform(world, behavior, name="keeper_1", cycles=1):
 
 
 def test_the_vocabulary_is_the_papers():
-    assert set(DOMAIN.behaviors) == {
-        "GoFast",
-        "GoMedium",
-        "GoSlow",
-        "Stop",
-        "Pass",
-        "GetOpen",
-        "TurnToBall",
-    }
-    assert set(DOMAIN.features) == {
-        "DistanceTo",
-        "DirectionTo",
-        "IWasYelledAt",
-        "BallIsKickable",
-        "ATeammateIsCloserToBall",
-    }
-    assert set(DOMAIN.targets) == {"ball", "closest_keeper", "closest_taker"}
+    going = {"GoFast", "GoMedium", "GoSlow", "Stop", "TurnTo", "TurnToBall"}
+    assert set(DOMAIN.behaviors) == {*going, "Pass", "GetOpen"}
+    seeing = {"DistanceTo", "DirectionTo", "BallIsKickable"}
+    assert set(DOMAIN.features) == {*seeing, "IWasYelledAt", "ATeammateIsCloserToBall"}
+    corners = {f"{end}_{side}_corner" for end in ("top", "bottom") for side in ("left", "right")}
+    assert set(DOMAIN.targets) == {*corners, "ball", "closest_keeper", "closest_taker"}
     assert [b.name for b in DOMAIN.behaviors.values() if b.one_shot] == ["Pass"]
     assert "ServoBall" in DOMAIN.automata
+
+
+@pytest.mark.parametrize("target", DOMAIN.targets)
+def test_who_turns_to_something_faces_it_and_then_comes_nearer(quiet, put, target):
+    world = quiet(width=24.0, taker_speed=0.0)
+    put(world, keeper_1=(1.0, -2.0, 30.0), ball=(-3.0, -4.0), keeper_2=(5.0, 5.0))
+
+    def read(feature):
+        body = KeeperBody("keeper_1", world.parameters)
+        body.sense(*world.percept("keeper_1"))
+        return DOMAIN.features[feature].read(body, DOMAIN.targets[target].resolve(body))
+
+    turn = DOMAIN.behaviors["TurnTo"].pulse
+    perform(world, lambda body: turn(body, DOMAIN.targets[target].resolve(body)), cycles=2)
+    assert read("DirectionTo") == pytest.approx(0.0, abs=1e-6)
+    before = read("DistanceTo")
+    perform(world, behaviors.go_fast, cycles=2)
+    if target.endswith("corner"):
+        right, up = (1.0 if side in target else -1.0 for side in ("right", "top"))
+        me = entity(world, "keeper_1")
+        assert read("DistanceTo") == math.hypot(12.0 * right - me.x, 10.0 * up - me.y)
+    assert read("DistanceTo") < before - 1.0
 
 
 @pytest.mark.parametrize(

@@ -3,20 +3,20 @@
 import pytest
 from PIL import Image
 
+from hitab_client.shipped import shipped
 from hitab_core import HitabError
-from keepaway_world.parameters import variant
-from keepaway_world.reference_keepers import reference_players
 from keepaway_world.verbs import field_film
-from keepaway_world.verbs.evaluation import evaluate_reference, reference_game
-from keepaway_world.world import KeepawayWorld
+from keepaway_world.verbs.evaluation import evaluate, read_trained, trained_game
 
 SEED, EPISODE = 4, 2
 QUICK = {"taker_speed": 1.0}
+LIBRARY = shipped("libraries", "keepaway")
 
 
 @pytest.fixture
 def game():
-    return reference_game("rand", QUICK, SEED)
+    with trained_game(read_trained(LIBRARY, "Keepaway"), QUICK, SEED) as made:
+        yield made
 
 
 def pictures(path) -> int:
@@ -25,8 +25,14 @@ def pictures(path) -> int:
 
 
 def test_a_film_takes_as_long_as_the_episode_that_is_evaluated(game):
-    played = evaluate_reference(
-        "rand", episodes=EPISODE + 1, seed=SEED, parameters=QUICK, advance=lambda *_: None
+    played = evaluate(
+        LIBRARY,
+        behavior="Keepaway",
+        episodes=EPISODE + 1,
+        seed=SEED,
+        pace="inprocess",
+        parameters=QUICK,
+        advance=lambda *_: None,
     ).played[EPISODE]
     filmed = field_film.film(*game, EPISODE, 0.0, 1000.0)
     assert filmed.ended == played.ended
@@ -71,11 +77,3 @@ def test_a_film_that_cannot_be_made_is_refused_and_leaves_nothing(game, tmp_path
     with pytest.raises(KeyboardInterrupt):
         field_film.draw_film(filmed, 20.0, 20.0, tmp_path / "film.gif", interrupted)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_filming_does_not_change_what_is_played():
-    world = KeepawayWorld(variant("standard", **QUICK), SEED)
-    filmed = field_film.film(world, reference_players(world, "rand"), 0, 0.0, 2.0)
-    again = KeepawayWorld(variant("standard", **QUICK), SEED)
-    later = field_film.film(again, reference_players(again, "rand"), 0, 1.5, 0.5)
-    assert later.moments == filmed.moments[15:]

@@ -1,5 +1,6 @@
 """What a player sees gives where everything is, itself first of all."""
 
+import cmath
 import gzip
 import json
 import math
@@ -11,8 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from keepaway_world.rcss.landmarks import LANDMARKS, locate
-from keepaway_world.rcss.messages import FullState, See, SeenObject, SenseBody
-from keepaway_world.rcss.reading import parse_message
+from keepaway_world.rcss.messages import FullState, See, SeenObject, SenseBody, parse_message
 from keepaway_world.rcss.sighting import Sighting, together
 
 TRANSCRIPT = Path(__file__).parent / "data" / "keepaway_transcript.jsonl.gz"
@@ -23,9 +23,9 @@ directions = st.floats(-180.0, 180.0)
 
 def seen_from(x, y, neck, place, name, **changes):
     """Return something as it is seen, exactly, from a pose."""
-    dx, dy = place[0] - x, place[1] - y
-    direction = math.remainder(math.degrees(math.atan2(dy, dx)) - neck, 360.0)
-    return SeenObject(name, math.hypot(dx, dy), direction, **changes)
+    away = (place if isinstance(place, complex) else complex(*place)) - complex(x, y)
+    direction = math.remainder(math.degrees(cmath.phase(away)) - neck, 360.0)
+    return SeenObject(name, abs(away), direction, **changes)
 
 
 def felt(time=1, speed=0.0, direction=0.0, head=0.0, kicks=0):
@@ -44,9 +44,9 @@ def landmarks(x, y, neck):
     coordinates, coordinates, directions, st.sets(st.sampled_from(sorted(LANDMARKS)), min_size=2)
 )
 def test_two_landmarks_are_enough_to_know_where_one_is(x, y, neck, names):
-    pose = locate(seen_from(x, y, neck, LANDMARKS[name], name) for name in names)
-    assert pose[:2] == pytest.approx((x, y), abs=1e-6)
-    assert math.remainder(pose[2] - neck, 360.0) == pytest.approx(0.0, abs=1e-6)
+    place, found = locate(seen_from(x, y, neck, LANDMARKS[name], name) for name in names)
+    assert place == pytest.approx(complex(x, y), abs=1e-6)
+    assert math.remainder(found - neck, 360.0) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_one_landmark_or_none_is_not_enough():
@@ -126,9 +126,10 @@ def test_together_everyone_is_where_they_have_themselves_and_the_ball_where_it_i
 
 def test_a_kick_that_is_felt_is_told():
     sighting = player()
+    sighting.see(See(1, (*landmarks(0, 0, 0),)))
     for kicks, kicked in ((3, False), (3, False), (4, True), (4, False)):
         sighting.feel(felt(kicks=kicks))
-        assert sighting.kicked is kicked
+        assert sighting.state("play_on").players[0].kicked is kicked
 
 
 def test_in_the_recording_players_know_where_they_are_and_where_the_ball_is():

@@ -8,17 +8,17 @@ import socket
 import statistics
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from hitab_world.world import LOOK, RESTART, LiveWorld, Placement, WorldError
 from keepaway_world import percept
 from keepaway_world.parameters import PAPER, variant
-from keepaway_world.rcss.episode_watch import EpisodeWatch
-from keepaway_world.rcss.field import Field
+from keepaway_world.rcss.game import Game
+from keepaway_world.rcss.messages import EPISODE_OVER, FullState, PlayerState
 from keepaway_world.rcss.rcss_world import RcssWorld
 from keepaway_world.rcss.server_settings import ServerSettings
-from keepaway_world.referee import Referee
 
 _spec = importlib.util.spec_from_file_location(
     "rcss_stand_in", Path(__file__).parent / "rcss_stand_in.py"
@@ -74,46 +74,82 @@ def play(world, episodes=3):
     return results
 
 
-def test_it_is_a_world_that_goes_on_by_itself():
-    world = RcssWorld()
-    assert isinstance(world, LiveWorld)
-    assert world.agents == ("keeper_1", "keeper_2", "keeper_3")
-    assert "127.0.0.1:6000" in world.waiting
+draw = random.Random(1).random
+SORTS = ("(sense", "(full", "(hear", "(think", "(done", "(turn", "(dash")
 
 
-def test_episodes_end_when_and_why_the_servers_did():
-    with StandIn() as server, world_on(server) as world:
-        results = play(world)
-    assert [(r.cycles, r.ended) for r in results] == EPISODES
-    assert [r.number for r in results] == [0, 1, 2]
-    assert [r.seconds for r in results] == pytest.approx([19.0, 19.3, 24.6])
+def realtime(text):
+    return text.replace("(synch_mode 1)", "(synch_mode 0)")
+
+
+def garbled(text):
+    return text[: len(text) // 2] if text.startswith("(see") or draw() < 0.001 else text
+
+
+@pytest.mark.parametrize(
+    ("server", "settings"),
+    [
+        pytest.param({}, {}, id="a server that waits for its players"),
+        pytest.param({"begun": False}, {}, id="one that waits to be told to begin"),
+        pytest.param({"players": 3}, {"our_takers": False}, id="somebody else's takers"),
+        pytest.param({"synch": False, "edit": realtime}, {}, id="real time"),
+        pytest.param({"edit": garbled}, {}, id="garbled datagrams"),
+        pytest.param(
+            {"lose": lambda text, _: text.startswith(SORTS) and draw() < 0.001}, {}, id="lost ones"
+        ),
+        pytest.param({"lose": lambda text, _: "training" in text}, {}, id="ends nobody hears of"),
+    ],
+)
+def test_episodes_end_when_and_why_the_servers_did(server, settings):
+    with StandIn(**server) as there, world_on(there, **settings) as world:
+        results = play(world, 2)
+        assert world.size == (20.0, 20.0)
+        assert world.parameters.kickable == pytest.approx(1.085)
+        assert world.parameters.taker_speed == 1.0  # ours to decide
+    assert [(r.number, r.cycles, r.ended) for r in results] == [(0, 190, "out"), (1, 193, "out")]
+    assert [r.seconds for r in results] == pytest.approx([19.0, 19.3])
     assert all(r.measures["passes"] >= 3 for r in results)
+    assert there.begun
+    assert any(text == "(done)" for _, text in there.received) == there.synch
 
 
-def test_a_ball_that_a_taker_has_had_long_enough_was_taken():
-    field = Field(PAPER)
-    watch = EpisodeWatch(Referee(PAPER), field.physics)
-    watch.begin(7)
-    field.put(dict.fromkeys(field.movers, (9.0, 9.0, 0.0, 0.0, 0.0)))
-    field.put({"taker_1": (0.0, 0.0, 0.0, 0.0, 0.0), "ball": (1.0, 0.0, 0.0, 0.1, 0.0)})
-    for _ in range(PAPER.turnover_cycles):
-        assert watch.why_over() == "out"
-        watch.saw(())
-    assert watch.why_over() == "taken"
-    field.put({"ball": (9.5, 0.0, 0.0, 1.0, 0.0)})
-    assert watch.why_over() == "out"
+class Reports(SimpleNamespace):
+    """What a server reports of a game in a cycle: a link to it."""
+
+    def state(self):
+        return self.now
+
+
+def reported(game, time, ball, kicker=0, over=False):
+    """Report a cycle in which all stand still: keeper n at (0, 4n), a taker at (0, 0)."""
+    keepers = [PlayerState("l", n, 0, 4 * n, 0, 0, 0, n == kicker) for n in (1, 2, 3)]
+    players = (*keepers, PlayerState("r", 1, 0, 0, 0, 0, 0), PlayerState("r", 2, 9, 9, 0, 0, 0))
+    said = {(time, EPISODE_OVER)} if over else set()
+    state = FullState(time, "play_on", ball, players)
+    return game.take(Reports(time=time, now=state, referee=said, clients={}))
+
+
+@pytest.mark.parametrize(
+    ("cycles", "ball", "why"),
+    [(3, (0.5, 0, 0, 0), "out"), (4, (0.5, 0, 0, 0), "taken"), (5, (9.5, 0, 1, 0), "out")],
+)
+def test_why_an_episode_is_over_follows_from_what_was_seen(cycles, ball, why):
+    game = Game(PAPER, (), by_sight=False)
+    game.mode = "play_on"
+    for cycle in range(cycles - 1):
+        assert reported(game, cycle, (0.5, 0, 0, 0)).ended == ""
+    reported(game, cycles - 1, ball)
+    turn = reported(game, cycles, (6, -6, 0, 0), over=True)
+    assert (turn.ended, turn.began) == (why, True)
 
 
 def test_a_pass_is_a_kick_and_another_keepers_kick_after_it():
-    field = Field(PAPER)
-    watch = EpisodeWatch(Referee(PAPER), field.physics)
-    watch.begin(0)
-    kicks = ["keeper_1"], ["keeper_1"], ["keeper_2"], [], ["taker_1"], ["keeper_1"], ["keeper_3"]
-    for kickers in kicks:
-        watch.saw(kickers)
-    assert watch.passes == 2
-    watch.begin(7)
-    assert (watch.passes, watch.began) == (0, 7)
+    game = Game(PAPER, (), by_sight=False)
+    game.mode = "play_on"
+    for cycle, kicker in enumerate((1, 1, 2, 3, 3)):
+        reported(game, cycle, (0, 4 * kicker, 0, 0))
+        turn = reported(game, cycle, (0, 4 * kicker, 0, 0), kicker)
+    assert turn.passes == 2
 
 
 def test_a_percept_is_the_full_state_in_the_keepers_own_layout():
@@ -132,32 +168,20 @@ def test_a_percept_is_the_full_state_in_the_keepers_own_layout():
     assert heard == []
 
 
-def test_headings_and_velocities_are_turned_round():
-    with StandIn() as server, world_on(server) as world:
-        world.reset(0)
-        world.step({})  # (p l 1 0) 8.93974 -7.95192 0 0 140.682
-        assert world.percept("keeper_1")[0][percept.HEADING] == pytest.approx(
-            math.radians(-140.682)
-        )
-        while world.episode_cycle < 100:
-            world.step({})
-        truth = {entity.name: entity for entity in world.entities()}
-        values = world.percept("keeper_1")[0]
-    assert values[percept.VX] == pytest.approx(truth["keeper_1"].vx)
-    assert values[percept.BALL_VY] == pytest.approx(truth["ball"].vy)
-    assert {entity.kind for entity in truth.values()} == {"ball", "keeper", "taker"}
-
-
-def test_a_keeper_hears_its_team_mates_but_neither_itself_nor_takers():
+def test_in_play_headings_and_velocities_are_turned_round_and_team_mates_heard():
     with StandIn() as server, world_on(server) as world:
         world.reset(0)
         heard = {}
-        while not world.ended:
+        while world.episode_cycle < 110:
             world.step({})
-            heard[world.episode_cycle] = world.percept("keeper_1")[1]
-    assert heard[41] == ["p1"]
-    assert heard[77] == []  # its own words
-    assert heard[106] == ["p3"]
+            values, heard[world.episode_cycle] = world.percept("keeper_1")
+            if world.episode_cycle == 1:  # (p l 1 0) 8.93974 -7.95192 0 0 140.682
+                assert values[percept.HEADING] == pytest.approx(math.radians(-140.682))
+        truth = {entity.name: entity for entity in world.entities()}
+    assert values[percept.VX] == pytest.approx(truth["keeper_1"].vx)
+    assert values[percept.BALL_VY] == pytest.approx(truth["ball"].vy)
+    assert {entity.kind for entity in truth.values()} == {"ball", "keeper", "taker"}
+    assert (heard[41], heard[77], heard[106]) == (["p1"], [], ["p3"])  # at 77, its own words
 
 
 def test_actions_become_commands_with_y_down_and_degrees():
@@ -178,18 +202,6 @@ def test_actions_become_commands_with_y_down_and_degrees():
     assert server.commands(2)[:1] == ["(kick 50.0000 45.0000)"]
     assert server.commands(3)  # a taker, which the world plays
     assert "(bye)" in server.commands(4) or server.commands(4)
-
-
-def test_takers_may_be_someone_elses():
-    with StandIn(players=3) as server, world_on(server, our_takers=False) as world:
-        assert [(r.cycles, r.ended) for r in play(world)] == EPISODES
-    assert {number for number, _ in server.received} == {0, 1, 2}
-
-
-def test_the_server_is_told_to_begin_once_all_players_are_there():
-    with StandIn(begun=False) as server, world_on(server) as world:
-        assert [(r.cycles, r.ended) for r in play(world, 1)] == EPISODES[:1]
-        assert server.begun
 
 
 def test_a_server_that_somebody_else_is_to_begin_is_left_alone():
@@ -231,48 +243,6 @@ def test_a_server_that_tells_no_full_state_is_played_on_by_what_the_players_see(
     assert [r.cycles for r in results] == [cycles for cycles, _ in EPISODES]
 
 
-def test_without_synch_mode_the_server_goes_on_by_itself():
-    def realtime(text):
-        return text.replace("(synch_mode 1)", "(synch_mode 0)")
-
-    with StandIn(synch=False, edit=realtime) as server, world_on(server) as world:
-        results = play(world)
-    assert [(r.cycles, r.ended) for r in results] == EPISODES
-    assert not any(text == "(done)" for _, text in server.received)
-
-
-@pytest.mark.parametrize("seed", [1, 2])
-def test_lost_datagrams_change_no_result(seed):
-    draw = random.Random(seed).random
-    sorts = ("(sense", "(full", "(hear", "(think", "(done", "(turn", "(dash")
-
-    def lose(text, number):
-        return text.startswith(sorts) and draw() < 0.001
-
-    with StandIn(lose=lose) as server, world_on(server) as world:
-        results = play(world)
-    assert [(r.cycles, r.ended) for r in results] == EPISODES
-
-
-def test_an_episode_whose_end_nobody_hears_ends_all_the_same():
-    with (
-        StandIn(lose=lambda text, number: "training" in text) as server,
-        world_on(server) as world,
-    ):
-        results = play(world, 2)
-    assert [(r.cycles, r.ended) for r in results] == EPISODES[:2]
-
-
-def test_garbled_datagrams_are_dropped():
-    draw = random.Random(1).random
-
-    def garble(text):
-        return text[: len(text) // 2] if text.startswith("(see") or draw() < 0.001 else text
-
-    with StandIn(edit=garble) as server, world_on(server) as world:
-        assert [(r.cycles, r.ended) for r in play(world)] == EPISODES
-
-
 def test_a_server_that_starts_late_is_waited_for():
     port = free_port()
     world = RcssWorld(ServerSettings(port=port), variant("standard"))
@@ -311,67 +281,36 @@ def test_a_server_that_stops_is_reported_and_one_that_restarts_is_played_on():
         world.close()
 
 
-def test_a_server_that_hangs_is_reported():
-    with StandIn() as server, world_on(server) as world:
-        world.reset(0)
-        server.silent = True
-        began = time.monotonic()
-        world.step({})
-        assert 3.0 < time.monotonic() - began < 6.0
-        assert "has been silent for 4 s" in world.waiting
+def instead(old, new):
+    return {"edit": lambda text: text.replace(old, new)}
 
 
 def test_what_cannot_be_played_on_is_told_in_a_sentence():
-    for options, settings, told in [
-        ({"version": 9}, {}, "does not speak protocol version 15"),
-        ({"edit": lambda text: "hello"}, {}, "is not an rcssserver"),
-        ({"edit": lambda t: t.replace("(init r", "(init l")}, {}, "are the wrong team"),
-        (
-            {"edit": lambda t: t.replace("(init l 1", "(init l 4")},
-            {},
-            "other clients are, or were, the keepers",
-        ),
-        (
-            {"edit": lambda t: t.replace("(keepaway 1)", "(keepaway 0)")},
-            {},
-            "start it with server::keepaway=1",
-        ),
-        (
-            {"edit": lambda t: t.replace("(fullstate_l 1)", "(fullstate_l 0)")},
-            {},
-            "start it with server::fullstate_l=1",
-        ),
-        ({"edit": lambda t: t.replace("(keepaway_width 20)", "(keepaway_width 2)")}, {}, "12 m"),
-        ({"lose": lambda t, n: t.startswith("(server_param")}, {}, "sends no settings"),
-        (
-            {"edit": lambda t: t.replace("(fullstate_l 1)", "(fullstate_l 0)")},
-            {},
-            "set the parameter percepts to see",
-        ),
-        ({"lose": lambda t, n: t.startswith("(init")}, {}, "was lost"),
-        ({"players": 3}, {"our_takers": False}, ""),
+    for options, told in [
+        ({"version": 9}, "does not speak protocol version 15"),
+        ({"edit": lambda text: "hello"}, "is not an rcssserver"),
+        (instead("(init r", "(init l"), "are the wrong team"),
+        (instead("(init l 1", "(init l 4"), "other clients are, or were, the keepers"),
+        (instead("(keepaway 1)", "(keepaway 0)"), "start it with server::keepaway=1"),
+        (instead("(fullstate_l 1)", "(fullstate_l 0)"), "set the parameter percepts to see"),
+        (instead("(keepaway_width 20)", "(keepaway_width 2)"), "12 m"),
+        ({"lose": lambda t, n: t.startswith("(server_param")}, "sends no settings"),
+        ({"lose": lambda t, n: t.startswith("(init")}, "was lost"),
     ]:
         with StandIn(**options) as server:
-            world = RcssWorld(ServerSettings(port=server.port, **settings), variant("standard"))
+            world = RcssWorld(ServerSettings(port=server.port), variant("standard"))
             world.idle()
             assert told in world.waiting
             assert "\n" not in world.waiting
             world.close()
-
-
-def test_other_counts_of_players_than_the_worlds_are_told():
-    with StandIn(players=4) as server:
-        world = RcssWorld(
-            ServerSettings(port=server.port, our_takers=True), variant("standard", takers=1)
-        )
-        idle_until(world, lambda: "the server has 2 takers but this world 1" in world.waiting)
-        world.close()
-
-
-def test_a_host_that_does_not_exist_is_told():
     world = RcssWorld(ServerSettings(host="no.such.host.invalid"))
     world.idle()
+    assert isinstance(world, LiveWorld)
     assert "is not the address of a server" in world.waiting
+    with StandIn(players=4) as server:
+        world = RcssWorld(ServerSettings(port=server.port), variant("standard", takers=1))
+        idle_until(world, lambda: "the server has 2 takers but this world 1" in world.waiting)
+        world.close()
 
 
 def test_settings_that_cannot_be_are_refused():
@@ -430,18 +369,6 @@ def test_a_pause_puts_everything_back_where_a_trainer_can():
         assert world.entities() == before
 
 
-def test_a_server_that_goes_while_it_is_paused_is_reported():
-    port = free_port()
-    with StandIn(port=port) as server:
-        world = RcssWorld(
-            ServerSettings(port=port, trainer_port=server.trainer_port), variant("standard")
-        )
-        idle_until(world, lambda: not world.waiting)
-    idle_until(world, lambda: world.waiting)
-    assert f"127.0.0.1:{port}" in world.waiting
-    world.close()
-
-
 def test_an_episode_that_has_begun_must_end_before_the_next_is_counted():
     with StandIn() as server, world_on(server) as world:
         world.reset(0)
@@ -465,12 +392,3 @@ def test_a_pause_holds_the_server_to_about_a_cycle_a_second():
         # Without it, the server would go on as fast as this machine lets it: hundreds of cycles.
         assert 1 <= world.cycle - before <= time.monotonic() - began + 1
         assert set(happened) == {LOOK}
-
-
-def test_the_figures_of_the_game_are_the_servers():
-    with StandIn() as server, world_on(server) as world:
-        world.reset(0)
-        assert world.size == (20.0, 20.0)
-        assert world.parameters.kickable == pytest.approx(1.085)
-        assert world.parameters.taker_speed == 1.0  # ours to decide
-    assert PAPER.say_length == world.parameters.say_length == 10

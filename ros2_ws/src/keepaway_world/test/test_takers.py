@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from hitab_world.parameters import ParameterError
 from keepaway_world.parameters import variant
 from keepaway_world.physics import Physics
 from keepaway_world.takers import TakerTeam
@@ -18,7 +19,7 @@ RECORDED = Path(__file__).parent / "data" / "taker_decisions.csv.gz"
 def test_a_taker_decides_as_recorded_on_the_real_simulator():
     parameters = variant("standard", taker_speed=0.25)
     world = Physics(parameters, None)
-    team = TakerTeam(parameters)
+    team = TakerTeam(world)
     names = {
         "l1": world.keepers[0],
         "l2": world.keepers[1],
@@ -47,7 +48,7 @@ def test_a_taker_decides_as_recorded_on_the_real_simulator():
                     value[f"{name}_vx"],
                     -value[f"{name}_vy"],
                 )
-            kind, amount, _ = team.decide(world)[0]
+            kind, amount, _ = team.decide()[0]
             amount = -math.degrees(amount) if kind == "turn" else amount
             cycles += 1
             same_kind += kind == row["command"]
@@ -111,6 +112,11 @@ def test_the_other_taker_waits_facing_the_ball_that_a_team_mate_has(quiet, put):
     other = next(e for e in world.entities() if e.name == "taker_2")
     assert (other.x, other.y) == (0.0, 4.0)
     assert other.heading == pytest.approx(math.atan2(-4.0, 0.5), abs=1e-6)
+
+
+def test_takers_that_no_package_offers_are_refused_with_those_that_there_are():
+    with pytest.raises(ParameterError, match=r'offers "nobody" as keepaway.takers .*intercept'):
+        KeepawayWorld(variant("paper", taker_policy="nobody"))
 
 
 def test_a_world_can_do_without_takers():

@@ -6,17 +6,14 @@ import time
 from array import array
 from collections.abc import Sequence
 
-import numpy as np
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
-from hitab_agent.host.agent_batches import AgentBatches
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.round_gate import RoundGate
 from hitab_agent.shared_link import Perceiver
-from hitab_core import Agent
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.checks import too_far_ahead
 
@@ -62,8 +59,7 @@ class PerceptOfBatch:
 class HostLink:
     """Answers the percepts of all agents of a host.
 
-    All perceive first, then all act. In between, in lockstep, their commanders give orders, and
-    agents that perform the same automaton decide as one batch.
+    All perceive first, then all act. In between, in lockstep, their commanders give orders.
     """
 
     def __init__(
@@ -92,7 +88,6 @@ class HostLink:
         self._gate = RoundGate(orders)
         self._perceivers: list[_Guarded] = []
         self._percept = PerceptOfBatch()
-        self._batches = AgentBatches()
         self._episode: tuple[int, int] | None = None
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
@@ -152,37 +147,29 @@ class HostLink:
         acting = [self._perceivers[index] for index in batch.agents]
         heard_counts = batch.heard_counts or (0,) * len(acting)
         values, end, heard_end = batch.values, 0, 0
-        perceived: list[int] = []
         with self._outbox.at_once() if batch.lockstep else self._outbox.held():
-            for place, (perceiver, count, n_heard) in enumerate(
-                zip(acting, batch.value_counts, heard_counts, strict=True)
+            for perceiver, count, n_heard in zip(
+                acting, batch.value_counts, heard_counts, strict=True
             ):
                 begin, end = end, end + count
                 heard, heard_end = heard_end, heard_end + n_heard
                 percept.values = values[begin:end]
                 percept.heard = batch.heard[heard:heard_end]
-                if perceiver.take_in(percept):
-                    perceived.append(place)
+                perceiver.take_in(percept)
         commanders: set[str] = set()
         if batch.lockstep:
             commanders.update(*(perceiver.awaited_orders() for perceiver in acting))
         self._gate.begin(
             batch.sequence,
             commanders,
-            lambda: self._answer(batch, acting, perceived),
+            lambda: self._answer(batch, acting),
             look=batch.look,
         )
 
-    def _answer(
-        self, batch: msg.PerceptBatch, acting: Sequence[_Guarded], perceived: Sequence[int]
-    ) -> None:
+    def _answer(self, batch: msg.PerceptBatch, acting: Sequence[_Guarded]) -> None:
         """Have all agents that took in a percept of a batch act, and answer it."""
         answers, percept = self._answers, self._percept
         with self._outbox.held():
-            if not batch.look:
-                agents = [acting[place].agent for place in perceived]
-                # Agents outside any batch decide when they act.
-                self._host.guard.run("deciding together", self._decide, agents, perceived, batch)
             done, counts = array("d"), array("I")
             speakers, said = array("I"), []
             for index, perceiver in zip(batch.agents, acting, strict=True):
@@ -199,24 +186,6 @@ class HostLink:
         answers.speakers = speakers
         answers.said = said
         self._actions.publish(answers)
-
-    def _decide(
-        self, agents: Sequence[Agent], places: Sequence[int], batch: msg.PerceptBatch
-    ) -> None:
-        """Decide for agents, given their places in a batch of percepts."""
-        counts = batch.value_counts
-        alike = bool(counts) and min(counts) == max(counts)
-        values = np.asarray(batch.values).reshape(len(counts), -1) if alike else None
-        heard: dict[int, list[str]] = {}
-        end = 0
-        for place, count in enumerate(batch.heard_counts):
-            begin, end = end, end + count
-            if count:
-                heard[place] = batch.heard[begin:end]
-        if len(places) < len(counts):
-            values = None if values is None else values[places]
-            heard = {i: heard[place] for i, place in enumerate(places) if place in heard}
-        self._batches.decide(agents, values, heard)
 
 
 def _is_sound(batch: msg.PerceptBatch, agents: int) -> bool:

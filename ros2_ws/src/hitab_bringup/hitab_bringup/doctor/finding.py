@@ -14,7 +14,7 @@ class Finding:
     Attributes:
         about: what was looked at, such as "Python".
         text: what was found.
-        level: `OK`, `WARNING` or `ERROR`.
+        level: `OK`; `WARNING`: it may cause problems; `ERROR`: it keeps HiTAB from working.
         way_out: what to do about it; empty: nothing.
     """
 
@@ -24,11 +24,6 @@ class Finding:
     way_out: str = ""
 
 
-def warning(about: str, text: str, way_out: str) -> Finding:
-    """Return a finding that may cause problems."""
-    return Finding(about, text, WARNING, way_out)
-
-
-def error(about: str, text: str, way_out: str) -> Finding:
-    """Return a finding that keeps HiTAB from working."""
-    return Finding(about, text, ERROR, way_out)
+def judged(about: str, text: str, good: bool, way_out: str, level: str = WARNING) -> Finding:
+    """Return a finding that is good, or has a level and a way out."""
+    return Finding(about, text) if good else Finding(about, text, level, way_out)

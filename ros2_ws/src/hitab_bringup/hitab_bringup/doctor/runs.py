@@ -1,58 +1,57 @@
-"""Checks the runs: what is up, and what killed runs have left behind."""
+"""Checks the runs: what is up, what hinders its agents, and what killed runs have left behind."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
 
-from hitab_bringup.doctor.finding import Finding, warning
-from hitab_client import SwarmError
-from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms
+from hitab_bringup.doctor.finding import WARNING, Finding, judged
+from hitab_client import RunRecord, SwarmError
+from hitab_client.run_folder import (
+    RunFolder,
+    marked_processes,
+    registered_swarms,
+    running_swarms,
+)
 from hitab_client.run_processes import ANSWER_SECONDS, is_suspended, process_states
-from hitab_client.swarm_choice import way_to_stop
-from hitab_core import some
+from hitab_client.swarm_choice import name_to_choose, way_to_stop
+from hitab_core import each_once, quantity, some
 
 SHOWN = 5  # processes by name
+MANY = 100  # agents; a larger swarm takes long to ask
+ASK_SECONDS = 3.0
 
 
 def swarms() -> Iterator[Finding]:
     """Report the swarms that are up or have crashed."""
-    up = False
-    for folder, record in registered_swarms():
-        up = True
-        if folder.supervisor(record) is None:
-            yield warning(
-                "swarm",
-                f"{record.swarm} has ended without `hitab down` ({folder.path})",
-                f"{way_to_stop(folder, record)} removes what it left, `hitab up` starts it again",
-            )
-            continue
-        where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
-        try:
-            states = process_states(record, ANSWER_SECONDS)
-        except SwarmError as error:
-            yield warning("swarm", str(error), way_to_stop(folder, record))
-            continue
-        running = [state for state in states if state["statename"] == "RUNNING"]
-        pids = some([f"{state['name']} {state['pid']}" for state in running], SHOWN)
-        told = f"{record.swarm} is up {where}: {pids}"
-        if lost := [state["name"] for state in states if state not in running]:
-            yield warning(
-                "swarm",
-                f"{told}; {', '.join(lost[:SHOWN])} does not run",
-                f"`hitab logs {lost[0]}` shows why",
-            )
-        else:
-            yield Finding("swarm", told)
-        for state in running:
-            if is_suspended(state["pid"]):
-                yield warning(
-                    "swarm",
-                    f"{state['name']} of {record.swarm} is suspended (process {state['pid']})",
-                    f"`kill -CONT {state['pid']}` lets it continue",
-                )
-    if not up:
-        yield Finding("swarm", "none is up; `hitab up keepaway` starts one")
+    found = [finding for run in registered_swarms() for finding in _run(*run)]
+    yield from found or [Finding("swarm", "none is up; `hitab up keepaway` starts one")]
+
+
+def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
+    stop = way_to_stop(folder, record)
+    if folder.supervisor(record) is None:
+        told = f"{record.swarm} has ended without `hitab down` ({folder.path})"
+        way_out = f"{stop} removes what it left, `hitab up` starts it again"
+        yield Finding("swarm", told, WARNING, way_out)
+        return
+    try:
+        states = process_states(record, ANSWER_SECONDS)
+    except SwarmError as error:
+        yield Finding("swarm", str(error), WARNING, stop)
+        return
+    running = [state for state in states if state["statename"] == "RUNNING"]
+    lost = [state["name"] for state in states if state not in running]
+    pids = some([f"{state['name']} {state['pid']}" for state in running], SHOWN)
+    where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
+    told = f"{record.swarm} is up {where}: {pids}"
+    told += f"; {', '.join(lost[:SHOWN])} does not run" if lost else ""
+    yield judged("swarm", told, not lost, f"`hitab logs {lost[0] if lost else ''}` shows why")
+    for state in running:
+        if is_suspended(state["pid"]):
+            told = f"{state['name']} of {record.swarm} is suspended (process {state['pid']})"
+            way_out = f"`kill -CONT {state['pid']}` lets it continue"
+            yield Finding("swarm", told, WARNING, way_out)
 
 
 def leftovers() -> Iterator[Finding]:
@@ -66,11 +65,39 @@ def leftovers() -> Iterator[Finding]:
             lost.setdefault(mark, []).append(process.pid)
     for mark, pids in sorted(lost.items()):
         numbers = some([str(pid) for pid in sorted(pids)], SHOWN)
-        yield warning(
-            "leftovers",
-            f"processes {numbers} of a killed run in {mark}"
-            + ("" if mark in known else ", which no command knows"),
-            f"`hitab down --run-dir {mark}`",
-        )
+        unknown = "" if mark in known else ", which no command knows"
+        told = f"processes {numbers} of a killed run in {mark}{unknown}"
+        yield Finding("leftovers", told, WARNING, f"`hitab down --run-dir {mark}`")
     if not lost:
         yield Finding("leftovers", "no processes of killed runs")
+
+
+def faults() -> Iterator[Finding]:
+    """Report what agents say that hinders them, such as a silent sensor."""
+    for _, record in running_swarms():
+        if len(record.agents) > MANY:
+            count = quantity(len(record.agents), "agent")
+            told = f"the {count} of {record.swarm} were not asked; `hitab status` does"
+            yield Finding("agents", told)
+        else:
+            yield from _faults_of(record)
+
+
+def _faults_of(record: RunRecord) -> Iterator[Finding]:
+    from hitab_client import RosLink, SwarmClient
+
+    with RosLink(record.domain_id) as link:
+        agents = SwarmClient(
+            link, record.agents, prefix=record.namespace, identity=record.identity
+        )
+        link.spin_until(lambda: len(agents.statuses) == len(record.agents), ASK_SECONDS)
+        statuses = dict(agents.statuses)
+    mute = [name for name in record.agents if name not in statuses]
+    if mute:
+        told = f"{some(mute)} of {record.swarm} did not answer within {ASK_SECONDS:g} s"
+        yield Finding("agents", told, WARNING, f"`hitab logs {mute[0]}` shows why")
+    way_out = f"`hitab status --swarm {name_to_choose(record)}` shows it"
+    found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
+    yield from (Finding("agents", fault, WARNING, way_out) for fault in found)
+    if not mute and not found:
+        yield Finding("agents", f"{quantity(len(statuses), 'agent')} of {record.swarm}: no faults")

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hitab_bringup.verbs.connection import Connection, connection
+from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 
 if TYPE_CHECKING:
+    from hitab_client import RunFolder
     from hitab_client.bootstrapping import Bootstrapping, Configuration, Generation, Generations
 
 app = typer.Typer(
@@ -22,53 +22,18 @@ app = typer.Typer(
     "learned so far. Use it if the right behavior depends on what the others do.",
 )
 
-To = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--to", help="A teammate. Repeatable. Default: all others of the agent's domain."
-    ),
-]
+TO = "A teammate. Repeatable. Default: all others of the agent's domain."
+SNAPSHOT = "Restore this snapshot afterwards, and train on from there."
+PLACE = "Place things as this file says afterwards, and train on from there."
+WAIT = 'Let the agent act afterwards until this holds, such as "{said: keeper_2}".'
+To = Annotated[list[str] | None, typer.Option("--to", help=TO)]
 Episodes = Annotated[int, typer.Option(help="Episodes to play for the score; 0: no score.", min=0)]
 Seed = Annotated[int, typer.Option(help="Seed of these episodes.", min=0)]
-SnapshotName = Annotated[
-    str,
-    typer.Option(
-        "--snapshot",
-        metavar="NAME",
-        help="Restore this snapshot afterwards, and train on from there.",
-        show_default=False,
-    ),
-]
-PlaceFile = Annotated[
-    Path | None,
-    typer.Option(
-        "--place",
-        metavar="FILE",
-        help="Place things as this file says afterwards, and train on from there.",
-        show_default=False,
-    ),
-]
-WaitFor = Annotated[
-    str,
-    typer.Option(
-        "--wait",
-        metavar="CONDITION",
-        help='Let the agent act afterwards until this holds, such as "{said: keeper_2}".',
-        show_default=False,
-    ),
-]
-Within = Annotated[
-    float | None,
-    typer.Option(help="Give up waiting after so many seconds.", show_default=False),
-]
+SnapshotName = Annotated[str, typer.Option(metavar="NAME", help=SNAPSHOT, show_default=False)]
+PlaceFile = Annotated[Path | None, typer.Option(metavar="FILE", help=PLACE)]
+WaitFor = Annotated[str, typer.Option(metavar="CONDITION", help=WAIT, show_default=False)]
+Within = Annotated[float | None, typer.Option(help="Give up waiting after so many seconds.")]
 AsItIs = Annotated[bool, typer.Option("--as-it-is", help="Train on in the world as it is.")]
-By = Annotated[str, typer.Option(help="The figure that counts, such as passes.")]
-Least = Annotated[bool, typer.Option("--least", help="Lower is better.")]
-
-
-def register(main: typer.Typer) -> None:
-    """Add this group to the command."""
-    main.add_typer(app, name="bootstrap", rich_help_panel="Train")
 
 
 @app.command("next")
@@ -77,7 +42,7 @@ def next_(
     to: To = None,
     episodes: Episodes = 20,
     seed: Seed = 1,
-    note: Annotated[str, typer.Option(help="To keep with the generation.")] = "",
+    note: str = "",
     snapshot: SnapshotName = "",
     place: PlaceFile = None,
     wait: WaitFor = "",
@@ -92,6 +57,9 @@ def next_(
     the examples so far. Without --snapshot, --place or --wait it goes on as after the last
     generation.
 
+    Args:
+        note: To keep with the generation.
+
     Examples:
 
       hitab bootstrap next keeper_1 --note "the closest one takes the ball"
@@ -101,28 +69,21 @@ def next_(
     from hitab_client.bootstrapping import Evaluation
 
     chosen = _configuration(agent, snapshot, place, wait, within, as_it_is)
-    with connection(swarm) as swarm_up, _steps(swarm_up, json) as steps:
+    with _steps(swarm, json) as steps:
+        evaluation = Evaluation(episodes, seed)
         made = steps.next(
-            agent,
-            to=to or (),
-            note=note,
-            evaluation=Evaluation(episodes, seed),
-            configuration=chosen,
+            agent, to=to or (), note=note, evaluation=evaluation, configuration=chosen
         )
-    if json != "-":
-        console.say(f"{agent} is in training mode, with generation {made.number}")
-    _write(json, [made])
+    _show_made(json, agent, made)
 
 
 @app.command()
 def back(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="The behavior that is bootstrapped.")],
-    generation: Annotated[int, typer.Argument(help="Its number; see `hitab bootstrap list`.")],
+    behavior: str,
+    generation: int,
     to: To = None,
-    discard: Annotated[
-        bool, typer.Option("--discard", help="Give up examples that are in no generation.")
-    ] = False,
+    discard: Annotated[bool, typer.Option("--discard")] = False,
     episodes: Episodes = 20,
     seed: Seed = 1,
     snapshot: SnapshotName = "",
@@ -138,6 +99,11 @@ def back(
     It becomes the next version in the libraries; the later generations are kept. If it has no
     score, it is evaluated.
 
+    Args:
+        behavior: The behavior that is bootstrapped.
+        generation: Its number; see `hitab bootstrap list`.
+        discard: Give up examples that are in no generation.
+
     Example:
 
       hitab bootstrap back keeper_1 Keepaway 2
@@ -145,7 +111,7 @@ def back(
     from hitab_client.bootstrapping import Evaluation
 
     chosen = _configuration(agent, snapshot, place, wait, within, as_it_is)
-    with connection(swarm) as swarm_up, _steps(swarm_up, json) as steps:
+    with _steps(swarm, json) as steps:
         made = steps.back(
             agent,
             behavior,
@@ -155,17 +121,15 @@ def back(
             evaluation=Evaluation(episodes, seed),
             configuration=chosen,
         )
-    if json != "-":
-        console.say(f"{agent} is in training mode, with generation {made.number}")
-    _write(json, [made])
+    _show_made(json, agent, made)
 
 
 @app.command("list")
 def list_(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A behavior. Default: all.")] = "",
-    by: By = "seconds",
-    least: Least = False,
+    behavior: Annotated[str, typer.Argument()] = "",
+    by: str = "seconds",
+    least: Annotated[bool, typer.Option("--least")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -173,6 +137,11 @@ def list_(
 
     The score is the mean of a figure in a few episodes, with its standard error: of the length of
     an episode, or of what else the world reports.
+
+    Args:
+        behavior: A behavior. Default: all.
+        by: The figure that counts, such as passes.
+        least: Lower is better.
 
     Examples:
 
@@ -196,13 +165,12 @@ def list_(
             f"`hitab bootstrap next {agent}` makes one of what is in training"
         )
     read = [read_generations(folder, agent, name) for name in ([behavior] if behavior else there)]
-    if json != "-":
-        for known in read:
-            _show(known, by, least)
-    _write(json, read, by, least)
+    shown = [part for known in read for part in _shown(known, by, least)]
+    console.show(json, [_plain(known, by, least) for known in read], *shown)
 
 
-def _show(known: Generations, by: str, least: bool) -> None:
+def _shown(known: Generations, by: str, least: bool) -> Iterator[Any]:
+    """Yield what is shown of the generations of a behavior."""
     from hitab_client import SwarmError
     from hitab_core import has
 
@@ -229,9 +197,29 @@ def _show(known: Generations, by: str, least: bool) -> None:
     title = (
         f"{known.behavior}, trained on {known.agent}; it goes on from generation {known.current}"
     )
-    console.out().print(console.table((*columns, "file", "note"), rows, title))
+    yield console.table((*columns, "file", "note"), rows, title)
     if best is not None:
-        console.say(f"* the best by {by}, of those evaluated alike")
+        yield f"* the best by {by}, of those evaluated alike"
+
+
+def _plain(known: Generations, by: str, least: bool) -> dict[str, Any]:
+    from hitab_client.bootstrapping import record_of
+
+    best = known.best(by, least=least)
+    return {
+        "agent": known.agent,
+        "behavior": known.behavior,
+        "current": known.current,
+        "best": None if best is None else best.number,
+        "generations": [record_of(g) for g in known.all],
+    }
+
+
+def _show_made(json: str | None, agent: str, made: Generation) -> None:
+    from hitab_client.bootstrapping import record_of
+
+    told = f"{agent} is in training mode, with generation {made.number}"
+    console.show(json, [record_of(made)], told)
 
 
 def _configuration(
@@ -240,116 +228,37 @@ def _configuration(
     """Return what the options name; None: nothing."""
     from hitab_client.bootstrapping import Configuration, read_configuration, with_condition
 
-    named = any((snapshot, place, wait))
-    if as_it_is and named:
-        raise typer.BadParameter(
-            "--as-it-is cannot be combined with --snapshot, --place or --wait"
-        )
-    if snapshot and place:
-        raise typer.BadParameter("give --snapshot or --place, not both")
-    if within is not None and not within > 0.0:
-        raise typer.BadParameter("--within needs a number of seconds above 0")
-    if not named:
-        if within is not None:
-            raise typer.BadParameter("--within needs --wait or --place")
-        return Configuration() if as_it_is else None
+    if (as_it_is and (snapshot or place or wait)) or (snapshot and place):
+        raise typer.BadParameter("give one of --as-it-is, --snapshot, --place and --wait")
+    if within is not None and not (within > 0.0 and (wait or place)):
+        raise typer.BadParameter("--within needs a number above 0, and --wait or --place")
+    if not (as_it_is or snapshot or place or wait):
+        return None
     chosen = read_configuration(place, agent) if place else Configuration(snapshot=snapshot)
     if wait:
         chosen = with_condition(chosen, wait, agent)
-    return chosen if within is None else replace(chosen, within=within)
+    return chosen if within is None else chosen.but(within=within)
 
 
 @contextmanager
-def _steps(swarm_up: Connection, json: str | None) -> Iterator[Bootstrapping]:
+def _steps(swarm: str | None, json: str | None) -> Iterator[Bootstrapping]:
     """Yield what does the steps; say what an interruption leaves to be done."""
     from hitab_client.bootstrapping import Bootstrapping
 
-    with _Showing(console.note if json == "-" else console.say) as showing:
-        steps = Bootstrapping(
-            swarm_up.agents,
-            _world(swarm_up),
-            _kept_in(swarm_up.folder),
-            say=showing.say,
-            progress=showing.progress,
-        )
+    say = console.note if json == "-" else console.say
+    with connection(swarm) as swarm_up:
+        world, folder = swarm_up.await_world(), _kept_in(swarm_up.folder)
         try:
-            yield steps
+            with console.progress("bootstrapping") as progress:
+                steps = Bootstrapping(swarm_up.agents, world, folder, say=say, progress=progress)
+                yield steps
         except (KeyboardInterrupt, SystemExit):
-            showing.close()
             console.note(steps.left or "nothing has changed")
             raise
 
 
-class _Showing:
-    """Prints what is done, and between two such lines a progress bar; a context manager."""
-
-    def __init__(self, say: Callable[[str], None]) -> None:
-        self._say = say
-        self._bar = ExitStack()
-        self._advance: console.Advance | None = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """End the bar, if there is one."""
-        self._bar.close()
-        self._advance = None
-
-    def say(self, text: str) -> None:
-        """Print a line."""
-        self.close()
-        self._say(text)
-
-    def progress(self, done: int, total: int, doing: str) -> None:
-        """Show the progress."""
-        if self._advance is None:
-            self._advance = self._bar.enter_context(console.progress("bootstrapping"))
-        self._advance(done, total, doing)
-
-
-def _world(swarm_up: Connection) -> Any:
-    """Return the world; None: there is none.
-
-    Raises:
-        SwarmError: if the swarm has one that does not answer.
-    """
-    from hitab_client import SwarmError
-
-    if swarm_up.record is not None and not swarm_up.record.world:
-        return None
-    try:
-        swarm_up.world.wait()
-    except SwarmError:
-        if swarm_up.has_world:
-            raise
-        return None  # robots that were started by hand
-    return swarm_up.world
-
-
-def _kept_in(folder: Any) -> Path:
+def _kept_in(folder: RunFolder | None) -> Path:
     """Return the folder that keeps the generations; one for all robots started by hand."""
     from hitab_client.run_folder import state_home
 
     return state_home() if folder is None else folder.path
-
-
-def _write(json: str | None, read: list[Any], by: str = "seconds", least: bool = False) -> None:
-    from hitab_client.bootstrapping import Generations, record_of
-
-    def plain(one: Generation | Generations) -> dict[str, Any]:
-        if not isinstance(one, Generations):
-            return record_of(one)
-        best = one.best(by, least=least)
-        return {
-            "agent": one.agent,
-            "behavior": one.behavior,
-            "current": one.current,
-            "best": None if best is None else best.number,
-            "generations": [record_of(g) for g in one.all],
-        }
-
-    console.write_json(json, [plain(one) for one in read])

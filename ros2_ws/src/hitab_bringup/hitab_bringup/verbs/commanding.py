@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_bringup.verbs.showing import tell_faults
+from hitab_bringup.verbs.showing import plain, tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import quantity
@@ -20,28 +20,11 @@ Targets = Annotated[
 ]
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel="Train")(demonstrate)
-    app.command(rich_help_panel="Perform")(perform)
-    app.command(rich_help_panel="Perform")(distribute)
-    app.command(rich_help_panel="Perform")(vocabulary)
-
-
 def demonstrate(
     agent: AgentName,
-    behavior: Annotated[
-        str, typer.Argument(help="A behavior, such as GoFast, or GoTo(ball).")
-    ] = "",
+    behavior: str,
     targets: Targets = None,
-    ago: Annotated[
-        float | None,
-        typer.Option(
-            "--ago",
-            help="How long ago it was due, s of your time. Default: your reaction time.",
-            show_default=False,
-        ),
-    ] = None,
+    ago: Annotated[float | None, typer.Option("--ago")] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
@@ -51,6 +34,10 @@ def demonstrate(
 
     A command that comes late is recorded with the situation of some time before you pressed Enter,
     if you say how long: with --ago, or for all commands with `hitab reaction`.
+
+    Args:
+        behavior: A behavior, such as GoFast, or GoTo(ball).
+        ago: How long ago it was due, s of your time. Default: your reaction time.
 
     Examples:
 
@@ -65,18 +52,12 @@ def demonstrate(
     from hitab_client import reaction_time
     from hitab_core import Use
 
-    if not behavior:
-        raise typer.BadParameter(
-            "name the agent and the behavior, as in `hitab demonstrate keeper_1 GoFast`; only "
-            f'"{agent}" was given'
-        )
     use = Use.parse(behavior)
     if ago is None:
         ago = reaction_time.of(getpass.getuser()) or None
     else:
         reaction_time.check(ago)
     with connection(swarm) as swarm_up:
-        swarm_up.check_order(agent, behavior, f"`hitab demonstrate {behavior} {agent}`")
         due, seen = _due(swarm_up, agent, ago) if ago else (0.0, 0)
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
 
@@ -102,27 +83,29 @@ def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
     from hitab_client import reaction_time
 
     swarm_up.agents.await_agent(agent)
+    swarm_up.await_world()
     world = swarm_up.world
-    there = swarm_up.has_world or world.is_there()  # perhaps started by hand
-    status = world.wait() if there else world.status
     due, passed = (
-        reaction_time.simulated(seconds, status, world.speed)
+        reaction_time.simulated(seconds, world.status, world.speed)
         for seconds in (ago, time.time() - psutil.Process().create_time())
     )
-    if status is None:
+    if world.status is None:
         return due + passed, 0  # a robot's cycles are its agent's own
     return due, world.cycle_before(passed) if passed else 0
 
 
 def perform(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A behavior; without one, stop.")] = "",
+    behavior: Annotated[str, typer.Argument()] = "",
     targets: Targets = None,
     swarm: SwarmName = None,
 ) -> None:
     """Make an agent perform a behavior from its beginning; without one, stop it.
 
     A training under way is kept with its examples; `hitab train AGENT` goes on with it.
+
+    Args:
+        behavior: A behavior; without one, stop.
 
     Examples:
 
@@ -132,35 +115,31 @@ def perform(
     """
     from hitab_core import Use
 
-    use = Use.parse(behavior) if behavior else None
+    use = Use.parse(behavior) if behavior else Use("")
     with connection(swarm) as swarm_up:
-        swarm_up.check_order(agent, behavior, f"`hitab perform {behavior} {agent}`")
-        if use is None:
-            answer = swarm_up.agents.perform(agent, "")
-        else:
-            answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
-        faults = swarm_up.agents.statuses[agent].faults if use is not None else ()
-    console.say(answer.message or f"{agent} performs {use or 'nothing'}")
+        answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
+        faults = swarm_up.agents.statuses[agent].faults if behavior else ()
+    console.say(answer.message or f"{agent} performs {behavior or 'nothing'}")
     tell_faults(faults)
 
 
 def distribute(
     agent: AgentName,
-    behavior: Annotated[str, typer.Argument(help="A trained behavior in that agent's library.")],
+    behavior: str,
     targets: Targets = None,
-    to: Annotated[
-        list[str] | None,
-        typer.Option("--to", help="A receiver. Repeatable. Default: all others of its domain."),
-    ] = None,
-    start: Annotated[
-        bool, typer.Option("--start", help="Make the receivers perform it, from Start.")
-    ] = False,
+    to: Annotated[list[str] | None, typer.Option("--to")] = None,
+    start: Annotated[bool, typer.Option("--start")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
     """Send a behavior and everything it uses from one agent to the others of its domain.
 
     Each receiver verifies what it got; the output lists which ones accepted it.
+
+    Args:
+        behavior: A trained behavior in that agent's library.
+        to: A receiver. Repeatable. Default: all others of its domain.
+        start: Make the receivers perform it, from Start.
 
     Examples:
 
@@ -185,22 +164,13 @@ def distribute(
             start=start,
             progress=lambda done, total: advance(done, total, ""),
         )
-    for name in report.accepted:
-        console.say(f"{name}: has it")
-    for name, why in report.refused.items():
-        console.say(f"{name}: refuses: {why.removeprefix(f'{name} ')}")
-    for name in report.silent:
-        console.say(f"{name}: does not answer")
-    console.write_json(
-        json,
-        {
-            "sequence": report.sequence,
-            "digest": report.digest,
-            "accepted": report.accepted,
-            "refused": report.refused,
-            "silent": report.silent,
-        },
-    )
+    told = [f"{name}: has it" for name in report.accepted]
+    told += [
+        f"{name}: refuses: {why.removeprefix(f'{name} ')}" for name, why in report.refused.items()
+    ]
+    told += [f"{name}: does not answer" for name in report.silent]
+    fields = ("sequence", "digest", "accepted", "refused", "silent")
+    console.show(json, {field: getattr(report, field) for field in fields}, *told)
     if not report.complete:
         there = len(report.accepted)
         total = there + len(report.refused) + len(report.silent)
@@ -215,30 +185,23 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
 
-    if json != "-":
-        console.say(f"domain    {words.domain}")
-        for b in words.behaviors:
-            kinds = ["trained"] * b.trained + ["one-shot"] * b.one_shot
-            console.say(f"behavior  {_with_description(b.name, kinds, b.description)}")
-        for f in words.features:
-            kinds = [f.kind, f.unit] if f.unit else [f.kind]
-            console.say(f"feature   {_with_description(f.name, kinds, f.description)}")
-        for name in words.targets:
-            console.say(f"target    {name}")
-    console.write_json(
-        json,
-        {
-            "domain": words.domain,
-            "behaviors": [{"name": b.name, "description": b.description} for b in words.behaviors],
-            "trained": [b.name.split("(")[0] for b in words.behaviors if b.trained],
-            "one_shot": [b.name.split("(")[0] for b in words.behaviors if b.one_shot],
-            "features": [
-                {"name": f.name, "kind": f.kind, "unit": f.unit, "description": f.description}
-                for f in words.features
-            ],
-            "targets": list(words.targets),
-        },
-    )
+    lines = [f"domain    {words.domain}"]
+    for b in words.behaviors:
+        kinds = ["trained"] * b.trained + ["one-shot"] * b.one_shot
+        lines.append(f"behavior  {_with_description(b.name, kinds, b.description)}")
+    for f in words.features:
+        kinds = [f.kind, f.unit] if f.unit else [f.kind]
+        lines.append(f"feature   {_with_description(f.name, kinds, f.description)}")
+    lines += [f"target    {name}" for name in words.targets]
+    data = {
+        "domain": words.domain,
+        "behaviors": [plain(b, "name description") for b in words.behaviors],
+        "trained": [b.name.split("(")[0] for b in words.behaviors if b.trained],
+        "one_shot": [b.name.split("(")[0] for b in words.behaviors if b.one_shot],
+        "features": [plain(f, "name kind unit description") for f in words.features],
+        "targets": list(words.targets),
+    }
+    console.show(json, data, *lines)
 
 
 def _with_description(name: str, kinds: list[str], description: str) -> str:

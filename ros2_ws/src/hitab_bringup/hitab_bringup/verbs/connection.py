@@ -37,22 +37,16 @@ class Connection:
             for sentence in whose(identities):
                 console.note(sentence)
 
-    def check_order(self, agent: str, other: str, way: str) -> None:
-        """Check that the first argument, not the second, is the agent.
-
-        Args:
-            agent: the first argument.
-            other: the second one.
-            way: to write it.
+    def await_world(self) -> WorldClient | None:
+        """Return the world, once it answers; None: there is none.
 
         Raises:
-            SwarmError: if they are in the wrong order.
+            SwarmError: if the swarm has one that does not answer.
         """
-        from hitab_client import SwarmError
-
-        agents = self.record.agents if self.record is not None else ()
-        if agent not in agents and other in agents:
-            raise SwarmError(f'the agent comes first, and "{agent}" is none: {way}')
+        if not (self.has_world or self.world.is_there()):
+            return None
+        self.world.wait()
+        return self.world
 
     @property
     def has_world(self) -> bool:

@@ -17,11 +17,6 @@ if TYPE_CHECKING:
 STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Swarm")(doctor)
-
-
 def doctor(json: JsonPath = None) -> None:
     """Check this computer, ROS, DDS, and what runs; name each problem and its remedy.
 
@@ -40,25 +35,21 @@ def doctor(json: JsonPath = None) -> None:
             _show(finding)
     counts = {level: sum(f.level == level for f in found) for level in STYLES}
     told = f"{quantity(counts['error'], 'error')}, {quantity(counts['warning'], 'warning')}"
-    if json != "-":
-        console.say(told if counts["error"] or counts["warning"] else "no problems found")
-    console.write_json(json, [asdict(finding) for finding in found])
+    told = told if counts["error"] or counts["warning"] else "no problems found"
+    console.show(json, [asdict(finding) for finding in found], told)
     if counts["error"]:
         raise typer.Exit(1)
 
 
 def _findings() -> Iterator[Finding]:
     from hitab_bringup.doctor import machine, ros, runs
-    from hitab_bringup.doctor.finding import error
-    from hitab_client import domain_ids
+    from hitab_bringup.doctor.finding import ERROR, Finding
     from hitab_client.ros_environment import problems
-    from hitab_client.run_folder import registered_swarms
     from hitab_core import HitabError
 
     yield from machine.python()
-    yield from machine.packages()
     # Where it cannot start, ROS may end the process that loads it.
-    starts = [error(*problem) for problem in problems()] or [
+    starts = [Finding(about, told, ERROR, way) for about, told, way in problems()] or [
         *ros.installation(),
         *ros.middleware(),
         *ros.domain(),
@@ -67,19 +58,12 @@ def _findings() -> Iterator[Finding]:
     yield from runs.swarms()
     yield from runs.leftovers()
     if all(finding.level != "error" for finding in starts):
-        from hitab_bringup.doctor import agents
-
-        number = domain_ids.chosen_by_user() or 0
-        # What a killed run has left was started here, too, and is among the leftovers.
-        here = [folder for folder, r in registered_swarms() if r.domain_id == number]
         try:
-            yield from ros.neighbors(any(folder.processes() for folder in here))
-            yield from agents.faults()
+            yield from runs.faults()
         except HitabError as refused:
-            yield error("ROS", str(refused), "check the variables that begin with ROS_")
+            yield Finding("ROS", str(refused), ERROR, "check the variables that begin with ROS_")
     yield from machine.home()
     yield from machine.memory()
-    yield from machine.shared_memory()
     yield from machine.limits()
 
 

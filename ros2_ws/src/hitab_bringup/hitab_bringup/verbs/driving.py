@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
     from hitab_client.demonstrating import Demonstrator
 
-PANEL = "Train"
 READ_S = 0.03
 """How often keys are read and what is shown is renewed, s."""
 
@@ -38,18 +37,10 @@ Agent = Annotated[
 ]
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel=PANEL)(drive)
-    app.command(rich_help_panel=PANEL)(joystick)
-
-
 def drive(
     agent: Agent = "",
-    speed: Annotated[
-        float, typer.Option(help="Of the arrow keys, m/s; the robot's own limits hold too.")
-    ] = 0.2,
-    turn: Annotated[float, typer.Option(help="Of the arrow keys, rad/s.")] = 0.8,
+    speed: float = 0.2,
+    turn: float = 0.8,
     swarm: SwarmName = None,
 ) -> None:
     """Train with one key per behavior, and drive robots by hand, in the terminal.
@@ -58,6 +49,10 @@ def drive(
     studio. Begin the training with `hitab train`. Arrow keys drive a robot with standard messages
     into place, through the relay that limits and stops it; its agent performs nothing meanwhile.
     The space bar is the emergency stop of all robots. Press ? for all keys.
+
+    Args:
+        speed: Of the arrow keys, m/s; the robot's own limits hold too.
+        turn: Of the arrow keys, rad/s.
 
     Examples:
 
@@ -120,11 +115,8 @@ def _drive(swarm_up: Connection, agent: str, speed: float, turn: float) -> None:
 
 def joystick(
     agent: Agent = "",
-    mapping: Annotated[
-        str,
-        typer.Option(help="What its buttons do: xbox, gamepad, or a file of your own."),
-    ] = "xbox",
-    topic: Annotated[str, typer.Option(help="Where its messages, sensor_msgs/Joy, come.")] = "joy",
+    mapping: str = "xbox",
+    topic: str = "joy",
     swarm: SwarmName = None,
 ) -> None:
     """Train with a gamepad, and drive robots by hand with its sticks.
@@ -135,6 +127,10 @@ def joystick(
 
     The mapping xbox is for joy_node with an Xbox gamepad, the mapping gamepad for
     game_controller_node with any. It runs until Ctrl-C, and prints what comes of each button.
+
+    Args:
+        mapping: What its buttons do: xbox, gamepad, or a file of your own.
+        topic: Where its messages, sensor_msgs/Joy, come.
 
     Examples:
 
@@ -180,8 +176,7 @@ def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrat
         if not there:
             raise SwarmError("no agent answers; `hitab status` shows what there is")
         agent = min(there, key=natural)
-    if swarm_up.has_world or world.is_there():
-        world.wait()
+    swarm_up.await_world()
     demonstrator = Demonstrator(
         agents, world, asks=asks, keys=behavior_keys.Keys(behavior_keys.file())
     )

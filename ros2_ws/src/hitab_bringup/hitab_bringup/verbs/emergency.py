@@ -24,15 +24,6 @@ Reason = Annotated[str, typer.Option("--reason", help="Why, for those who read t
 Robots = Annotated[list[str] | None, typer.Argument(help="Names of robots.", show_default=False)]
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    # Names that somebody gives in the belief that they choose robots are refused with a reason.
-    names = {"allow_extra_args": True}
-    app.command(rich_help_panel="Perform", context_settings=names)(stop)
-    app.command(rich_help_panel="Perform", context_settings=names)(go)
-    app.command(rich_help_panel="Perform")(arm)
-
-
 def stop(context: typer.Context, reason: Reason = "") -> None:
     """Stop all robots and simulated worlds at once, of all swarms: an emergency stop.
 
@@ -78,13 +69,16 @@ def go(context: typer.Context, reason: Reason = "") -> None:
 
 def arm(
     robots: Robots = None,
-    all_robots: Annotated[bool, typer.Option("--all", help="All robots that wait.")] = False,
+    all_robots: Annotated[bool, typer.Option("--all")] = False,
 ) -> None:
     """Let robots act again that were stopped, whatever stopped them; without names, list them.
 
     A robot waits for this after each start of its relay, an emergency stop, a sensor or an agent
     that fell silent. It is refused while that lasts, and while the robot moves. What the agent
     performs then drives the robot at once: look at the robot first.
+
+    Args:
+        all_robots: All robots that wait.
 
     Examples:
 

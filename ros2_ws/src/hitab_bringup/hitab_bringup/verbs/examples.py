@@ -12,7 +12,7 @@ import typer
 
 from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import Features, ShowOnly, as_text
+from hitab_bringup.verbs.showing import Features, ShowOnly, as_text, plain
 from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, Use, quantity, shown_unit, shown_value
@@ -36,29 +36,17 @@ class ExamplesGroup(HelpfulGroup):
         return super().resolve_command(ctx, args)
 
 
-examples_app = typer.Typer(
+app = typer.Typer(
     cls=ExamplesGroup,
     help="List and correct the examples of a training: `hitab examples keeper_1` lists them.",
 )
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.add_typer(examples_app, name="examples", rich_help_panel="Train")
-
-
-@examples_app.command("list")
+@app.command("list")
 def examples_list(
     agent: AgentName,
-    automaton: Annotated[
-        str,
-        typer.Argument(
-            metavar="behavior", help="A trained behavior. Default: what is being trained."
-        ),
-    ] = "",
-    cost: Annotated[
-        bool, typer.Option("--cost", help="Show instead what its trainings took.")
-    ] = False,
+    automaton: Annotated[str, typer.Argument(metavar="behavior")] = "",
+    cost: Annotated[bool, typer.Option("--cost")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -71,6 +59,10 @@ def examples_list(
     superseded, since a command in the same place contradicts them. `structures` counts the sets of
     features that were tried: 1, and one more for each `hitab examples features`. `proposals`
     counts the questions of the agent that you answered as it proposed.
+
+    Args:
+        automaton: A trained behavior. Default: what is being trained.
+        cost: Show instead what its trainings took.
 
     Examples:
 
@@ -88,73 +80,60 @@ def examples_list(
         words = swarm_up.agents.vocabulary(agent)
         units = _of_features(words, "unit", answer.features)
         kinds = _of_features(words, "kind", answer.features)
-    if json != "-":
-        late = any(e.ago for e in answer.examples)
-        shown = (
-            f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
-            for f, unit in zip(answer.features, units, strict=True)
+    late = any(e.ago for e in answer.examples)
+    names = (
+        f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
+        for f, unit in zip(answer.features, units, strict=True)
+    )
+    columns = ("number", "in", *names, "go to", "kind", "command", "cycle", *["s ago"] * late)
+    rows = [
+        (
+            str(e.number),
+            e.state,
+            *map(_shown, e.values, units, kinds),
+            e.next_state,
+            e.kind,
+            str(e.command),
+            str(e.cycle),
+            *[f"{e.ago:.2g}" if e.ago else ""] * late,
         )
-        columns = ("number", "in", *shown, "go to", "kind", "command", "cycle")
-        rows = [
-            (
-                str(e.number),
-                e.state,
-                *map(_shown, e.values, units, kinds),
-                e.next_state,
-                e.kind,
-                str(e.command),
-                str(e.cycle),
-                *([f"{e.ago:.2g}" if e.ago else ""] if late else []),
-            )
-            for e in answer.examples
-        ]
-        columns = (*columns, "s ago") if late else columns
-        title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
-        superseded = sum(e.kind == ExampleKind.SUPERSEDED for e in answer.examples)
-        if superseded:
-            title += f", {superseded} of them superseded and not learned from"
-        console.out().print(console.table(columns, rows, title))
-    console.write_json(
+        for e in answer.examples
+    ]
+    title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
+    if superseded := sum(e.kind == ExampleKind.SUPERSEDED for e in answer.examples):
+        title += f", {superseded} of them superseded and not learned from"
+    fields = "number state values next_state kind command cycle ago"
+    data = [
+        plain(e, fields)
+        | {
+            "readings": {
+                name: None if math.isnan(value) else value
+                for name, value in zip(answer.readable, e.readings, strict=False)
+            }
+        }
+        for e in answer.examples
+    ]
+    console.show(
         json,
-        {
-            "automaton": answer.automaton,
-            "features": list(answer.features),
-            "examples": [
-                {
-                    "number": e.number,
-                    "state": e.state,
-                    "values": list(e.values),
-                    "next_state": e.next_state,
-                    "kind": e.kind,
-                    "command": e.command,
-                    "cycle": e.cycle,
-                    "ago": e.ago,
-                    "readings": {
-                        name: None if math.isnan(value) else value
-                        for name, value in zip(answer.readable, e.readings, strict=False)
-                    },
-                }
-                for e in answer.examples
-            ],
-        },
+        {**plain(answer, "automaton features"), "examples": data},
+        console.table(columns, rows, title),
     )
 
 
 def _show_costs(costs: list[TrainingCost], json: str | None) -> None:
-    if json != "-":
-        rows = [
-            (
-                cost.automaton if cost.finished else f"{cost.automaton}, not saved",
-                cost.began.replace("T", " ")[:16],
-                _duration(cost.wall_seconds),
-                _duration(cost.simulated_seconds),
-                *(str(getattr(cost, count)) for count in COUNTS),
-            )
-            for cost in costs
-        ]
-        heads = ("automaton", "began (UTC)", "time", "simulated", *COUNTS)
-        console.out().print(console.table(heads, rows))
-    console.write_json(json, {"trainings": [asdict(cost) for cost in costs]})
+    rows = [
+        (
+            cost.automaton if cost.finished else f"{cost.automaton}, not saved",
+            cost.began.replace("T", " ")[:16],
+            _duration(cost.wall_seconds),
+            _duration(cost.simulated_seconds),
+            *(str(getattr(cost, count)) for count in COUNTS),
+        )
+        for cost in costs
+    ]
+    heads = ("automaton", "began (UTC)", "time", "simulated", *COUNTS)
+    data = {"trainings": [asdict(cost) for cost in costs]}
+    console.show(json, data, console.table(heads, rows))
 
 
 def _duration(seconds: float) -> str:
@@ -174,10 +153,17 @@ def _shown(value: float, unit: str, kind: str) -> str:
     return f"{value:{'.1f' if unit == RADIANS else '.4g'}}"
 
 
+def edit(swarm: str | None, agent: str, action: str, *what: Any, **fields: Any) -> None:
+    """Edit the examples of a training, or take that back, and say what was done."""
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.edit_examples(agent, action, *what, **fields)
+    console.say(answer.message)
+
+
 Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]
 
 
-@examples_app.command("delete")
+@app.command("delete")
 def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None) -> None:
     """Delete examples; `hitab undo` brings them back.
 
@@ -185,51 +171,48 @@ def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None)
 
       hitab examples delete keeper_1 3 4
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "delete", numbers)
-    console.say(answer.message)
+    edit(swarm, agent, "delete", numbers)
 
 
-@examples_app.command("relabel")
+@app.command("relabel")
 def examples_relabel(
     agent: AgentName,
     numbers: Numbers,
-    to: Annotated[str, typer.Option("--to", help="The correct next state.")],
+    to: Annotated[str, typer.Option("--to")],
     swarm: SwarmName = None,
 ) -> None:
     """Change which state examples go to; `hitab undo` takes that back.
+
+    Args:
+        to: The correct next state.
 
     Example:
 
       hitab examples relabel keeper_1 5 --to GoSlow
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "relabel", numbers, to)
-    console.say(answer.message)
+    edit(swarm, agent, "relabel", numbers, to)
 
 
-@examples_app.command("retime")
+@app.command("retime")
 def examples_retime(
     agent: AgentName,
     numbers: Numbers,
-    ago: Annotated[
-        float,
-        typer.Option("--ago", help="Seconds of simulated time from the situation to the command."),
-    ],
+    ago: Annotated[float, typer.Option("--ago")],
     swarm: SwarmName = None,
 ) -> None:
     """Correct commands that came late: date them back to what the agent perceived earlier.
+
+    Args:
+        ago: Seconds of simulated time from the situation to the command.
 
     Example:
 
       hitab examples retime keeper_1 5 --ago 0.4
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "retime", numbers, ago=ago)
-    console.say(answer.message)
+    edit(swarm, agent, "retime", numbers, ago=ago)
 
 
-@examples_app.command("features")
+@app.command("features")
 def examples_features(
     agent: AgentName,
     feature: Features,
@@ -244,9 +227,8 @@ def examples_features(
 
       hitab examples features keeper_1 -f BallIsKickable -f "DistanceTo(ball)"
     """
+    if not show:
+        edit(swarm, agent, "features", features=feature)
+        return
     with connection(swarm) as swarm_up:
-        if show:
-            console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))
-            return
-        answer = swarm_up.agents.edit_examples(agent, "features", features=feature)
-    console.say(answer.message)
+        console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))

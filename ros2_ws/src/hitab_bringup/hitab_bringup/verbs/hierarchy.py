@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from hitab_client import Branch, CommandView
 
-PANEL = "Command"
 WAIT_SECONDS = 8.0
 STARTED_BY_HAND_SECONDS = 1.5  # for commanders of a swarm that has started none
 GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
@@ -26,24 +25,19 @@ SHOWN = 12
 """Up to this many agents of a commander are shown individually."""
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel=PANEL)(tree)
-    app.command(rich_help_panel=PANEL)(order)
-
-
 def tree(
-    commander: Annotated[
-        str, typer.Argument(help="Show only this commander and what is below it.")
-    ] = "",
-    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
-    agents: Annotated[
-        bool, typer.Option("--agents/--commanders", help="Show every agent, or commanders only.")
-    ] = True,
+    commander: Annotated[str, typer.Argument()] = "",
+    watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
+    agents: Annotated[bool, typer.Option("--agents/--commanders")] = True,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
     """Show the command hierarchy: each commander's order, and how many agents perform it.
+
+    Args:
+        commander: Show only this commander and what is below it.
+        watch: Keep it up to date.
+        agents: Show every agent, or commanders only.
 
     Examples:
 
@@ -59,109 +53,77 @@ def tree(
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         lost = _await_commanders(swarm_up, view)
         swarm_up.note_whose(group.swarm for group in view.groups.values())
-        tops = view.tree()
-        if not tops:
-            raise _nobody(swarm_up, view, lost)
-        branches = _meant(tops, commander)
-        if watch:
-            _watch(swarm_up, view, commander, agents)
+        branches = _meant(swarm_up, view, commander, lost)
+        if not watch:
+            data = {"commanders": [branch.data() for branch in branches]}
+            console.show(json, data, *(_drawn(branch, agents) for branch in branches))
+            for why in lost:
+                console.error(why)
             return
-        if json != "-":
-            for branch in branches:
-                console.out().print(_drawn(branch, agents))
-        for why in lost:
-            console.error(why)
-        console.write_json(json, {"commanders": [branch.data() for branch in branches]})
+        from rich.console import Group
+
+        with console.live("") as live:
+            while True:
+                branches = _meant(swarm_up, view, commander, lost)
+                live.update(Group(*(_drawn(branch, agents) for branch in branches)))
+                swarm_up.link.spin_until(lambda: False, REFRESH_SECONDS)
+                view.discover()
 
 
 def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
     """Wait for all commanders, and return why some will not answer."""
-    if swarm_up.record is None:
-        view.await_groups(WAIT_SECONDS)
-        return []
-    if not swarm_up.record.commanders:
-        view.await_groups(STARTED_BY_HAND_SECONDS)
+    started = swarm_up.record.commanders if swarm_up.record is not None else ()
+    if not started:
+        by_hand = swarm_up.record is None
+        view.await_groups(WAIT_SECONDS if by_hand else STARTED_BY_HAND_SECONDS)
         return []
     from hitab_client.run_processes import sentences
 
-    why = {name: swarm_up.processes.why_silent(name) for name in swarm_up.record.commanders}
+    why = {name: swarm_up.processes.why_silent(name) for name in started}
     there = [name for name, silence in why.items() if silence is None or not silence.lasts]
     view.await_groups(WAIT_SECONDS + swarm_up.agents.more_seconds, there)
     view.discover()
     return sentences({n: silence for n, silence in why.items() if n not in view.groups})
 
 
-def _nobody(swarm_up: Connection, view: CommandView, lost: Sequence[str]) -> Exception:
-    from hitab_client import SwarmError
-    from hitab_client.identity import other_swarm
-
-    if lost:
-        return SwarmError("\n".join(lost))
-    for name, swarm in view.strangers.items():
-        return SwarmError(other_swarm(name, swarm, swarm_up.agents.identity))
-    if not swarm_up.agents.await_agents(seconds=0.5):
-        return SwarmError("no commander answers, and no agent; start a swarm with `hitab up`")
-    return SwarmError(
-        "no commander answers; a swarm has commanders if its description has `commanders:`"
-    )
-
-
-def _meant(tops: list[Branch], commander: str) -> list[Branch]:
+def _meant(
+    swarm_up: Connection, view: CommandView, commander: str, lost: Sequence[str]
+) -> list[Branch]:
     """Return the branch of a commander; all branches if none is named.
 
     Raises:
-        SwarmError: if there is no such commander.
+        SwarmError: if there is none, or no such commander; naming those that do not answer.
     """
     from hitab_client import SwarmError
+    from hitab_client.identity import other_swarm
     from hitab_core import has
 
-    if not commander:
-        return tops
-    all_ = list(_commanders(tops))
-    found = [branch for branch in all_ if branch.name == commander]
-    if not found:
-        raise SwarmError(
-            f'no commander "{commander}" answers {has((b.name for b in all_), commander)}'
-        )
-    return found
+    tops = view.tree()
+    all_ = {branch.name: branch for top in tops for branch in top.commanders()}
+    if commander in all_ or (tops and not commander):
+        return [all_[commander]] if commander else tops
+    if tops:
+        raise SwarmError(f'no commander "{commander}" answers {has(all_, commander)}')
+    if lost:
+        raise SwarmError("\n".join(lost))
+    for name, swarm in view.strangers.items():
+        raise SwarmError(other_swarm(name, swarm, swarm_up.agents.identity))
+    raise SwarmError(
+        "no commander answers; a swarm has commanders if its description has `commanders:`, and "
+        "`hitab status` shows whether it is up"
+    )
 
 
-def _commanders(branches: Iterable[Branch]) -> Iterator[Branch]:
-    for branch in branches:
-        if branch.is_commander:
-            yield branch
-            yield from _commanders(branch.below)
-
-
-def _watch(swarm_up: Connection, view: CommandView, commander: str, agents: bool) -> None:
-    from rich.console import Group
-
-    def drawn() -> Group:
-        return Group(*(_drawn(branch, agents) for branch in _meant(view.tree(), commander)))
-
-    with console.live(drawn()) as update:
-        while True:
-            swarm_up.link.spin_until(lambda: False, REFRESH_SECONDS)
-            view.discover()
-            update(drawn())
-
-
-def _drawn(branch: Branch, agents: bool, onto: Tree | None = None) -> Tree:
+def _drawn(branch: Branch, agents: bool) -> Tree:
     """Return a branch as a tree of lines."""
     from rich.tree import Tree
 
     drawn = Tree(console.line(_line(branch), _style(branch)))
-    if onto is not None:
-        onto.children.append(drawn)
     for fault in branch.faults:
         drawn.add(console.line(fault, "red"))
-    leaves = [member for member in branch.below if not member.is_commander]
-    for member in branch.below:
-        if member.is_commander:
-            _drawn(member, agents, drawn)
-    if agents:
-        for text in _leaf_lines(leaves):
-            drawn.add(text)
+    drawn.children += [_drawn(m, agents) for m in branch.below if m.is_commander]
+    for text in _leaf_lines([m for m in branch.below if not m.is_commander]) if agents else ():
+        drawn.add(text)
     return drawn
 
 
@@ -210,24 +172,19 @@ def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
 
 
 def order(
-    commander: Annotated[
-        str,
-        typer.Argument(
-            help="Name of the commander, such as captain.", autocompletion=completion.commanders
-        ),
-    ],
-    behavior: Annotated[
-        str, typer.Argument(help="One of its orders, or a behavior that it has learned.")
-    ],
-    targets: Annotated[
-        list[str] | None,
-        typer.Argument(help="Targets for its parameters.", show_default=False),
-    ] = None,
+    commander: Annotated[str, typer.Argument(autocompletion=completion.commanders)],
+    behavior: str,
+    targets: Annotated[list[str] | None, typer.Argument()] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Make a commander give an order, or perform what it has learned; its group obeys at once.
 
     The next order from its own commander replaces this one.
+
+    Args:
+        commander: Name of the commander, such as captain.
+        behavior: One of its orders, or a behavior that it has learned.
+        targets: Targets for its parameters.
 
     Examples:
 
@@ -239,6 +196,7 @@ def order(
     from hitab_core import Use
 
     use = Use.parse(behavior)
+    use = Use(use.name, (*use.arguments, *(targets or [])))
     with connection(swarm) as swarm_up:
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         status = swarm_up.agents.await_agent(commander)
@@ -248,13 +206,12 @@ def order(
         more = WAIT_SECONDS + swarm_up.agents.more_seconds
         view.await_groups(more if commander in started else GROUP_SECONDS, (commander,))
         _refuse_agent(commander, behavior, view.groups)
-        swarm_up.agents.perform(commander, use.name, [*use.arguments, *(targets or [])])
-        name = Use(use.name, (*use.arguments, *(targets or [])))
-        swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(name)), 2.0)
+        swarm_up.agents.perform(commander, use.name, use.arguments)
+        swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(use)), 2.0)
         group = view.groups[commander]
     obeying = sum(member.obeys for member in group.subordinates)
     console.say(
-        f"{commander} performs {name} and orders {group.order or 'nothing yet'}: "
+        f"{commander} performs {use} and orders {group.order or 'nothing yet'}: "
         f"{obeying} of {len(group.subordinates)} perform it"
     )
     if status.superior:

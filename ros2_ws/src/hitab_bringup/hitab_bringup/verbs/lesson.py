@@ -31,14 +31,8 @@ Files = Annotated[
 @app.command()
 def run(
     lessons: Files,
-    factor: Annotated[
-        float,
-        typer.Option(help="Multiple of real time, for watching; 0: as fast as possible."),
-    ] = 0.0,
-    discard: Annotated[
-        bool,
-        typer.Option("--discard", help="First discard what the agents have not saved."),
-    ] = False,
+    factor: float = 0.0,
+    discard: Annotated[bool, typer.Option("--discard")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -46,6 +40,10 @@ def run(
 
     Ctrl-C ends it and discards the training that the lesson has begun. If a step fails, the
     training stays, so that you can see what was learned and correct it.
+
+    Args:
+        factor: Multiple of real time, for watching; 0: as fast as possible.
+        discard: First discard what the agents have not saved.
 
     Examples:
 
@@ -60,8 +58,7 @@ def run(
     reports = []
     with connection(swarm) as swarm_up:
         swarm_up.agents.await_agents()
-        without = swarm_up.record is not None and not swarm_up.has_world
-        world = None if without else swarm_up.world
+        world = swarm_up.await_world()
         for lesson in read:
             player = LessonPlayer(lesson, swarm_up.agents, world, factor=factor, discard=discard)
             report = _played(player)

@@ -9,14 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from hitab_bringup.verbs import library_changes, recording
-from hitab_bringup.verbs.library_options import (
-    Agent,
-    Library,
-    Name,
-    chosen_folders,
-    chosen_libraries,
-    opened,
-)
+from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_core import quantity
@@ -36,50 +29,48 @@ def list_behaviors(
 
       hitab library list --agent keeper_1
     """
-    from hitab_bringup.library_choice import holds_behaviors
+    from hitab_bringup.library_choice import holds_behaviors, libraries_meant
     from hitab_bringup.opened_library import open_library
     from hitab_core import LibraryError, gist, some
 
-    libraries = chosen_libraries(library, agent, swarm)
-    different = len(libraries) > 1
+    libraries = libraries_meant(library, agent, swarm)
+    several = len(libraries) > 1
     found: dict[tuple[str, str], dict[str, Any]] = {}
-    without: list[str] = []
     problems: list[str] = []
     for folder, agents in libraries.items():
-        if different and not holds_behaviors(folder):
-            without += agents
+        if several and not holds_behaviors(folder):
+            console.note(f"nothing is saved in the library of {some(agents)}")
             continue
         try:
             there = open_library(folder)
         except LibraryError as error:
-            if not different:
-                raise
-            problems.append(f"{_whose(folder, agents)}: {gist(str(error).splitlines()[0])}")
+            problems.append(f"{some(agents)}: {gist(str(error))}" if several else str(error))
             continue
         there.load(strict=False)
         if there.problems:
             names = some(sorted(there.problems))
-            problems.append(
-                f"{_whose(folder, agents)}: {names} cannot be used; see `hitab library check`"
-            )
+            whose = some(agents) or str(folder)
+            problems.append(f"{whose}: {names} cannot be used; see `hitab library check`")
         for name in there.names():
             row = _row(name, there.file(name))
             found.setdefault((name, row["checksum"]), row)["agents"] += agents
     data = [found[key] for key in sorted(found)]
-    if json != "-":
-        console.out().print(_table(data, with_agents=different))
-    if without:
-        console.note(f"nothing is saved in the libraries of {some(without)}")
-    console.write_json(json, data)
+    rows = [
+        [
+            row["name"],
+            str(row["examples"]),
+            ", ".join(row["states"]),
+            ", ".join(row["features"]),
+            str(row["version"]),
+            row["created"][:10],
+            *[some(row["agents"])] * several,
+        ]
+        for row in data
+    ]
+    columns = ["behavior", "examples", "states", "features", "version", "created"]
+    console.show(json, data, console.table([*columns, *["agents"] * several], rows))
     if problems:
         raise LibraryError("\n".join(problems))
-
-
-def _whose(folder: Path, agents: list[str]) -> str:
-    """Return by whose name a library is known: its agents', or its own."""
-    from hitab_core import some
-
-    return some(agents) if agents else str(folder)
 
 
 def _row(name: str, file: Any) -> dict[str, Any]:
@@ -99,39 +90,20 @@ def _row(name: str, file: Any) -> dict[str, Any]:
     }
 
 
-def _table(data: list[dict[str, Any]], *, with_agents: bool) -> Any:
-    from hitab_core import some
-
-    columns = ["behavior", "examples", "states", "features", "version", "created"]
-    rows = [
-        [
-            row["name"],
-            str(row["examples"]),
-            ", ".join(row["states"]),
-            ", ".join(row["features"]),
-            str(row["version"]),
-            row["created"][:10],
-            *([some(row["agents"])] if with_agents else []),
-        ]
-        for row in data
-    ]
-    return console.table([*columns, *(["agents"] if with_agents else [])], rows)
-
-
 @app.command()
 def show(
     name: Name,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
-    picture: Annotated[
-        Path | None, typer.Option("--picture", help="Draw it to a PNG or SVG file instead.")
-    ] = None,
-    deep: Annotated[
-        bool, typer.Option("--deep", help="Also show the automata that it uses.")
-    ] = False,
+    picture: Annotated[Path | None, typer.Option("--picture")] = None,
+    deep: Annotated[bool, typer.Option("--deep")] = False,
 ) -> None:
     """Show a behavior: its states, its transitions and its trees.
+
+    Args:
+        picture: Draw it to a PNG or SVG file instead.
+        deep: Also show the automata that it uses.
 
     Examples:
 
@@ -177,11 +149,17 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
 
       hitab library check -l hitab-demo/library
     """
+    from hitab_bringup.library_choice import holds_behaviors, libraries_meant
     from hitab_bringup.opened_library import open_library
     from hitab_core import LibraryError
 
+    folders = [*libraries_meant(library, agent, swarm)]
+    if len(folders) > 1 and not any(map(holds_behaviors, folders)):
+        raise LibraryError("nothing is saved in the libraries of the swarm yet")
     wrong = []
-    for folder in chosen_folders(library, agent, swarm):
+    for folder in folders:
+        if len(folders) > 1 and not holds_behaviors(folder):
+            continue
         there = open_library(folder)
         losses = there.edition(strict=False).losses
         bad, known = len(there.problems), len(there.problems) + len(there.names())
@@ -200,17 +178,17 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
 @app.command()
 def diff(
     name: Name,
-    before: Annotated[
-        int | None, typer.Argument(help="A version. Default: the one before.", min=1)
-    ] = None,
-    after: Annotated[
-        int | None, typer.Argument(help="Another. Default: the newest.", min=1)
-    ] = None,
+    before: Annotated[int | None, typer.Argument(min=1)] = None,
+    after: Annotated[int | None, typer.Argument(min=1)] = None,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
     """Show the differences between two versions of a behavior.
+
+    Args:
+        before: A version. Default: the one before.
+        after: Another. Default: the newest.
 
     Examples:
 
@@ -231,8 +209,17 @@ def diff(
     old = there.version(name, before if before is not None else versions[-2])
     new = there.version(name, after if after is not None else versions[-1])
     console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
-    console.say(str(difference(old, new)))
+    console.say(difference(old, new))
 
 
-library_changes.register(app)
-recording.register_in_library(app)
+for changes in (
+    library_changes.restore,
+    library_changes.accept,
+    library_changes.delete,
+    library_changes.rename,
+    library_changes.export,
+):
+    app.command()(changes)
+app.command("import")(library_changes.import_)
+app.command()(library_changes.reload)
+app.command("from-recording")(recording.from_recording)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.library_options import Agent, Library, Name, chosen_folder, opened
+from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
 from hitab_client import console
 from hitab_client.command_options import SwarmName
 from hitab_core import quantity
@@ -26,30 +26,17 @@ Output = Annotated[
 ]
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the group."""
-    app.command()(restore)
-    app.command()(accept)
-    app.command()(delete)
-    app.command()(rename)
-    app.command()(export)
-    app.command("import")(import_)
-    app.command()(reload)
-
-
 def restore(
     name: Name,
-    version: Annotated[
-        int | None,
-        typer.Argument(
-            help="Number of the version; without it, the versions that there are.", min=1
-        ),
-    ] = None,
+    version: Annotated[int | None, typer.Argument(min=1)] = None,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
     """Make an earlier version of a behavior the newest one, even if it was deleted or damaged.
+
+    Args:
+        version: Number of the version; without it, the versions that there are.
 
     Example:
 
@@ -62,23 +49,20 @@ def restore(
         there.load(strict=False)
         if versions := there.versions(name):
             raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
-        raise LibraryError(f'{there.folder}: no version of "{name}" was kept {_kept(there)}')
+        kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
+        raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
     path = there.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
     _tell_users(there.folder)
 
 
-def _kept(there: Any) -> str:
-    """Return of which behaviors a library has kept versions."""
-    from hitab_core import has
-
-    return has(sorted(path.name for path in (there.folder / ".versions").glob("*")))
-
-
 def accept(
-    paths: Annotated[list[Path], typer.Argument(help="Behavior files, or folders of them.")],
+    paths: list[Path],
 ) -> None:
     """Accept behavior files that were edited by hand: check them and update their digests.
+
+    Args:
+        paths: Behavior files, or folders of them.
 
     Examples:
 
@@ -103,14 +87,15 @@ def accept(
 
 def delete(
     name: Name,
-    anyway: Annotated[
-        bool, typer.Option("--anyway", help="Delete it even if others can no longer be used then.")
-    ] = False,
+    anyway: Annotated[bool, typer.Option("--anyway")] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
     """Delete a behavior. Its versions are kept and can be restored.
+
+    Args:
+        anyway: Delete it even if others can no longer be used then.
 
     Example:
 
@@ -141,10 +126,8 @@ def delete(
 
 def rename(
     name: Name,
-    new: Annotated[str, typer.Argument(help="Its new name.")],
-    with_users: Annotated[
-        bool, typer.Option("--with-users", help="Rename it in the behaviors that use it, too.")
-    ] = False,
+    new: str,
+    with_users: Annotated[bool, typer.Option("--with-users")] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
@@ -152,6 +135,10 @@ def rename(
     """Rename a behavior, and on request in what uses it: all or nothing.
 
     Swarm descriptions, lessons and kinds of commanders that name it stay as they are.
+
+    Args:
+        new: Its new name.
+        with_users: Rename it in the behaviors that use it, too.
 
     Example:
 
@@ -161,7 +148,7 @@ def rename(
     users, otherwise = there.rename(name, new, with_users=with_users)
     console.say(f"renamed {name} to {new} in {there.folder}")
     if users:
-        console.say(f"changed {', '.join(users)}, which {_use(users)} it")
+        console.say(f"changed what uses it: {', '.join(users)}")
     for user in otherwise:
         console.note(
             f"{user} decides differently now, where its examples contradict each other; see "
@@ -170,24 +157,19 @@ def rename(
     _tell_users(there.folder)
 
 
-def _use(users: list[str]) -> str:
-    return "uses" if len(users) == 1 else "use"
-
-
 def export(
-    names: Annotated[
-        list[str] | None,
-        typer.Argument(help="The behaviors; what they are made of comes along. Default: all."),
-    ] = None,
+    names: Annotated[list[str] | None, typer.Argument()] = None,
     output: Output = None,
-    replace: Annotated[
-        bool, typer.Option("--replace", help="Replace the file if it exists.")
-    ] = False,
+    replace: Annotated[bool, typer.Option("--replace")] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
     """Write behaviors, and everything they are made of, to one file.
+
+    Args:
+        names: The behaviors; what they are made of comes along. Default: all.
+        replace: Replace the file if it exists.
 
     Examples:
 
@@ -214,10 +196,8 @@ def export(
 
 
 def import_(
-    file: Annotated[Path, typer.Argument(help="A file that `hitab library export` wrote.")],
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Only say what it would replace.")
-    ] = False,
+    file: Path,
+    dry_run: Annotated[bool, typer.Option("--dry-run")] = False,
     library: Library = None,
     agent: Agent = None,
     swarm: SwarmName = None,
@@ -226,18 +206,24 @@ def import_(
 
     A folder that does not exist is a new library.
 
+    Args:
+        file: A file that `hitab library export` wrote.
+        dry_run: Only say what it would replace.
+
     Examples:
 
       hitab library import Keepaway.bundle.yaml -l my_library --dry-run
 
       hitab library import Keepaway.bundle.yaml --agent keeper_1
     """
+    from hitab_bringup.library_choice import known_libraries, library_meant
     from hitab_bringup.opened_library import domain_in, open_library
     from hitab_core import BehaviorLibrary, load_domain
     from hitab_core.library import read_bundle_file, read_bundled
 
     bundle = read_bundle_file(file)
-    folder = chosen_folder(library, agent, swarm, new=True)
+    is_new = library is not None and library not in known_libraries()
+    folder = Path(library or "").expanduser() if is_new else library_meant(library, agent, swarm)
     there = (
         BehaviorLibrary(folder, load_domain(bundle.domain))
         if not folder.is_dir() or domain_in(folder) is None
@@ -250,33 +236,28 @@ def import_(
         numbers = dict(change.numbers)
         if not dry_run:
             change.commit()
+    if dry_run:
+        console.note("nothing is changed; without --dry-run:")
     for behavior in read:
-        if behavior.name not in changed:
-            console.say(f"{behavior.name}: the same is there already")
-        elif replaced[behavior.name]:
-            number, what = numbers[behavior.name], replaced[behavior.name]
-            told = (
-                f"would become version {number} and replace"
-                if dry_run
-                else (f"version {number}, replaces")
-            )
-            console.say(f"{behavior.name}: {told} {what}")
-        else:
-            console.say(f"{behavior.name}: {'would be new' if dry_run else 'new'}")
+        what = replaced.get(behavior.name)
+        told = f"version {numbers[behavior.name]}, replaces {what}" if what else "new"
+        there_already = behavior.name not in changed
+        console.say(f"{behavior.name}: {'the same is there already' if there_already else told}")
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
         _tell_users(folder)
 
 
 def reload(
-    agents: Annotated[
-        list[str] | None, typer.Argument(help="The agents. Default: all of the swarm.")
-    ] = None,
+    agents: Annotated[list[str] | None, typer.Argument()] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Have agents read their libraries again, after a change by other means.
 
     What an agent performs begins again at Start.
+
+    Args:
+        agents: The agents. Default: all of the swarm.
 
     Example:
 
@@ -302,8 +283,7 @@ def _tell_users(folder: Path) -> None:
     from hitab_core import some
 
     for swarm, agents in users_of(folder):
-        use, them = ("uses", "it") if len(agents) == 1 else ("use", "them")
         console.say(
-            f"{some(agents, most=3)} of swarm {swarm} still {use} this library as it was before; "
-            f"`hitab library reload --swarm {swarm}` makes {them} read the change"
+            f"the library of {some(agents, most=3)} of swarm {swarm} is used as it was before; "
+            f"`hitab library reload --swarm {swarm}` has the change read"
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -11,43 +11,29 @@ from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
 
 if TYPE_CHECKING:
-    from hitab_bringup.run_logs import LogFile
+    from collections.abc import Iterable
+
+    from hitab_bringup.run_logs import Line, LogFile
     from hitab_client import RunFolder, RunRecord
 
+Level = Literal["debug", "info", "warn", "error", "fatal"]
 LOOK_SECONDS = 0.3  # between two looks for new lines
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Swarm")(logs)
-
-
 def logs(
-    name: Annotated[
-        str,
-        typer.Argument(
-            help="An agent, a host, world or supervisor. Default: all.",
-            autocompletion=completion.processes,
-        ),
-    ] = "",
-    follow: Annotated[
-        bool, typer.Option("--follow", "-f", help="Go on until the swarm is down, or Ctrl-C.")
-    ] = False,
-    lines: Annotated[
-        int, typer.Option("--lines", "-n", help="Number of lines to begin with; 0: all.", min=0)
-    ] = 100,
-    level: Annotated[
-        str,
-        typer.Option(
-            "--level",
-            metavar="LEVEL",
-            help="Only lines of this level or above: debug, info, warn, error or fatal.",
-            show_default=False,
-        ),
-    ] = "debug",
+    name: Annotated[str, typer.Argument(autocompletion=completion.processes)] = "",
+    follow: Annotated[bool, typer.Option("--follow", "-f")] = False,
+    lines: Annotated[int, typer.Option("--lines", "-n", min=0)] = 100,
+    level: Annotated[Level, typer.Option(metavar="LEVEL", show_default=False)] = "debug",
     swarm: SwarmName = None,
 ) -> None:
     """Show what the processes of a swarm have logged, even after it has ended.
+
+    Args:
+        name: An agent, a host, world or supervisor. Default: all.
+        follow: Go on until the swarm is down, or Ctrl-C.
+        lines: Number of lines to begin with; 0: all.
+        level: Only lines of this level or above: debug, info, warn, error or fatal.
 
     Examples:
 
@@ -57,34 +43,32 @@ def logs(
 
       hitab logs --level warn
     """
-    from hitab_bringup.run_logs import LEVELS, at_least, logs_of, merged, shown
+    from hitab_bringup.run_logs import logs_of, new_lines
 
-    if level not in LEVELS:
-        levels = ", ".join(LEVELS)
-        raise typer.BadParameter(f'"{level}" is not one of {levels}', param_hint="--level")
     folder, record = _run(swarm)
     files = _chosen(name, folder, record)
     console.note(f"from {files[0].path if len(files) == 1 else folder.path / 'logs'}")
     names = len(files) > 1
-    # Warnings may be far apart, so all that is kept is searched for them.
-    whole = lines == 0 or level != LEVELS[0]
-    last = at_least(level, merged(file.last(whole=whole, follow=follow) for file in files))
+    last = new_lines(files, level, ended=follow)
     if not last:
-        console.note(f"no lines{f' of level {level} or above' if level != LEVELS[0] else ''}")
-    for line in shown(last[-lines:] if lines else last, names=names):
-        console.say(line)
+        console.note(f"no lines{f' of level {level} or above' if level != 'debug' else ''}")
+    _say(last[-lines:], names)
     while follow:
         record = folder.read()
         up = record is not None and folder.supervisor(record) is not None
         if names:  # processes may have been added
             known = {file.path for file in files}
             files += [file for file in logs_of(folder) if file.path not in known]
-        for line in shown(at_least(level, merged(file.more() for file in files)), names=names):
-            console.say(line)
+        _say(new_lines(files, level, ended=True), names)
         if not up:
             console.note(f"{folder.path.name} is down")
             return
         time.sleep(LOOK_SECONDS)
+
+
+def _say(lines: Iterable[Line], names: bool) -> None:
+    for line in lines:
+        console.say(f"{line.process} | {line.text}" if names else line.text)
 
 
 def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:

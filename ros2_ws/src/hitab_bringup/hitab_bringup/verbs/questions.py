@@ -8,26 +8,16 @@ from typing import Annotated, Any
 import typer
 
 from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.showing import plain
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Train")(questions)
-
-
 def questions(
     agent: AgentName,
-    answer: Annotated[
-        int | None,
-        typer.Option(metavar="NUMBER", help="Answer this question, as proposed or with --choice."),
-    ] = None,
-    choice: Annotated[str, typer.Option(help="One of the question's choices.")] = "",
-    dismiss: Annotated[
-        int | None,
-        typer.Option(metavar="NUMBER", help="Do not ask this question again; change nothing."),
-    ] = None,
+    answer: Annotated[int | None, typer.Option(metavar="NUMBER")] = None,
+    choice: str = "",
+    dismiss: Annotated[int | None, typer.Option(metavar="NUMBER")] = None,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -36,6 +26,11 @@ def questions(
     It asks when commands contradict each other, when an example made it do what you corrected,
     when it was shown too little somewhere, and when several explanations fit what it was shown.
     `hitab undo` takes an answer back.
+
+    Args:
+        answer: Answer this question, as proposed or with --choice.
+        choice: One of the question's choices.
+        dismiss: Do not ask this question again; change nothing.
 
     Examples:
 
@@ -57,37 +52,25 @@ def questions(
             console.say(done.message)
             return
         found = swarm_up.agents.questions(agent)
-    if json != "-":
-        if not found.questions:
-            console.say(f"{agent} has no question")
-        for question in found.questions:
-            console.say(f"{question.number}. {question.text}")
-            for index, choice in enumerate(question.choices):
-                proposed = " (proposed)" if index == question.proposed else ""
-                console.say(f"   {choice}: {question.effects[index]}{proposed}")
-        if found.questions:
-            number = found.questions[0].number
-            console.say(
-                f"`hitab questions {agent} --answer {number}` answers as proposed; add "
-                "--choice CHOICE to answer otherwise."
-            )
-    console.write_json(
-        json,
-        {
-            "questions": [_record(question) for question in found.questions],
-            "answered": list(found.answered),
-        },
-    )
+    told = [] if found.questions else [f"{agent} has no question"]
+    for question in found.questions:
+        told.append(f"{question.number}. {question.text}")
+        for index, choice in enumerate(question.choices):
+            proposed = " (proposed)" if index == question.proposed else ""
+            told.append(f"   {choice}: {question.effects[index]}{proposed}")
+    if found.questions:
+        told.append(
+            f"`hitab questions {agent} --answer {found.questions[0].number}` answers as proposed; "
+            "add --choice CHOICE to answer otherwise."
+        )
+    asked = [_record(question) for question in found.questions]
+    console.show(json, {"questions": asked, "answered": list(found.answered)}, *told)
 
 
 def _record(question: Any) -> dict[str, Any]:
     situation = zip(question.features, question.situation, strict=True)
     return {
-        "number": question.number,
-        "kind": question.kind,
-        "text": question.text,
-        "state": question.state,
-        "examples": list(question.examples),
+        **plain(question, "number kind text state examples"),
         "choices": dict(zip(question.choices, question.effects, strict=True)),
         "proposed": question.choices[question.proposed],
         "situation": {name: v for name, v in situation if not math.isnan(v)},

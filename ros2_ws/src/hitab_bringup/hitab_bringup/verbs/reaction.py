@@ -10,30 +10,23 @@ import typer
 from hitab_client import console
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Train")(reaction)
-
-
 def reaction(
-    seconds: Annotated[
-        float | None, typer.Argument(help="Your reaction time, s.", show_default=False)
-    ] = None,
-    measure: Annotated[
-        bool, typer.Option("--measure", help="Measure it: a game of ten seconds.")
-    ] = False,
-    forget: Annotated[
-        bool, typer.Option("--forget", help="Forget it; commands then count when they are given.")
-    ] = False,
-    demonstrator: Annotated[
-        str, typer.Option(help="The person whose time it is. Default: you.", show_default=False)
-    ] = "",
+    seconds: Annotated[float | None, typer.Argument()] = None,
+    measure: Annotated[bool, typer.Option("--measure")] = False,
+    forget: Annotated[bool, typer.Option("--forget")] = False,
+    demonstrator: Annotated[str, typer.Option(show_default=False)] = "",
 ) -> None:
     """Show, set or measure your reaction time; commands are then recorded as if they came in time.
 
     A person sees a situation, decides and presses a key: by then the situation has changed. With a
     reaction time kept, each command counts for the situation of that time before, scaled by the
     world's pace; while the world is paused, for the present one.
+
+    Args:
+        seconds: Your reaction time, s.
+        measure: Measure it: a game of ten seconds.
+        forget: Forget it; commands then count when they are given.
+        demonstrator: The person whose time it is. Default: you.
 
     Examples:
 

@@ -25,65 +25,26 @@ STATUS_S = 1.0
 LOOK_S = 0.5
 """Between two looks for new topics."""
 
-PATIENCE_S = 10.0
-"""How long agents may take to tell what they take in, before they are named."""
-
-
-def register(app: typer.Typer) -> None:
-    """Add the verb that records to the command."""
-    app.command(rich_help_panel="Swarm")(record)
-
-
-def register_in_library(app: typer.Typer) -> None:
-    """Add the verb that trains from a recording to the group for libraries."""
-    app.command("from-recording")(from_recording)
-
 
 def record(
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="PATH",
-            help="A file to write, ending in .mcap, or else a folder, as `ros2 bag record` makes "
-            "it. Default: a file among the recordings that the studio shows.",
-            show_default=False,
-        ),
-    ] = None,
-    topics: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--topics",
-            "-t",
-            metavar="TOPIC",
-            help="Also record this topic, such as /robot_1/scan. Repeatable.",
-            show_default=False,
-        ),
-    ] = None,
-    robots: Annotated[
-        bool,
-        typer.Option(
-            "--robots",
-            help="Also record all topics with messages that robots use: those of sensor_msgs, "
-            "nav_msgs, geometry_msgs and tf2_msgs, so also images and point clouds.",
-        ),
-    ] = False,
-    seconds: Annotated[
-        float | None,
-        typer.Option(
-            "--seconds",
-            help="End by itself after so many seconds. Default: with Ctrl-C.",
-            min=0.1,
-            show_default=False,
-        ),
-    ] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="PATH")] = None,
+    topics: Annotated[list[str] | None, typer.Option("--topics", "-t", metavar="TOPIC")] = None,
+    robots: Annotated[bool, typer.Option("--robots")] = False,
+    seconds: Annotated[float | None, typer.Option("--seconds", min=0.1)] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Record to a bag (MCAP) what a swarm perceives and does, until Ctrl-C.
 
     The studio, Foxglove and `ros2 bag play` show it again; `hitab library from-recording` trains
     from it.
+
+    Args:
+        output: A file to write, ending in .mcap, or else a folder, as `ros2 bag record` makes it.
+            Default: a file among the recordings that the studio shows.
+        topics: Also record this topic, such as /robot_1/scan. Repeatable.
+        robots: Also record all topics with messages that robots use: those of sensor_msgs,
+            nav_msgs, geometry_msgs and tf2_msgs, so also images and point clouds.
+        seconds: End by itself after so many seconds. Default: with Ctrl-C.
 
     Examples:
 
@@ -146,7 +107,6 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
     console.note(f"recording to {recorder.path}; Ctrl-C ends it")
     began = time.monotonic()
     told: list[str] = []
-    waits = True
     with _progress() as show:
         looked = began
         while not recorder.problem:
@@ -163,10 +123,6 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
                 told = recorder.sessions
                 agents = ", ".join(agent.removeprefix("/") for agent in told)
                 console.note(f"from now on it can be trained from: {agents}")
-            elif waits and recorder.awaited and now - began > PATIENCE_S:
-                waits = False
-                late = ", ".join(agent.removeprefix("/") for agent in recorder.awaited)
-                console.note(f"it cannot be trained from yet: {late} does not answer")
 
 
 @contextmanager
@@ -189,24 +145,21 @@ def _close(recorder: Recorder, folder: Path | None) -> None:
 
 
 def from_recording(
-    recording: Annotated[
-        Path, typer.Argument(help="A file or folder that `hitab record` or the studio wrote.")
-    ],
-    folder: Annotated[Path, typer.Argument(help="For the library; a new folder.")],
-    agent: Annotated[
-        str,
-        typer.Option(
-            "--agent", "-a", help="Whose training. Default: of the only one.", show_default=False
-        ),
-    ] = "",
-    save: Annotated[
-        bool, typer.Option("--save", help="Also save the training that the recording ends in.")
-    ] = False,
+    recording: Path,
+    folder: Path,
+    agent: Annotated[str, typer.Option("--agent", "-a", show_default=False)] = "",
+    save: Annotated[bool, typer.Option("--save")] = False,
 ) -> None:
     """Train from a recording: give an agent again all that the recorded one took in.
 
     No swarm has to be up. What is learned equals what was learned then, example by example and bit
     by bit; if not, an error says where they part.
+
+    Args:
+        recording: A file or folder that `hitab record` or the studio wrote.
+        folder: For the library; a new folder.
+        agent: Whose training. Default: of the only one.
+        save: Also save the training that the recording ends in.
 
     Examples:
 

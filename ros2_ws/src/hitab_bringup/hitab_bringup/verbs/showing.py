@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,6 +20,13 @@ Features = Annotated[
 ShowOnly = Annotated[
     bool, typer.Option("--show", help="Only show what would be learned; change nothing.")
 ]
+
+
+def plain(message: Any, fields: str) -> dict[str, Any]:
+    """Return fields of a message as plain data; their names are separated by spaces."""
+    found = {field: getattr(message, field) for field in fields.split()}
+    simple = (bool, int, float, str)
+    return {f: value if isinstance(value, simple) else list(value) for f, value in found.items()}
 
 
 def as_text(learned: Learned) -> str:

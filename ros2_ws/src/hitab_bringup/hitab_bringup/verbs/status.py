@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +11,7 @@ import typer
 
 from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import Connection, connection
+from hitab_bringup.verbs.showing import plain
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_core import natural, quantity
@@ -21,20 +22,25 @@ if TYPE_CHECKING:
     from hitab_client import SignsOfLife
     from hitab_client.run_processes import Silence
 
+AGENT = (
+    "domain mode behavior active_path examples default_examples cycle library_digest last_error "
+    "faults note unsure questions"
+)
+WORLD = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
+"""Fields of statuses that are shown."""
+
 LOOK_SECONDS = 1.0  # for a world that was started by hand
 
 
-def register(app: typer.Typer) -> None:
-    """Add this verb to the command."""
-    app.command(rich_help_panel="Swarm")(status)
-
-
 def status(
-    watch: Annotated[bool, typer.Option("--watch", "-w", help="Keep it up to date.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
     """Show the agents: their modes, what they perform and what went wrong.
+
+    Args:
+        watch: Keep it up to date.
 
     Examples:
 
@@ -42,35 +48,25 @@ def status(
 
       hitab status --watch
     """
+    from hitab_client import SwarmError
+
     with connection(swarm, reads=True) as swarm_up:
         swarm_up.agents.await_agents()
         _await_world(swarm_up)
-        swarm_up.note_whose(_identities(swarm_up))
+        reported = (*swarm_up.agents.statuses.values(), swarm_up.world.status)
+        swarm_up.note_whose(status.swarm for status in reported if status is not None)
         if watch:
             _watch(swarm_up)
             return
         silent = _silent(swarm_up)
         data = _status_data(swarm_up, silent, KeptTrainings(swarm_up.agents))
         if swarm_up.record is None and not data["agents"] and data["world"] is None:
-            raise _nobody(swarm_up)
-        if json != "-":
-            console.out().print(_rendered(data, silent))
-        console.write_json(json, data)
-
-
-def _nobody(swarm_up: Connection) -> Exception:
-    """Return an error for when nodes that have been found report nothing."""
-    from hitab_client import SwarmError
-    from hitab_client.swarm_choice import reported_on
-    from hitab_core import some
-
-    topics = some(sorted(reported_on(swarm_up.link)))
-    return SwarmError(
-        f"nobody answers in ROS domain {swarm_up.link.node.context.get_domain_id()}"
-        + (f", although there is somebody on {topics}; " if topics else "; ")
-        + "a swarm that starts or ends needs a moment: try again, or start one, such as "
-        "`hitab up keepaway`"
-    )
+            number = swarm_up.link.node.context.get_domain_id()
+            raise SwarmError(
+                f"nobody answers in ROS domain {number}; a swarm that starts or ends needs a "
+                "moment: try again, or start one, such as `hitab up keepaway`"
+            )
+        console.show(json, data, _rendered(data, silent))
 
 
 def _await_world(swarm_up: Connection) -> None:
@@ -101,18 +97,11 @@ def _watch(swarm_up: Connection) -> None:
         silent = _silent(swarm_up, signs)
         return _rendered(_status_data(swarm_up, silent, trainings), silent)
 
-    with console.live(shown()) as update:
+    with console.live(shown()) as live:
         while True:
             swarm_up.link.spin_until(lambda: False, 0.2)
             swarm_up.agents.discover()
-            update(shown())
-
-
-def _identities(swarm_up: Connection) -> set[str]:
-    """Return the swarms of all that have answered."""
-    world = swarm_up.world.status
-    found = {status.swarm for status in swarm_up.agents.statuses.values()}
-    return found | ({world.swarm} if world is not None else set())
+            live.update(shown())
 
 
 def _status_data(
@@ -122,28 +111,16 @@ def _status_data(
     agents = [
         {
             "agent": name,
-            "training": trainings.name(s),
-            "domain": s.domain,
-            "mode": s.mode,
-            "behavior": s.behavior,
-            "active_path": list(s.active_path),
-            "examples": s.examples,
-            "default_examples": s.default_examples,
-            "cycle": s.cycle,
-            "library_digest": s.library_digest,
-            "last_error": s.last_error,
-            "refused_at": s.refused_at.sec or None,
-            "faults": list(s.faults),
-            "note": s.note,
-            "unsure": s.unsure,
-            "questions": s.questions,
+            "training": trainings.name(status),
+            **plain(status, AGENT),
+            "refused_at": status.refused_at.sec or None,
         }
-        for name, s in sorted(swarm_up.agents.statuses.items())
+        for name, status in sorted(swarm_up.agents.statuses.items())
     ]
-    world = swarm_up.world.status
+    world, record = swarm_up.world.status, swarm_up.record
     return {
-        "swarm": swarm_up.record.swarm if swarm_up.record else None,
-        "identity": swarm_up.record.identity if swarm_up.record else None,
+        "swarm": record.swarm if record else None,
+        "identity": record.identity if record else None,
         "run_folder": str(swarm_up.folder.path) if swarm_up.folder else None,
         "ros_domain": swarm_up.link.node.context.get_domain_id(),
         "agents": agents,
@@ -152,20 +129,7 @@ def _status_data(
             name: why.of(name) if why is not None else f"{name} does not answer"
             for name, why in silent.items()
         },
-        "world": None
-        if world is None
-        else {
-            "world": world.world,
-            "mode": world.mode,
-            "pace": world.pace,
-            "factor": world.factor,
-            "cycle": world.cycle,
-            "episode": world.episode,
-            "missed_deadlines": world.missed_deadlines,
-            "missing": list(world.missing),
-            "last_error": world.last_error,
-            "faults": list(world.faults),
-        },
+        "world": None if world is None else plain(world, WORLD),
     }
 
 
@@ -190,6 +154,7 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
     from rich.console import Group
 
     from hitab_client.run_processes import sentences
+    from hitab_core import each_once
 
     lines: list[Any] = []
     world = data["world"]
@@ -204,30 +169,34 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
         for name in world["missing"]:
             lines.append(console.line(f"the world does not hear {name}", "red"))
         lines += [console.line(text, "red") for text in _wrong(world)]
-    rows = [
-        (
-            agent["agent"],
-            agent["mode"],
-            agent["behavior"],
-            " > ".join(agent["active_path"]),
-            f"{agent['examples']} ({agent['default_examples']} default)"
-            if agent["examples"]
-            else "",
-            agent["library_digest"][:8],
+    rows = []
+    for agent in data["agents"]:
+        why = silent.get(agent["agent"])
+        examples = f"{agent['examples']} ({agent['default_examples']} default)"
+        rows.append(
+            (
+                agent["agent"],
+                why.state if why is not None and why.lasts else agent["mode"],
+                agent["behavior"],
+                " > ".join(agent["active_path"]),
+                examples if agent["examples"] else "",
+                agent["library_digest"][:8],
+            )
         )
-        for agent in data["agents"]
-    ]
-    shown = [*_with_states(rows, silent), *_silent_rows(data, silent)]
-    shown.sort(key=lambda row: natural(row[0]))
+    for name in data["missing"]:
+        if name in silent:
+            why = silent[name]
+            rows.append((name, "silent" if why is None else why.state, *[""] * 4))
+    rows.sort(key=lambda row: natural(row[0]))
     columns = ("agent", "mode", "behavior", "active", "examples", "library")
-    lines.append(console.table(columns, shown))
+    lines.append(console.table(columns, rows))
     if not data["agents"]:
         lines.append(console.line("no agent answers"))
     lines += [console.line(why, "red") for why in sentences(silent)]
-    lines += [console.line(text, "red") for text in _wrong_with(data["agents"])]
-    notes = [(agent["agent"], agent["note"]) for agent in data["agents"]]
-    lines += [console.line(f"{name} {note}") for name, note in notes if note]
-    lines += [console.line(_kept(agent)) for agent in data["agents"] if _kept(agent)]
+    wrong = each_once((a["agent"], text) for a in data["agents"] for text in _wrong(a))
+    lines += [console.line(text, "red") for text in wrong]
+    lines += [console.line(f"{a['agent']} {a['note']}") for a in data["agents"] if a["note"]]
+    lines += [console.line(kept) for agent in data["agents"] if (kept := _kept(agent))]
     logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
     lines.append(console.line(f"ROS domain {data['ros_domain']}{logs}", "dim"))
     return Group(*lines)
@@ -244,39 +213,15 @@ def _kept(agent: Mapping[str, Any]) -> str:
     )
 
 
-def _with_states(
-    rows: Iterable[tuple[str, ...]], silent: Mapping[str, Silence | None]
-) -> Iterator[tuple[str, ...]]:
-    """Yield the rows of agents; for a mode, why the process of one does not run."""
-    for name, mode, *rest in rows:
-        why = silent.get(name)
-        yield (name, why.state if why is not None and why.lasts else mode, *rest)
-
-
-def _silent_rows(
-    data: dict[str, Any], silent: Mapping[str, Silence | None]
-) -> Iterator[tuple[str, ...]]:
-    """Yield a row for each agent of which it is only known that it does not answer."""
-    known = {agent["agent"] for agent in data["agents"]}
-    for name, why in silent.items():
-        if name not in known and name in data["missing"]:
-            yield (name, "silent" if why is None else why.state, "", "", "", "")
-
-
-def _wrong_with(agents: list[dict[str, Any]]) -> list[str]:
-    """Return what is wrong with agents, each text once with the names of those concerned."""
-    from hitab_core import each_once
-
-    return each_once((agent["agent"], text) for agent in agents for text in _wrong(agent))
-
-
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
     from hitab_core import gist
 
     # It may have been long ago: what is still so is among the faults.
-    what = f"last refusal{_at(status)}" if "agent" in status else "last error"
+    what = "last refusal" if "agent" in status else "last error"
+    if status.get("refused_at"):
+        what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))
     told = [gist(fault) for fault in faults]
     told += [f"{what}: {gist(last)}"] if last and last not in faults else []
     if status.get("unsure"):
@@ -284,9 +229,3 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     if status.get("questions"):
         told.append(f"asks {quantity(status['questions'], 'question')}")
     return told
-
-
-def _at(status: dict[str, Any]) -> str:
-    """Return when an agent refused, in local time."""
-    refused = status["refused_at"]
-    return "" if refused is None else time.strftime(" at %H:%M:%S", time.localtime(refused))

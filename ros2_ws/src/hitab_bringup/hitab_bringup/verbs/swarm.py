@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -16,64 +16,41 @@ from hitab_core import in_lines, quantity
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
 
-PANEL = "Swarm"
+LARGE = 100
+"""Agents; a larger swarm starts for a while, so that lines tell of it where there is no bar."""
+
 RunDir = Annotated[
     Path | None,
     typer.Option("--run-dir", help="Folder for its files, instead of the default one."),
 ]
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel=PANEL)(up)
-    app.command(rich_help_panel=PANEL)(down)
-
-
 def up(
     swarm: Annotated[
-        str,
-        typer.Argument(
-            help="A swarm description, or the name of a shipped one.",
-            autocompletion=completion.swarm_descriptions,
-        ),
+        str, typer.Argument(autocompletion=completion.swarm_descriptions)
     ] = "keepaway",
-    pace: Annotated[
-        str, typer.Option(help="lockstep or realtime; overrides the description.")
-    ] = "",
-    paused: Annotated[bool, typer.Option("--paused", help="Start with the world paused.")] = False,
-    library: Annotated[
-        str | None,
-        typer.Option(
-            "--library",
-            "-l",
-            metavar="LIBRARY",
-            help="A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to "
-            "save to. Default: folders of their own, which are kept for the next start. A "
-            "training that was not saved resumes at the next start with the same library.",
-            show_default=False,
-        ),
-    ] = None,
-    namespace: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME",
-            help="Namespace around all of its nodes, so that another swarm with the same agents "
-            "can be up in the same ROS domain. The swarm is then called SWARM_NAME.",
-        ),
-    ] = "",
-    use_sim_time: Annotated[
-        bool,
-        typer.Option(
-            "--use-sim-time",
-            help="All nodes but the world take their time from the world's clock.",
-        ),
-    ] = False,
+    pace: Literal["lockstep", "realtime"] | None = None,
+    paused: Annotated[bool, typer.Option("--paused")] = False,
+    library: Annotated[str | None, typer.Option("--library", "-l", metavar="LIBRARY")] = None,
+    namespace: Annotated[str, typer.Option(metavar="NAME")] = "",
+    use_sim_time: Annotated[bool, typer.Option("--use-sim-time")] = False,
     run_dir: RunDir = None,
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
 
     Waits until every agent and the world answer. Killed processes are restarted. What the agents
     learn is kept: the next start of the swarm goes on with it.
+
+    Args:
+        swarm: A swarm description, or the name of a shipped one.
+        pace: lockstep or realtime; overrides the description.
+        paused: Start with the world paused.
+        library: A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to
+            save to. Default: folders of their own, which are kept for the next start. A training
+            that was not saved resumes at the next start with the same library.
+        namespace: Namespace around all of its nodes, so that another swarm with the same agents
+            can be up in the same ROS domain. The swarm is then called SWARM_NAME.
+        use_sim_time: All nodes but the world take their time from the world's clock.
 
     Examples:
 
@@ -85,38 +62,30 @@ def up(
 
       hitab up keepaway --namespace left
     """
-    from hitab_bringup.bringing_up import LARGE, bring_up
-    from hitab_bringup.library_choice import with_library
-    from hitab_bringup.swarm_description import PACES
-    from hitab_bringup.swarm_file import read_swarm
+    from hitab_bringup.bringing_up import bring_up
+    from hitab_bringup.swarm_options import described_swarm
     from hitab_client import RunFolder
     from hitab_client.run_folder import running_swarms
-    from hitab_client.shipped import find_file
     from hitab_client.swarm_choice import name_to_choose
 
-    description = read_swarm(find_file(swarm, "swarms", "swarm"), run_dir)
-    if namespace:
-        description = description.in_namespace(namespace)
-    if use_sim_time:
-        description = description.with_sim_time()
-    if pace and pace not in PACES:
-        known = ", ".join(PACES)
-        raise typer.BadParameter(f'"{pace}" is not one of {known}', param_hint="--pace")
-    if pace:
-        description = description.with_world(pace=pace)
-    if paused:
-        description = description.with_world(paused=True)
+    description = described_swarm(
+        swarm,
+        run_dir,
+        namespace=namespace,
+        use_sim_time=use_sim_time,
+        pace=pace or "",
+        paused=paused,
+        library=library or "",
+    )
     if library:
-        before = {member.library for member in description.members}
-        description = with_library(description, library)
-        for new in {member.library for member in description.members} - before:
+        for new in {member.library for member in description.members}:
             if new is not None and not new.is_dir():
                 console.note(f"{new} is a new library: nothing is learned in it yet")
     folder = RunFolder.of_swarm(description.name, run_dir)
     began = time.monotonic()
     faults: list[str] = []
     nodes = len(description.agent_names)
-    tenth = nodes // 10 if nodes > LARGE else 0  # a large one starts for a while
+    tenth = nodes // 10 if nodes > LARGE else 0
     with console.progress(f"starting {description.name}", "nodes", line_every=tenth) as advance:
         record = bring_up(description, folder, advance, faults.append, console.note)
     console.say(
@@ -135,24 +104,20 @@ def up(
 
 def down(
     name: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="swarm",
-            help="The swarm, if several are up: its name, identity, namespace or run folder.",
-            autocompletion=completion.swarms,
-        ),
+        str | None, typer.Argument(metavar="swarm", autocompletion=completion.swarms)
     ] = None,
     swarm: SwarmName = None,
-    run_dir: Annotated[
-        Path | None, typer.Option("--run-dir", help="Its run folder, instead of its name.")
-    ] = None,
-    every: Annotated[
-        bool, typer.Option("--all", help="Stop all swarms that were started from here.")
-    ] = False,
+    run_dir: Annotated[Path | None, typer.Option("--run-dir")] = None,
+    every: Annotated[bool, typer.Option("--all")] = False,
 ) -> None:
     """Stop a swarm and all its processes.
 
     What was trained and not saved is named and kept: the next start of the swarm resumes it.
+
+    Args:
+        name: The swarm, if several are up: its name, identity, namespace or run folder.
+        run_dir: Its run folder, instead of its name.
+        every: Stop all swarms that were started from here.
 
     Examples:
 
@@ -166,7 +131,7 @@ def down(
     """
     from hitab_client import RunFolder
     from hitab_client.run_folder import registered_swarms
-    from hitab_client.swarm_choice import to_take_down, told_of_other_homes
+    from hitab_client.swarm_choice import to_take_down
 
     if every and (name or swarm or run_dir):
         raise typer.BadParameter(
@@ -183,8 +148,6 @@ def down(
         found = [one] if one is not None else []
     if not found:
         console.say("no swarm is up")
-        for text in told_of_other_homes():
-            console.note(text)
     for folder, record in found:
         _take_down(folder, record)
 

@@ -3,84 +3,35 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import connection
+from hitab_bringup.verbs.examples import edit
 from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_core import did_you_mean, quantity
 from hitab_ros.fault_texts import STOPPED
 
-if TYPE_CHECKING:
-    from hitab_msgs.msg import AgentStatus
-
-PANEL = "Train"
 UNASKED_MAX = 3
 """Commands that are discarded without a question: they are quickly given again."""
 
 
-def register(app: typer.Typer) -> None:
-    """Add these verbs to the command."""
-    app.command(rich_help_panel=PANEL)(train)
-    app.command("begin", hidden=True)(train)
-    app.command("test", rich_help_panel=PANEL)(start_testing)
-    app.command(rich_help_panel=PANEL)(undo)
-    app.command(rich_help_panel=PANEL)(redo)
-    app.command(rich_help_panel=PANEL)(save)
-    app.command(rich_help_panel=PANEL)(discard)
-
-
 def train(
     agent: AgentName,
-    automaton: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="behavior", help="What to train; without it, take control back from a test."
-        ),
-    ] = None,
-    feature: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--feature",
-            "-f",
-            help='A feature, such as "DistanceTo(ball)". Repeatable. Default: none.',
-        ),
-    ] = None,
-    state: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--state", "-s", help="A behavior that may be commanded. Repeatable. Default: any."
-        ),
-    ] = None,
+    automaton: Annotated[str | None, typer.Argument(metavar="behavior")] = None,
+    feature: Annotated[list[str] | None, typer.Option("--feature", "-f")] = None,
+    state: Annotated[list[str] | None, typer.Option("--state", "-s")] = None,
     parameter: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--parameter",
-            "-p",
-            metavar="A=ball",
-            help="A parameter and its target during the training. Repeatable.",
-        ),
+        list[str] | None, typer.Option("--parameter", "-p", metavar="A=ball")
     ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Resume from the examples of the saved behavior.")
-    ] = False,
-    resume_from: Annotated[
-        str, typer.Option("--from", help="Resume from the examples of another saved behavior.")
-    ] = "",
-    classifier: Annotated[
-        str,
-        typer.Option(
-            metavar="CLASSIFIER",
-            help="Instead of the tree, one of scikit-learn: sklearn.MODULE.CLASS(KEYWORD=VALUE).",
-        ),
-    ] = "",
-    discard: Annotated[
-        bool, typer.Option("--discard", help="First discard the unsaved training, if any.")
-    ] = False,
+    resume: Annotated[bool, typer.Option("--resume")] = False,
+    resume_from: Annotated[str, typer.Option("--from")] = "",
+    classifier: Annotated[str, typer.Option(metavar="CLASSIFIER")] = "",
+    discard: Annotated[bool, typer.Option("--discard")] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Begin training a behavior; without a name, take control back from what is tested.
@@ -91,6 +42,16 @@ def train(
     AGENT`, and save.
 
     To go on from the examples of a saved behavior, add --resume; otherwise saving replaces it.
+
+    Args:
+        automaton: What to train; without it, take control back from a test.
+        feature: A feature, such as "DistanceTo(ball)". Repeatable. Default: none.
+        state: A behavior that may be commanded. Repeatable. Default: any.
+        parameter: A parameter and its target during the training. Repeatable.
+        resume: Resume from the examples of the saved behavior.
+        resume_from: Resume from the examples of another saved behavior.
+        classifier: Instead of the tree, one of scikit-learn: sklearn.MODULE.CLASS(KEYWORD=VALUE).
+        discard: First discard the unsaved training, if any.
 
     Examples:
 
@@ -136,38 +97,24 @@ def _bound(parameters: list[str]) -> dict[str, str]:
 
 def start_testing(
     agent: AgentName,
-    restart: Annotated[
-        bool, typer.Option("--restart", help="Begin at Start, not at the active state.")
-    ] = False,
-    when_unsure: Annotated[
-        str,
-        typer.Option(
-            metavar="go_on|halt|hand_back",
-            help="From now on, when it is unsure: go on, do nothing until it is sure, or give "
-            "control to the demonstrator.",
-        ),
-    ] = "",
-    support: Annotated[
-        float,
-        typer.Option(
-            help="Unsure of a decision that rests on fewer examples than this. Default: any.",
-            show_default=False,
-        ),
-    ] = 0.0,
-    distance: Annotated[
-        float,
-        typer.Option(
-            help="Unsure farther than this from every example; 1 is about as far as the examples "
-            "are apart. Default: any.",
-            show_default=False,
-        ),
-    ] = 0.0,
+    restart: Annotated[bool, typer.Option("--restart")] = False,
+    when_unsure: Annotated[str, typer.Option(metavar="go_on|halt|hand_back")] = "",
+    support: Annotated[float, typer.Option(show_default=False)] = 0.0,
+    distance: Annotated[float, typer.Option(show_default=False)] = 0.0,
     swarm: SwarmName = None,
 ) -> None:
     """Give control to what the agent has learned, without a reset.
 
     What it does when it is unsure also holds for what it performs afterwards; `hitab status` shows
     why it is unsure.
+
+    Args:
+        restart: Begin at Start, not at the active state.
+        when_unsure: From now on, when it is unsure: go on, do nothing until it is sure, or give
+            control to the demonstrator.
+        support: Unsure of a decision that rests on fewer examples than this. Default: any.
+        distance: Unsure farther than this from every example; 1 is about as far as the examples
+            are apart. Default: any.
 
     Examples:
 
@@ -196,9 +143,7 @@ def undo(agent: AgentName, swarm: SwarmName = None) -> None:
 
       hitab undo keeper_1
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "undo")
-    console.say(answer.message)
+    edit(swarm, agent, "undo")
 
 
 def redo(agent: AgentName, swarm: SwarmName = None) -> None:
@@ -208,30 +153,26 @@ def redo(agent: AgentName, swarm: SwarmName = None) -> None:
 
       hitab redo keeper_1
     """
-    with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, "redo")
-    console.say(answer.message)
+    edit(swarm, agent, "redo")
 
 
 def save(
     agent: AgentName,
-    name: Annotated[
-        str, typer.Option(help="A new name. Default: the name given to `hitab train`.")
-    ] = "",
-    bind: Annotated[
-        list[str] | None,
-        typer.Option(metavar="ball=A", help="Replace a target or parameter. Repeatable."),
-    ] = None,
-    description: Annotated[str, typer.Option(help="Shown in the library.")] = "",
-    keep_unused: Annotated[
-        bool,
-        typer.Option(help="Keep features that nothing uses yet, to resume training with them."),
-    ] = False,
+    name: str = "",
+    bind: Annotated[list[str] | None, typer.Option(metavar="ball=A")] = None,
+    description: str = "",
+    keep_unused: bool = False,
     swarm: SwarmName = None,
 ) -> None:
     """Trim what was learned and add it to the agent's library.
 
     From then on it can be commanded, as a state of a higher behavior.
+
+    Args:
+        name: A new name. Default: the name given to `hitab train`.
+        bind: Replace a target or parameter. Repeatable.
+        description: Shown in the library.
+        keep_unused: Keep features that nothing uses yet, to resume training with them.
 
     Examples:
 
@@ -263,15 +204,16 @@ def save(
 
 def discard(
     agent: AgentName,
-    yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="Do not ask, however many examples there are.")
-    ] = False,
+    yes: Annotated[bool, typer.Option("--yes", "-y")] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Give up a training and its unsaved examples; the agent is idle afterwards.
 
     On a terminal it asks first if that is more than a few commands. What was saved before stays.
     The examples are kept in the folder of the agent's journals, beside those of earlier trainings.
+
+    Args:
+        yes: Do not ask, however many examples there are.
 
     Examples:
 
@@ -282,25 +224,14 @@ def discard(
     with connection(swarm) as swarm_up:
         if not yes and _is_terminal():
             status = swarm_up.agents.await_agent(agent)
-            _ask_to_discard(status, KeptTrainings(swarm_up.agents).name(status))
+            if status.examples - status.default_examples > UNASKED_MAX:
+                training = KeptTrainings(swarm_up.agents).name(status)
+                examples = quantity(status.examples, "unsaved example")
+                question = f'Discard the training of "{training}" with its {examples}?'
+                typer.confirm(question, abort=True, err=True)
         answer = swarm_up.agents.discard(agent)
     console.say(answer.message)
 
 
 def _is_terminal() -> bool:
     return sys.stdin.isatty() and sys.stderr.isatty()
-
-
-def _ask_to_discard(status: AgentStatus, training: str) -> None:
-    """Ask whether to discard a training that took more than a few commands.
-
-    Raises:
-        typer.Abort: if not.
-    """
-    if status.examples - status.default_examples > UNASKED_MAX:
-        examples = quantity(status.examples, "unsaved example")
-        typer.confirm(
-            f'Discard the training of "{training}" with its {examples}?',
-            abort=True,
-            err=True,
-        )

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
 
     from hitab_client import WorldClient
 
-LONG_SECONDS = 1.0  # after which the progress of steps is shown
 TOLD_SECONDS = 2.0  # to wait for why an episode has ended
 
 app = typer.Typer(help="Drive the world: pause, step, place, snapshot.")
@@ -47,10 +44,14 @@ def resume(swarm: SwarmName = None) -> None:
 
 @app.command()
 def step(
-    cycles: Annotated[int, typer.Argument(help="Number of cycles.", min=1)] = 1,
+    cycles: Annotated[int, typer.Argument(min=1)] = 1,
     swarm: SwarmName = None,
 ) -> None:
-    """Run some cycles, then pause; ends when they have been run. Ctrl-C pauses at once."""
+    """Run some cycles, then pause; ends when they have been run. Ctrl-C pauses at once.
+
+    Args:
+        cycles: Number of cycles.
+    """
     with connection(swarm) as swarm_up:
         world = swarm_up.world
         before = world.wait().missed_deadlines
@@ -95,19 +96,11 @@ def _ended(world: WorldClient, episodes: range) -> str:
 
 
 def _step(world: WorldClient, cycles: int) -> WorldState:
-    """Step the world and return its state; show the progress if it takes long."""
-    began = time.monotonic()
-    with ExitStack() as stack:
-        advance: Callable[[int, int, str], None] | None = None
-
-        def show(left: int) -> None:
-            nonlocal advance
-            if advance is None and time.monotonic() - began > LONG_SECONDS:
-                advance = stack.enter_context(console.progress("stepping", "cycles"))
-            if advance is not None:
-                advance(cycles - left, cycles, "Ctrl-C pauses")
-
-        return world.step(cycles, left=show)
+    """Step the world and return its state."""
+    with console.progress("stepping", "cycles") as advance:
+        return world.step(
+            cycles, left=lambda left: advance(cycles - left, cycles, "Ctrl-C pauses")
+        )
 
 
 @app.command()
@@ -121,19 +114,17 @@ def reset(swarm: SwarmName = None) -> None:
 
 @app.command()
 def pace(
-    pace: Annotated[str, typer.Argument(help="lockstep or realtime.")],
-    factor: Annotated[
-        float | None,
-        typer.Option(
-            help="For realtime: multiple of real time, above 0. Default: as it is.",
-            show_default=False,
-        ),
-    ] = None,
+    pace: str,
+    factor: Annotated[float | None, typer.Option(min=0.01)] = None,
     swarm: SwarmName = None,
 ) -> None:
     """Set how fast the world runs.
 
     lockstep: the next cycle starts when every agent has answered. realtime: by the clock.
+
+    Args:
+        pace: lockstep or realtime.
+        factor: For realtime: multiple of real time, above 0. Default: as it is.
 
     Examples:
 
@@ -141,41 +132,28 @@ def pace(
 
       hitab world pace realtime --factor 2
     """
-    if factor is not None and not factor > 0.0:
-        raise typer.BadParameter(
-            f"{factor:g} is not above 0; `hitab world pause` stops the world",
-            param_hint="--factor",
-        )
     _control(swarm, "pace", pace=pace, factor=factor or 0.0)
 
 
 FIELDS = {"x": "m", "y": "m", "heading": "degrees", "vx": "m/s", "vy": "m/s"}
 """The fields of a thing that can be set, and their units here."""
 
-_FIELD = re.compile(rf"({'|'.join(FIELDS)})=(-?[0-9.]+(?:e-?[0-9]+)?)\Z")
-_NUMBER = re.compile(r"[0-9.]+\Z")
+_NUMBER = re.compile(r"-?(\d+\.?\d*|\.\d+)(e-?\d+)?")
 
 
 @app.command()
 def place(
-    things: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="NAME FIELD=VALUE...", help="x, y in m, heading in degrees, vx, vy in m/s."
-        ),
-    ],
-    new_episode: Annotated[
-        bool,
-        typer.Option(
-            "--new-episode",
-            help="Begin a new episode from these positions; what is not named gets new ones.",
-        ),
-    ] = False,
+    things: Annotated[list[str], typer.Argument(metavar="NAME FIELD=VALUE...")],
+    new_episode: Annotated[bool, typer.Option("--new-episode")] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Put things somewhere; ends when the agents have perceived it.
 
     Fields that are not given are kept, or with --new-episode those of the new episode.
+
+    Args:
+        things: x, y in m, heading in degrees, vx, vy in m/s.
+        new_episode: Begin a new episode from these positions; what is not named gets new ones.
 
     Example:
 
@@ -184,16 +162,19 @@ def place(
     placed: dict[str, dict[str, float]] = {}
     name = ""
     for word in things:
-        match = _FIELD.match(word)
-        if match is None and "=" not in word and not (name and _NUMBER.match(word)):
+        field, is_field, value = word.partition("=")
+        if not is_field and not _NUMBER.fullmatch(word):
             name = word
             placed[name] = {}
-        elif match is None or not name:
-            raise typer.BadParameter(_not_a_place(word, name))
+        elif not name or field not in FIELDS or not _NUMBER.fullmatch(value):
+            units = ", ".join(f"{known} ({unit})" for known, unit in FIELDS.items())
+            raise typer.BadParameter(
+                f'"{word}": write a name, then its fields, each with a number, such as '
+                f"{name or 'ball'} x=1; the fields are {units}"
+            )
         else:
-            value = float(match.group(2))
-            field = match.group(1)
-            placed[name][field] = math.radians(value) if field == "heading" else value
+            number = float(value)
+            placed[name][field] = math.radians(number) if field == "heading" else number
     for name, fields in placed.items():
         if not fields:
             raise typer.BadParameter(f'where to put "{name}"? Write {name} x=1 y=2 heading=90')
@@ -208,19 +189,6 @@ def place(
         )
 
 
-def _not_a_place(word: str, name: str) -> str:
-    """Return an error text for a word that says neither what to place nor where."""
-    if name and _NUMBER.match(word):
-        return f'"{word}": say what it is, for example {name} x={word}'
-    field, is_field, value = word.partition("=")
-    if not (name and is_field):
-        return f'"{word}": write NAME x=1 y=2 heading=90 vx=0 vy=0'
-    if field in FIELDS:
-        return f'"{word}": {field} must be a number, not "{value}"'
-    units = ", ".join(f"{known} ({unit})" for known, unit in FIELDS.items())
-    return f'"{word}": {name} has no field "{field}"; its fields are {units}'
-
-
 def _off_the_field(state: WorldState, places: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
     """Yield the names of what was placed outside of the field."""
     for name, fields in places.items():
@@ -231,11 +199,15 @@ def _off_the_field(state: WorldState, places: Mapping[str, Mapping[str, float]])
 
 @app.command()
 def snapshot(
-    action: Annotated[str, typer.Argument(help="save, restore, delete or list.")],
-    name: Annotated[str, typer.Argument(help="Name of the snapshot.")] = "",
+    action: str,
+    name: Annotated[str, typer.Argument()] = "",
     swarm: SwarmName = None,
 ) -> None:
     """Save the world's state under a name, restore it or delete it.
+
+    Args:
+        action: save, restore, delete or list.
+        name: Name of the snapshot.
 
     Examples:
 

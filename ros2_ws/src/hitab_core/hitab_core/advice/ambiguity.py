@@ -1,62 +1,67 @@
-"""Ambiguity: questions about examples that several explanations fit, and what the answers do.
+"""Ambiguity: questions about examples of a state that several explanations fit.
 
 "In GotoBall with DistanceTo(closest_taker) = 12.2 m, BallIsKickable: GotoBall, because
-DistanceTo(closest_taker) > 8.2 m, or Stop, because BallIsKickable?" If the learned tree and an
-alternative (`hitab_core.advice.alternatives`) clearly decide otherwise in a plausible situation
-(`hitab_core.advice.situations`), the examples do not say what was meant, and one command in this
-situation does.
+DistanceTo(closest_taker) > 8.2 m, or Stop, because BallIsKickable?"
 
-**An answer is an example** in the situation asked about. A recorded preference
-for a feature would be weaker and longer-lived than what the person knows: the person says what to
-do there, not why; a preference would need its own place in files, histories and undo, and would
-still hold when later examples speak against it. With the example the rejected explanation no
-longer fits, or needs one more leaf. Each question is tried before it is asked: for both answers
-the tree is learned again with the example. A situation in which both answers make the tree decide
-as was answered, wherever the two explanations differ, with no alternative left that decides
-otherwise there, is *decisive* and preferred.
+C4.5 splits a node by the feature with the largest gain ratio. With few examples several features
+often come out equal or nearly so, and then a tie rule or a little noise decides what the robot
+does. An *alternative* is the tree that grows if one node is split by such another feature. It must
+be as good an explanation:
+
+- the other feature is one that C4.5 would have considered (at least average gain), and its gain
+  ratio is at least `NEARLY` of the best one;
+- the tree fits as many examples, and has no more leaves.
+
+If the learned tree and an alternative clearly decide otherwise in a situation that was perceived
+in this training, the examples do not say what was meant, and one command in this situation does.
+**An answer is an example** in the situation asked about: the person says what to do there, not
+why. With the example the rejected explanation no longer fits, or needs one more leaf.
+
+References:
+    J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapter 2.
+    T. M. Mitchell, Generalization as search, Artificial Intelligence 18, 1982: what consistent
+    hypotheses disagree on is what to ask about.
 """
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from hitab_core.advice.alternatives import finished, growing_alternatives
-from hitab_core.advice.evidence import Evidence, answer_kind
+from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import Nearness
-from hitab_core.advice.situations import Origin, Perceived, composed
-from hitab_core.advice.support import Decision, Support, SupportedTree, parting, situation_in_words
-from hitab_core.example import Example
+from hitab_core.advice.support import Decision, SupportedTree, parting, situation_in_words
+from hitab_core.domain import Scale
+from hitab_core.learning import Leaf
+from hitab_core.learning.classifier_spec import ClassifierSpec
+from hitab_core.learning.gain_ratio import TIE
+from hitab_core.learning.splits import Chosen, Leaves, Split, choose_split, worthy_splits
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.learning.tree_nodes import Arc, nodes
 
-TRIED = 5
-"""How many situations are tried for a question; each costs learning some trees."""
+NEARLY = 0.9
+"""The least gain ratio, as a share of the best one, of a feature that explains nearly as well."""
 
-CONTESTED = 50
-"""About how many situations an answer is tried on."""
+POINT = 1e-6
+"""Width of an arc, as a share of the circle, that is a single direction: nobody means one."""
+
+Candidates = Sequence[Split | None]
+Situation = tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Alternative:
+class Side:
     """One of two explanations.
 
     Attributes:
         next_state: what it decides in the situation asked about.
         because: the conditions that make it so, where the two explanations part.
         feature: index of the feature that it tests where the other one tests another.
-        support: the examples in the leaf that decides.
     """
 
     next_state: str
     because: str
     feature: int
-    support: Support
-
-    def __str__(self) -> str:
-        """Return ``Stop, because BallIsKickable``."""
-        return f"{self.next_state}, because {self.because}"
 
 
 @dataclass(frozen=True)
@@ -68,24 +73,20 @@ class Ambiguity:
         learned: what the learned tree does at present.
         other: what an alternative would do.
         situation: a value for each feature; NaN: any.
-        origin: where the situation comes from.
-        share: how often the two differ, as a share of the readings in the state.
-        decisive: the least share, over both answers, of the differences that the answer settles;
-            1: the answer settles all.
+        here: whether it was perceived in the state.
+        share: how often the two differ, as a share of what was perceived in the state.
         features: names of the features.
         text: the question.
     """
 
     state: str
-    learned: Alternative
-    other: Alternative
-    situation: tuple[float, ...]
-    origin: Origin
+    learned: Side
+    other: Side
+    situation: Situation
+    here: bool
     share: float
-    decisive: float
     features: tuple[str, ...]
     text: str
-    _trees: tuple[SupportedTree, SupportedTree] = field(repr=False, compare=False)
 
     @property
     def key(self) -> tuple[str, str, str, str, str]:
@@ -95,220 +96,179 @@ class Ambiguity:
         )
         return (self.state, *sides[0], *sides[1])
 
-    def differs(self, values: Sequence[float]) -> bool:
-        """Return whether the two explanations clearly decide otherwise.
-
-        With it a program can wait for a situation to ask in, or look for one to place.
-
-        Args:
-            values: of all features; NaN: not known. If a tested one is not known the answer is
-                no.
-        """
-        a, b = (tree.decide(values) for tree in self._trees)
-        return differ(a, b)
-
-    def example(self, next_state: str) -> Example:
-        """Return the example that an answer adds, in the situation asked about."""
-        kind = answer_kind(self.state, next_state)
-        return Example(self.state, self.situation, next_state, kind)
-
-    def ranked(self, situations: Iterable[Sequence[float]]) -> list[tuple[float, ...]]:
-        """Return the situations in which the explanations differ, the most telling ones first.
-
-        Args:
-            situations: values of all features, such as what could be placed.
-        """
-        different = [tuple(map(float, s)) for s in situations if self.differs(s)]
-        return [s for _, s in finished(_by_decisiveness(self._trees, different))]
-
-
-def differ(some: Decision | None, other: Decision | None) -> bool:
-    """Return whether two decisions are known, sure and clear, and not the same."""
-    return (
-        some is not None
-        and other is not None
-        and some.next_state != other.next_state
-        and some.sure
-        and other.sure
-        and some.clear
-        and other.clear
-    )
-
 
 def ambiguities(
-    evidence: Evidence,
-    *,
-    readings: ArrayLike = (),
-    here: ArrayLike | None = None,
-    compose: bool = False,
+    evidence: Evidence, perceived: Sequence[tuple[str, Sequence[float]]] = ()
 ) -> list[Ambiguity]:
     """Return the questions about the examples of one state, the most useful first.
 
     There are none about other classifiers than trees. None of them is about a situation in which
-    an earlier one is asked; ask the first, and call this again with the answer among the examples.
-    For fifteen examples with nine features this takes up to half a second: it is not for a tick.
-
-    Questions are ordered by where their situation comes from (`Origin`), then by how much their
-    answers settle, then by how often the explanations differ.
+    an earlier one is asked. Situations that were perceived in the state come first, then those of
+    explanations that differ often.
 
     Args:
         evidence: the examples of the state.
-        readings: shape (k, m), what was perceived in this training, in any state, the values of
-            other states' examples included. The examples of this state are added.
-        here: shape (k,), whether each reading was perceived while this state was active; None: not
-            known of any.
-        compose: whether to ask about situations that were not perceived but composed. Many of them
-            cannot come about, so use it where what is asked about is placed and so checked.
+        perceived: in this training: states with the features' values. Those of the examples are
+            added.
 
     Raises:
         FeatureValueError, VocabularyError, ValueError: as learning from the examples.
     """
-    searching = searched_ambiguities(evidence, readings=readings, here=here, compose=compose)
-    return [question for question in searching if question is not None]
-
-
-def searched_ambiguities(
-    evidence: Evidence,
-    *,
-    readings: ArrayLike = (),
-    here: ArrayLike | None = None,
-    compose: bool = False,
-) -> Iterator[Ambiguity | None]:
-    """Yield what `ambiguities` returns, and None wherever something else can be done meanwhile."""
-    learned, others = yield from growing_alternatives(evidence)
+    learned, others = alternatives(evidence)
     if learned is None or not others:
-        return
-    perceived = Perceived.of(evidence, readings, here)
+        return []
+    rows = [(True, tuple(row)) for row in evidence.values.tolist()]
+    rows += [(state == evidence.state, evidence.placed(values)) for state, values in perceived]
     usual = SupportedTree(learned, evidence)
     found = []
     for tree in others:
-        question = yield from _question(usual, SupportedTree(tree, evidence), perceived, compose)
+        other = SupportedTree(tree, evidence)
+        question = _question(usual, other, rows)
         if question is not None:
-            found.append(question)
-    found.sort(key=lambda q: (q.origin, -q.decisive, -q.share))
+            found.append((question, other))
+    found.sort(key=lambda item: (not item[0].here, -item[0].share))
     kept: list[Ambiguity] = []
-    for question in found:
-        if not any(question.differs(earlier.situation) for earlier in kept):
+    for question, other in found:
+        if not any(_differ(usual, other, earlier.situation) for earlier in kept):
             kept.append(question)
-            yield question
+    return kept
+
+
+def alternatives(evidence: Evidence) -> tuple[TransitionTree | None, list[TransitionTree]]:
+    """Return the tree that is learned, and its alternatives, those nearest to the root first.
+
+    Raises:
+        FeatureValueError, VocabularyError, ValueError: as `TransitionTree.fit`.
+    """
+    arguments = ClassifierSpec.parse(evidence.classifier).arguments
+    boolean_first = bool(arguments.get("boolean_first", True))
+    usual = _Choice(boolean_first)
+    learned = evidence.learn(usual)
+    if learned is None:
+        return None, []
+    leaves = _leaves(learned)
+    others = []
+    for changed, (candidates, chosen) in enumerate(usual.made):
+        for feature in _rivals(candidates, chosen):
+            tree = evidence.learn(_Choice(boolean_first, changed, feature))
+            assert tree is not None
+            its = _leaves(tree)
+            if len(its) <= len(leaves) and _misfits(its) <= _misfits(leaves) + TIE:
+                others.append(tree)
+    return learned, others
+
+
+class _Choice:
+    """C4.5's choice, except that one node is split by a given feature.
+
+    A tree is grown level by level, so all choices before the changed one stay what they are.
+    """
+
+    def __init__(self, boolean_first: bool, changed: int = -1, feature: int = 0) -> None:
+        self._boolean_first = boolean_first
+        self._changed, self._feature = changed, feature
+        self.made: list[tuple[Candidates, Chosen | None]] = []
+
+    def __call__(
+        self, candidates: Candidates, scales: Sequence[Scale], leaves: Leaves | None
+    ) -> Chosen | None:
+        chosen = choose_split(candidates, scales, leaves, boolean_first=self._boolean_first)
+        if len(self.made) == self._changed:
+            split = candidates[self._feature]
+            chosen = None if split is None else (self._feature, split)
+        self.made.append((candidates, chosen))
+        return chosen
+
+
+def _rivals(candidates: Candidates, chosen: Chosen | None) -> list[int]:
+    """Return the features that split a node nearly as well as the chosen one."""
+    if chosen is None:
+        return []
+    worthy = worthy_splits(candidates)
+    enough = NEARLY * max(split.ratio for _, split in worthy) - TIE
+    return [
+        f
+        for f, split in worthy
+        if f != chosen[0] and split.ratio >= enough and not _is_a_point(split)
+    ]
+
+
+def _is_a_point(split: Split) -> bool:
+    """Return whether a split singles out one direction, between default examples on both sides."""
+    test = split.test
+    if not isinstance(test, Arc):
+        return False
+    width = (test.end - test.start) % test.period
+    return min(width, test.period - width) < POINT * test.period
+
+
+def _misfits(leaves: Sequence[Leaf]) -> float:
+    """Return the number of examples that are not what their leaf decides."""
+    return sum(sum(leaf.counts) - max(leaf.counts) for leaf in leaves)
+
+
+def _leaves(tree: TransitionTree) -> list[Leaf]:
+    return [node for node in nodes(tree.root_) if isinstance(node, Leaf)]
+
+
+def _differ(some: SupportedTree, other: SupportedTree, values: Situation) -> bool:
+    """Return whether two explanations surely and clearly decide otherwise in a situation."""
+    a, b = some.decide(values), other.decide(values)
+    if a is None or b is None or a.next_state == b.next_state:
+        return False
+    return a.sure and b.sure and a.clear and b.clear
 
 
 def _question(
-    usual: SupportedTree, other: SupportedTree, perceived: Perceived, compose: bool
-) -> Generator[None, None, Ambiguity | None]:
-    """Return the question that two explanations give rise to, if they differ anywhere."""
-    evidence, pair = usual.evidence, (usual, other)
-    features = sorted({*usual.tree.features_used, *other.tree.features_used})
+    usual: SupportedTree, other: SupportedTree, rows: Sequence[tuple[bool, Situation]]
+) -> Ambiguity | None:
+    """Return the question that two explanations give rise to, if they differ anywhere.
 
-    def differs(values: Sequence[float]) -> bool:
-        return differ(usual.decide(values), other.decide(values))
+    It is asked in the middle one of the situations in which they differ, by their distance from
+    an example: near one, the person has just said what to do, but too near one, the wrong
+    explanation may only move its threshold.
 
-    yield
-    different = np.array([differs(row) for row in perceived.values.tolist()], np.bool_)
-    origin = Origin.HERE
-    rows = perceived.values[different & perceived.here]
-    if not len(rows):
-        origin = Origin.ELSEWHERE
-        rows = perceived.values[different]
-    situations = [tuple(row) for row in rows.tolist()]
-    if not situations and compose and not perceived.enough:
-        origin = Origin.COMPOSED
-        situations = [s for s in composed(evidence, perceived, features) if differs(s)]
-    if not situations:
+    Args:
+        usual, other: the explanations.
+        rows: what was perceived, and whether in the state.
+    """
+    evidence = usual.evidence
+    different = [(here, values) for here, values in rows if _differ(usual, other, values)]
+    if not different:
         return None
-    yield
-    ((decisive, situation), *_) = yield from _by_decisiveness(pair, situations)
-    sides = [decision for tree in pair if (decision := tree.decide(situation)) is not None]
-    at = parting(*(side.path for side in sides))
+    in_state = [values for here, values in different if here]
+    features = sorted({*usual.tree.features_used, *other.tree.features_used})
+    nearness = Nearness(evidence.values, evidence.scales, features)
+    situations = dict.fromkeys(in_state or [values for _, values in different])
+    nearest = sorted(situations, key=nearness)
+    situation = nearest[len(nearest) // 2]
+    decisions = [tree.decide(situation) for tree in (usual, other)]
+    paths = [decision.path for decision in decisions if decision is not None]
+    at = parting(*paths)
     learned, alternative = (
-        Alternative(
-            side.next_state,
-            tree.words(side.path[at:]),
-            side.path[at][0].feature,
-            side.support,
-        )
-        for side, tree in zip(sides, pair, strict=True)
+        _side(tree, decision, at)
+        for tree, decision in zip((usual, other), decisions, strict=True)
+        if decision is not None
     )
-    here = perceived.times * perceived.here
     where = situation_in_words(evidence, situation, features)
     return Ambiguity(
         evidence.state,
         learned,
         alternative,
         situation,
-        origin,
-        share=float(here[different].sum() / here.sum()),
-        decisive=decisive,
-        features=evidence.names,
-        text=f"In {evidence.state} with {where}: {_what(learned, evidence)}, "
+        bool(in_state),
+        len(in_state) / sum(here for here, _ in rows),
+        evidence.names,
+        f"In {evidence.state} with {where}: {_what(learned, evidence)}, "
         f"or {_what(alternative, evidence)}?",
-        _trees=pair,
     )
 
 
-def _what(side: Alternative, evidence: Evidence) -> str:
+def _side(tree: SupportedTree, decision: Decision, at: int) -> Side:
+    path = decision.path[at:]
+    return Side(decision.next_state, tree.words(path), path[0][0].feature)
+
+
+def _what(side: Side, evidence: Evidence) -> str:
     doing = "stay" if side.next_state == evidence.state else f"go to {side.next_state}"
     return f"{doing}, because {side.because}"
-
-
-def _by_decisiveness(
-    pair: tuple[SupportedTree, SupportedTree], situations: Sequence[tuple[float, ...]]
-) -> Generator[None, None, list[tuple[float, tuple[float, ...]]]]:
-    """Return situations in which two explanations differ, most decisive first.
-
-    With each comes the share of these situations that either answer settles. They are tried in the
-    order of their distance from an example, `TRIED` of them evenly over all, up to the first that
-    settles everything; the others count as settling nothing. Near an example is best: there the
-    person has just said what to do, and the situation differs from it only in what the question
-    is about. But too near one, the wrong explanation may only move its threshold.
-    """
-    evidence = pair[0].evidence
-    used = sorted({f for tree in pair for f in tree.tree.features_used})
-    nearness = Nearness(evidence.values, evidence.scales, used)
-    nearest = sorted(dict.fromkeys(situations), key=nearness)
-    contested = nearest[:: len(nearest) // CONTESTED + 1]
-    rated = [(0.0, situation) for situation in nearest]
-    for i in sorted({round(k * (len(nearest) - 1) / (TRIED - 1)) for k in range(TRIED)}):
-        shares = []
-        for right in pair:
-            shares.append((yield from _settled(right, nearest[i], contested)))
-        settled = min(shares)
-        rated[i] = (settled, nearest[i])
-        if settled == 1.0:
-            break
-    return sorted(rated, key=lambda item: -item[0])
-
-
-def _settled(
-    right: SupportedTree, situation: tuple[float, ...], contested: Sequence[tuple[float, ...]]
-) -> Generator[None, None, float]:
-    """Return in which share of situations all is right, once the answer was that.
-
-    It is if the tree decides there as it should, and no alternative clearly decides otherwise.
-
-    Args:
-        right: the explanation that is meant.
-        situation: that is asked about.
-        contested: what should be settled.
-    """
-    decision = right.decide(situation)
-    assert decision is not None
-    evidence = right.evidence.with_answer(situation, decision.next_state)
-    tree, others = yield from growing_alternatives(evidence)
-    assert tree is not None
-    after, rivals = SupportedTree(tree, evidence), []
-    for other in others:
-        yield
-        rivals.append(SupportedTree(other, evidence))
-    yield
-    settled = 0
-    for values in contested:
-        then, wanted = after.decide(values), right.decide(values)
-        settled += (
-            then is not None
-            and wanted is not None
-            and then.sure
-            and then.next_state == wanted.next_state
-            and not any(differ(then, rival.decide(values)) for rival in rivals)
-        )
-    return settled / len(contested)

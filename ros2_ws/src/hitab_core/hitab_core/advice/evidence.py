@@ -75,6 +75,10 @@ class Evidence:
             classifier,
         )
 
+    def placed(self, values: Sequence[float]) -> tuple[float, ...]:
+        """Return the values of a situation, toroidal ones in [0, period)."""
+        return tuple(on_circles(np.array([values], np.float64), self.scales)[0].tolist())
+
     def with_answer(self, values: Sequence[float], next_state: str) -> Evidence:
         """Return the evidence with one more example, see `answer_kind`."""
         row = on_circles(np.array([values], np.float64), self.scales)

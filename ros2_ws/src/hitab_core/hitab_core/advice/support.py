@@ -20,7 +20,7 @@ from hitab_core.domain import FeatureKind
 from hitab_core.learning import Leaf, Node, tree_text
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, ThresholdNode
+from hitab_core.learning.tree_nodes import Arc, Fork, Threshold
 from hitab_core.learning.tree_text import Step
 from hitab_core.wording import DEGREES
 
@@ -134,14 +134,15 @@ class SupportedTree:
         return " and ".join(tree_text.conditions(path, evidence.scales, evidence.names, units))
 
     def _is_clear(self, node: Node, branch: int | None, value: float) -> bool:
-        if isinstance(node, ThresholdNode):
+        test = node.test if isinstance(node, Fork) else None
+        if isinstance(test, Threshold):
             ((low, high),) = self._gaps[id(node)]
             gap = high - low
             return value - low <= (1 - CLEAR) * gap if branch == 0 else value - low >= CLEAR * gap
-        if isinstance(node, ArcNode):
+        if isinstance(test, Arc):
             for (before, after), leads_to in zip(self._gaps[id(node)], (0, 1), strict=True):
-                gap = (after - before) % node.period
-                passed = on_circle(value - before, node.period)
+                gap = (after - before) % test.period
+                passed = on_circle(value - before, test.period)
                 near = CLEAR * gap <= passed if branch == leads_to else passed <= (1 - CLEAR) * gap
                 if passed < gap and not near:
                     return False
@@ -152,7 +153,7 @@ class SupportedTree:
 def parting(some: Sequence[Step], other: Sequence[Step]) -> int:
     """Return the index of the first test in which two paths differ."""
     for i, ((a, _), (b, _)) in enumerate(zip(some, other, strict=False)):
-        if _test(a) != _test(b):
+        if (a.feature, a.test) != (b.feature, b.test):
             return i
     return min(len(some), len(other))
 
@@ -185,14 +186,6 @@ def _unit(evidence: Evidence, feature: int) -> str:
     return evidence.units[feature] if evidence.scales[feature].kind.is_measured else ""
 
 
-def _test(node: ThresholdNode | ArcNode | CategoryNode) -> tuple[object, ...]:
-    if isinstance(node, ThresholdNode):
-        return (node.feature, node.threshold)
-    if isinstance(node, ArcNode):
-        return (node.feature, node.start, node.end)
-    return (node.feature, *node.categories)
-
-
 def _branches_of(node: Node, column: Floats) -> Floats:
     """Return the branch of each value; -1 where it is missing, -2 if there is none."""
     assert not isinstance(node, Leaf)
@@ -209,11 +202,12 @@ def _gaps(node: Node, column: Floats, there: Booleans) -> list[tuple[float, floa
     The first end of an arc leads inside, the second one outside.
     """
     values = np.unique(column[there & ~np.isnan(column)])
-    if isinstance(node, ThresholdNode):
-        low, high = values[values <= node.threshold], values[values > node.threshold]
+    test = node.test if isinstance(node, Fork) else None
+    if isinstance(test, Threshold):
+        low, high = values[values <= test.threshold], values[values > test.threshold]
         return [(low.max(initial=-math.inf), high.min(initial=math.inf))]
-    if isinstance(node, ArcNode):
-        return [_around(values, end, node.period) for end in (node.start, node.end)]
+    if isinstance(test, Arc):
+        return [_around(values, end, test.period) for end in (test.start, test.end)]
     return []
 
 

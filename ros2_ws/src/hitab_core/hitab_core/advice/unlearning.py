@@ -16,7 +16,7 @@ The objective is from K. Sullivan and others, Unlearning from Demonstration, IJC
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -238,7 +238,6 @@ class _Training:
             for row in shown.suspicious(LIKELY_OF_MANY if many else LIKELY)
             if many or shown.mistaken[row] >= CLEARLY or not shown.may_waver(row)
         ]
-        found += self._retracted(shown)
         answered = {j for proposal in found for j in proposal.corrections}
         places = np.array([c.features for c in shown.corrected.values()])
         decided = shown.decisions(places, corrections=False)
@@ -247,50 +246,20 @@ class _Training:
                 found += _sparse(shown, j)
         return found
 
-    def _retracted(self, shown: _Shown) -> Iterator[Proposal]:
-        """Yield commands whose default example, in the state they led to, was put right.
-
-        This counts half: the command itself was given in another state.
-        """
-        for row, default in enumerate(shown.own):
-            chance, other = shown.mistaken[row], shown.contradicting(row)
-            if not default.is_default or chance < LIKELY or other < len(shown.own):
-                continue
-            for origin in self.judged:
-                if 0 != origin.command == default.command and origin.state != default.state:
-                    there = self.shown(origin.state)
-                    before = there.mistaken[there.own.index(origin)] or shown.share
-                    odds = _odds(before) * math.sqrt(_odds(chance) / _odds(shown.share))
-                    if odds >= _odds(LIKELY):
-                        yield self.mistake(shown, row, origin, odds / (1 + odds))
-
-    def mistake(
-        self, shown: _Shown, row: int, origin: Example | None = None, chance: float = 0.0
-    ) -> Proposal:
-        """Return the proposal to remove a contradicted example, with all of its command.
-
-        If it is a default example, ``origin`` is the ordinary one of the command, with the
-        ``chance`` that this was a mistake.
-        """
+    def mistake(self, shown: _Shown, row: int) -> Proposal:
+        """Return the proposal to remove a contradicted example, with all of its command."""
         other = shown.contradicting(row)
-        example, instead = origin or shown.own[row], shown.evidence.next_states[other]
-        state, command, said = example.state, example.command, example.next_state
-        why: tuple[str, ...] = (shown.difference(row, other),)
-        change = _change(shown, row)
-        if origin is not None:
-            put_right = f"you put {said} (example {origin.number}) right afterwards"
-            why = (f"{put_right}, with {instead}", *why)
-            change = f"in {state} it does not go to {said} because of it"
+        example, command = shown.own[row], shown.own[row].command
         same = [e.number for e in self._examples if command and e.command == command]
         return Proposal(
             ProposalKind.MISTAKE,
-            state,
+            example.state,
             tuple(sorted(same or [example.number])),
-            instead,
-            float(chance or shown.mistaken[row]),
-            why,
-            tuple(j for j, c in shown.corrected.items() if c.wrong == said),
-            change,
+            shown.evidence.next_states[other],
+            float(shown.mistaken[row]),
+            (shown.difference(row, other),),
+            tuple(j for j, c in shown.corrected.items() if c.wrong == example.next_state),
+            _change(shown, row),
         )
 
 
@@ -338,10 +307,6 @@ def _sparse(shown: _Shown, index: int) -> list[Proposal]:
     meant = 1 - float(shown.mistaken[saying[0]])
     about = ProposalKind.SPARSE, correction.state, (nearest.number,)
     return [Proposal(*about, right, meant, why, (index,), place=place)]
-
-
-def _odds(chance: float) -> float:
-    return chance / (1 - chance)
 
 
 def _judged(

@@ -97,7 +97,7 @@ def curve(start: Box, end: Box, bend: float, points: int = 41) -> Floats:
 def bend_arrows(
     boxes: Mapping[str, Box], pairs: Sequence[tuple[str, str]], width: float, height: float
 ) -> list[float]:
-    """Return how far each arrow bows out to clear other states and other arrows' tips.
+    """Return how far each arrow bows out to clear other states.
 
     Args:
         boxes: where the states are.
@@ -105,62 +105,18 @@ def bend_arrows(
         width, height: of the panel around the origin.
     """
     panel = Box(0.0, 0.0, width, height)
-    if not pairs:
-        return []
-    bends = np.empty((len(pairs), 2 * len(BENDS)))
-    tips = np.empty((len(pairs), 2 * len(BENDS), 2, 2))
-    alone = np.empty((len(pairs), 2 * len(BENDS)))
-    for i, (source, target) in enumerate(pairs):
-        # An arrow and its reverse bow to different sides.
-        other_side = 1 if (target, source) in pairs else -1
-        bends[i] = [side * bend for bend in BENDS for side in (1, other_side)]
+    chosen = []
+    for source, target in pairs:
         others = [_roomy(box) for state, box in boxes.items() if state not in (source, target)]
-        for k, bend in enumerate(bends[i]):
+        # An arrow and its reverse bow to different sides.
+        sides = (1,) if (target, source) in pairs else (1, -1)
+        costs = {}
+        for bend in (side * bend for bend in BENDS for side in sides):
             points = curve(boxes[source], boxes[target], bend, 201)
-            tips[i, k] = _tip(points, boxes[source]), _tip(points[::-1], boxes[target])
             touched = sum(box.share(points) for box in others) + (1.0 - panel.share(points))
-            alone[i, k] = abs(bend) + 30.0 * touched
-    ends = np.array([[list(boxes).index(state) for state in pair] for pair in pairs])
-    meet = ends[:, None, None, None, :, None] == ends[None, None, :, None, None, :]
-    squared = ((tips[:, :, None, None, :, None] - tips[None, None, :, :, None, :]) ** 2).sum(
-        axis=-1
-    )
-    nearness = (np.exp(-squared / 0.04) * meet).sum(axis=(-2, -1))
-    chosen = _settled(alone, nearness)
-    return [float(own[k]) for own, k in zip(bends, chosen, strict=True)]
-
-
-def _settled(alone: Floats, between: Floats) -> list[int]:
-    """Return a choice for each item such that the total cost is low.
-
-    Args:
-        alone: shape (n, k), what each choice costs by itself.
-        between: shape (n, k, n, k), what each pair of choices costs.
-    """
-    n, k = alone.shape
-    everyone = np.arange(n)
-    found: list[tuple[float, list[int]]] = []
-    for first in range(k):
-        chosen = np.full(n, first)
-        for _ in range(8):
-            before = chosen.copy()
-            for i in range(n):
-                others = everyone[everyone != i]
-                costs = alone[i] + between[i][:, others, chosen[others]].sum(axis=1)
-                chosen[i] = int(costs.argmin())
-            if (chosen == before).all():
-                break
-        together = between[everyone[:, None], chosen[:, None], everyone, chosen]
-        total = alone[everyone, chosen].sum() + (together.sum() - np.trace(together)) / 2
-        found.append((float(total), chosen.tolist()))
-    return min(found)[1]
-
-
-def _tip(points: Floats, box: Box) -> Floats:
-    """Return where a curve from the middle of a box leaves it."""
-    inside = (np.abs(points - (box.x, box.y)) <= (box.width / 2, box.height / 2)).all(axis=1)
-    tip: Floats = points[int(np.argmin(inside))]
-    return tip
+            costs[bend] = abs(bend) + 30.0 * touched
+        chosen.append(min(costs, key=costs.__getitem__))
+    return chosen
 
 
 def _roomy(box: Box) -> Box:
@@ -192,29 +148,15 @@ def place_words(
         states: where the states are.
         width, height: of the panel around the origin.
     """
-    if not sizes:
-        return []
     every = np.array(curves)[:, ::COARSE]
-    candidates = [_candidates(size, points) for size, points in zip(sizes, curves, strict=False)]
-    alone = [
-        _costs_alone(places, size, i, every, states, width, height)
-        for i, (places, size) in enumerate(zip(candidates, sizes, strict=True))
-    ]
-    chosen = [int(costs.argmin()) for costs in alone]
-    for _ in range(8):
-        before = list(chosen)
-        for i, places in enumerate(candidates):
-            costs = alone[i].copy()
-            for j, c in enumerate(chosen):
-                if j != i:
-                    overlaps = _overlaps(places, sizes[i], _box(candidates[j][c], sizes[j]))
-                    costs += 40.0 * overlaps + 10.0 * (overlaps > 0.0)
-            chosen[i] = int(costs.argmin())
-        if chosen == before:
-            break
-    return [
-        _box(places[c], size) for places, c, size in zip(candidates, chosen, sizes, strict=True)
-    ]
+    found: dict[int, Box] = {}
+    for i in sorted(range(len(sizes)), key=lambda i: -math.prod(sizes[i])):  # the largest first
+        places = _candidates(sizes[i], curves[i])
+        taken = [*states, *found.values()]
+        costs = _costs(places, sizes[i], i, every, taken, width, height)
+        x, y = places[int(costs.argmin())].tolist()
+        found[i] = Box(x, y, *sizes[i])
+    return [found[i] for i in range(len(sizes))]
 
 
 def crosses(points: Floats, box: Box) -> bool:
@@ -244,11 +186,6 @@ def _crossings(places: Floats, half: Floats, curves: Floats) -> NDArray[np.bool_
     return crossed
 
 
-def _box(place: Floats, size: tuple[float, float]) -> Box:
-    x, y = place.tolist()
-    return Box(x, y, *size)
-
-
 def _candidates(size: tuple[float, float], points: Floats) -> Floats:
     """Return places, shape (n, 2), for words of this size beside an arrow."""
     n = len(points)
@@ -271,16 +208,16 @@ def _overlaps(places: Floats, size: tuple[float, float], other: Box) -> Floats:
     return areas
 
 
-def _costs_alone(
+def _costs(
     places: Floats,
     size: tuple[float, float],
     own: int,
     curves: Floats,
-    states: Sequence[Box],
+    taken: Sequence[Box],
     width: float,
     height: float,
 ) -> Floats:
-    """Return the cost of each place, ignoring the other words."""
+    """Return the cost of each place beside states and words that are placed already."""
     half = np.array(size) / 2
     crossed = _crossings(places, half[None] + CLEAR, curves).sum(axis=1)
     # How far each arrow is from the edge of the words: they belong to the nearest one.
@@ -291,7 +228,7 @@ def _costs_alone(
     mistaken = np.maximum(near - others.min(axis=1), 0.0) if others.size else 0.0
     outside = np.maximum(np.abs(places) + half - (width / 2, height / 2), 0.0).sum(axis=1)
     middle = np.hypot(*(places - curves[own, curves.shape[1] // 2]).T)
-    covered = [_overlaps(places, size, state) for state in states]
+    covered = [_overlaps(places, size, box) for box in taken]
     costs: Floats = (
         sum(60.0 * area + 10.0 * (area > 0.0) for area in covered)
         + 200.0 * outside

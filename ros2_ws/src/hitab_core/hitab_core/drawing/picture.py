@@ -71,18 +71,8 @@ def draw_automata(automata: Sequence[Automaton], path: Path | str) -> Path:
     heights = [max(sizes[i][1] for i in row) for row in rows]
     figure = Figure(figsize=(sum(widths), sum(heights)), facecolor="white")
     FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(
-        len(rows),
-        columns,
-        width_ratios=widths,
-        height_ratios=heights,
-        left=0,
-        right=1,
-        top=1,
-        bottom=0,
-        wspace=0,
-        hspace=0,
-    )
+    grid = figure.add_gridspec(len(rows), columns, width_ratios=widths, height_ratios=heights)
+    grid.update(left=0, right=1, top=1, bottom=0, wspace=0, hspace=0)
     names = {automaton.name for automaton in automata}
     for r, row in enumerate(rows):
         for c, i in enumerate(row):
@@ -231,31 +221,16 @@ class _Panel:
         title = panel.automaton.name
         if panel.automaton.parameters:
             title += f"({', '.join(panel.automaton.parameters)})"
-        self._axes.text(
-            0,
-            self._height / 2 + 0.22,
-            title,
-            ha="center",
-            va="center",
-            color=_INK,
-            fontsize=_TITLE_SIZE,
-            fontweight="bold",
-        )
+        self._write(0, self._height / 2 + 0.22, title, _TITLE_SIZE, fontweight="bold")
         outlines = {name: self._state(name, box, drawn_too) for name, box in panel.states.items()}
         for arrow, bend in zip(panel.arrows, panel.bends, strict=True):
             self._arrow(arrow, bend, panel.states, outlines)
         for text, place in zip(panel.words, panel.places, strict=True):
-            self._axes.text(
-                place.x,
-                place.y,
-                text,
-                ha="center",
-                va="center",
-                fontsize=_WORD_SIZE,
-                color=_INK,
-                zorder=4,
-                linespacing=1.1,
-            )
+            self._write(place.x, place.y, text, _WORD_SIZE, zorder=4, linespacing=1.1)
+
+    def _write(self, x: float, y: float, text: str, size: float, **style: Any) -> None:
+        usual = {"ha": "center", "va": "center", "color": _INK, "fontsize": size}
+        self._axes.text(x, y, text, **usual | style)
 
     def _state(self, state: str, box: Box, drawn_too: set[str]) -> Any:
         from matplotlib.patches import FancyBboxPatch
@@ -273,17 +248,10 @@ class _Panel:
             linestyle="--" if kind == "flag" else "-",
         )
         self._axes.add_patch(outline)
-        self._axes.text(
-            box.x,
-            box.y,
-            state,
-            ha="center",
-            va="center_baseline",
-            fontsize=_STATE_SIZE,
-            color="white" if kind == "start" else _INK,
-            zorder=5,
-            fontstyle="italic" if kind == "flag" else "normal",
-        )
+        style = {"fontstyle": "italic"} if kind == "flag" else {}
+        if kind == "start":
+            style = {"color": "white"}
+        self._write(box.x, box.y, state, _STATE_SIZE, va="center_baseline", zorder=5, **style)
         return outline
 
     def _arrow(self, arrow: Arrow, bend: float, boxes: Any, outlines: Any) -> None:

@@ -1,8 +1,7 @@
 """A transition tree as nested tuples: one kind of test, walked in a loop that allocates nothing.
 
 Every test becomes ``low < value <= high``, after ``value %= period`` if there is a period, so that
-one decision costs a fraction of a microsecond. One walk decides for a single agent, the other for
-many agents at once, with exactly the same comparisons.
+one decision costs a fraction of a microsecond.
 
 Where a value is missing, a decision goes down one branch by its draw, as often as examples went
 there in training; what is left of the draw is uniform again and serves for what follows. So every
@@ -13,15 +12,12 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.errors import NoValueError
 from hitab_core.learning.missing_values import Likely
-from hitab_core.learning.tree_nodes import ArcNode, Counts, Leaf, Node, ThresholdNode, fold
+from hitab_core.learning.tree_nodes import Arc, Counts, Leaf, Node, Threshold, fold
 from hitab_core.transition_function import Decide, Values
 
 Compiled = Any
@@ -81,43 +77,35 @@ def compiled(root: Node, slots: Sequence[int], leaf: Callable[[Counts], Any]) ->
     def make(node: Node, parts: list[Compiled]) -> Compiled:
         if isinstance(node, Leaf):
             return leaf(node.counts)
-        slot = slots[node.feature]
-        if isinstance(node, ThresholdNode):
-            return (slot, 0.0, -math.inf, node.threshold, *parts, _share(node.low, node.high))
-        if isinstance(node, ArcNode):
-            return _arc(slot, node, *parts)
+        slot, test = slots[node.feature], node.test
+        if isinstance(test, Threshold):
+            return (slot, 0.0, -math.inf, test.threshold, *parts, _share(node.branches))
+        if isinstance(test, Arc):
+            return _arc(slot, test, node.branches, parts)
         sizes = [sum(branch.counts) for branch in node.branches]
-        return _categories(slot, node.categories, parts, sizes, leaf(node.counts))
+        return _categories(slot, test.categories, parts, sizes, leaf(node.counts))
 
     return fold(root, make)
 
 
-def _share(yes: Node, no: Node) -> float:
+def _share(branches: Sequence[Node]) -> float:
     """Return the fraction of the examples of two branches that is in the first one."""
-    first = sum(yes.counts)
-    return first / (first + sum(no.counts))
+    first, second = (sum(branch.counts) for branch in branches)
+    return first / (first + second)
 
 
-def _arc(slot: int, node: ArcNode, inside: Compiled, outside: Compiled) -> Compiled:
+def _arc(slot: int, arc: Arc, branches: Sequence[Node], parts: Sequence[Compiled]) -> Compiled:
     """Return the test of an arc, on whichever of its two sides does not contain zero.
 
     So neither zero nor ``period``, the same place, is in a tested arc: Python's remainder of a
     tiny negative value is ``period``.
     """
-    low, high, yes, no = node.start, node.end or node.period, inside, outside
-    share = _share(node.inside, node.outside)
+    low, high = arc.start, arc.end or arc.period
     if low == 0.0 or high < low:
-        low, high, yes, no = node.end, node.start or node.period, outside, inside
-        share = _share(node.outside, node.inside)
-    return (
-        slot,
-        node.period,
-        math.nextafter(low, -math.inf),
-        math.nextafter(high, -math.inf),
-        yes,
-        no,
-        share,
-    )
+        low, high = arc.end, arc.start or arc.period
+        branches, parts = branches[::-1], parts[::-1]
+    ends = math.nextafter(low, -math.inf), math.nextafter(high, -math.inf)
+    return (slot, arc.period, *ends, *parts, _share(branches))
 
 
 def _categories(
@@ -182,105 +170,3 @@ def decider(root: Compiled, likely: Likely | None = None) -> Decide:
         return node[1][bisect_right(node[0], drawn)]  # type: ignore[no-any-return]
 
     return decide
-
-
-class Columns(Protocol):
-    """Where the values of many agents come from."""
-
-    def take(self, slot: int, rows: Integers) -> tuple[Floats, Booleans | None]:
-        """Return the values of some agents in a slot, shape (n,), NaN if there is none.
-
-        The second result is None if all have a value; else it says, shape (n,), who may decide
-        without one. The others may not decide.
-        """
-
-
-class MatrixColumns:
-    """The columns of an array, shape (n, m); NaN if a value is missing."""
-
-    def __init__(self, X: Floats) -> None:
-        self._X = X
-        self._complete = not np.isnan(X).any()
-
-    def take(self, slot: int, rows: Integers) -> tuple[Floats, Booleans | None]:
-        """Return the values, and who lacks one."""
-        values = self._X[rows, slot]
-        return values, None if self._complete else np.isnan(values)
-
-
-class Ending(NamedTuple):
-    """The end of a path through a compiled tree.
-
-    Attributes:
-        leaf: of the tree.
-        rows: the agents that reach it.
-        drawn: shape (n,), what is left of the draws that led them there; None: nothing was drawn.
-    """
-
-    leaf: Any
-    rows: Integers
-    drawn: Floats | None
-
-
-def ends(
-    root: Compiled,
-    columns: Columns,
-    rows: Integers,
-    draw: Callable[[Integers], Floats],
-    likely: Callable[[int], Any] | None = None,
-) -> Iterator[Ending]:
-    """Yield the path ends that agents reach; see `decider`.
-
-    Args:
-        root: a compiled tree.
-        columns: the agents' values, by the slots of the tree.
-        rows: the agents.
-        draw: returns a uniform number on [0, 1) for each of some agents.
-        likely: returns the end for an agent that lacks a value; None: its draw leads on.
-    """
-    waiting: list[Ending] = [Ending(root, rows, None)]
-    while waiting:
-        ending = waiting.pop()
-        node, rows, drawn = ending
-        if not len(rows):
-            continue
-        if type(node) is not tuple:
-            yield ending
-            continue
-        slot, period, low, high, yes, no, share = node
-        values, without = columns.take(slot, rows)
-        if without is not None and without.any():
-            lacking, left = rows[without], None if drawn is None else drawn[without]
-            if likely is not None:
-                for row in lacking.tolist():
-                    yield Ending(likely(row), np.array([row]), None)
-            else:
-                left = draw(lacking) if left is None else left
-                to_yes = left < share
-                rest = np.minimum((left[~to_yes] - share) / (1.0 - share), LARGEST_DRAW)
-                waiting.append(Ending(no, lacking[~to_yes], rest))
-                waiting.append(Ending(yes, lacking[to_yes], left[to_yes] / share))
-        if without is not None:
-            there = values == values
-            rows, values = rows[there], values[there]
-            drawn = None if drawn is None else drawn[there]
-        if period:
-            values = values % period
-        held = values <= high
-        if low != -math.inf:
-            held &= low < values
-        n_held = np.count_nonzero(held)
-        if n_held == len(rows):
-            waiting.append(Ending(yes, rows, drawn))
-        elif not n_held:
-            waiting.append(Ending(no, rows, drawn))
-        else:
-            left_of = (None, None) if drawn is None else (drawn[~held], drawn[held])
-            waiting.append(Ending(no, rows[~held], left_of[0]))
-            waiting.append(Ending(yes, rows[held], left_of[1]))
-
-
-def drawn_from(leaf: Draw, ending: Ending, draw: Callable[[Integers], Floats]) -> Integers:
-    """Return which of a leaf's choices each of the agents that have reached it draws."""
-    drawn = draw(ending.rows) if ending.drawn is None else ending.drawn
-    return np.searchsorted(leaf.cumulative, drawn, side="right")

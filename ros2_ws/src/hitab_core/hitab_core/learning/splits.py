@@ -42,29 +42,7 @@ from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.boundaries import end_between, threshold_between
 from hitab_core.learning.gain_ratio import TIE, Counts, best_of, gain_and_ratio, two_way_gains
-
-
-@dataclass(frozen=True, slots=True)
-class Threshold:
-    """Two branches: ``value <= threshold``, and the others."""
-
-    threshold: float
-
-
-@dataclass(frozen=True, slots=True)
-class Arc:
-    """Two branches: ``[start, end)`` counted upwards on the circle, and the others."""
-
-    start: float
-    end: float
-    period: float
-
-
-@dataclass(frozen=True, slots=True)
-class Categories:
-    """One branch per category."""
-
-    categories: tuple[int, ...]
+from hitab_core.learning.tree_nodes import Arc, Categories, Test, Threshold
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,7 +58,7 @@ class Split:
             side there are examples of several classes, so that it serves them all.
     """
 
-    test: Threshold | Arc | Categories
+    test: Test
     gain: float
     ratio: float
     parts: tuple[Integers, ...]
@@ -114,9 +92,7 @@ class Examples:
             return int(np.count_nonzero(those))
         return float(self.weights[those].sum())
 
-    def split(
-        self, test: Threshold | Arc | Categories, counts: Counts, parts: tuple[Integers, ...]
-    ) -> Split:
+    def split(self, test: Test, counts: Counts, parts: tuple[Integers, ...]) -> Split:
         """Return the split by a test; ``counts`` are each branch's examples of each class."""
         return Split(test, *gain_and_ratio(counts, self.unknown), parts)
 
@@ -206,8 +182,8 @@ def split_toroidal(
         examples: as in `split_by`.
         period: the length of the circle.
         min_branch: as in `split_by`.
-        all_around: whether default examples reach all around the circle, as they did in earlier
-            versions; see `hitab_core.learning.boundaries`.
+        all_around: whether default examples reach all around the circle, for comparison; see
+            `hitab_core.learning.boundaries`.
     """
     groups = _Groups.of(examples)
     k = len(groups.values)

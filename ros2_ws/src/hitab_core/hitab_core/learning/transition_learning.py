@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from copy import copy
-from functools import partial
-from typing import Any
+from dataclasses import fields
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +15,6 @@ from hitab_core.example import Example
 from hitab_core.learning.classifier_replacement import classifier_maker, learn_replacement
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_values import feature_values
-from hitab_core.learning.memo import LearningMemo
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.vocabulary import has
@@ -24,9 +22,8 @@ from hitab_core.wording import quantity
 
 TREE = "tree"
 
-_MEMO = LearningMemo()
-"""Shared by the process; affects only how long learning takes."""
-
+KEPT = 256
+"""How many functions are kept: saving learns from the same examples several times."""
 
 Learn = Callable[[ArrayLike, Sequence[str], Sequence[bool]], LearnedTransition]
 """``learn(X, y, default)`` learns from the examples of one state."""
@@ -50,7 +47,7 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
     if spec.name != TREE:
         make = classifier_maker(spec)
         return lambda X, y, default: learn_replacement(spec, make, scales, X, y, names)
-    known = sorted({*TransitionTree().get_params()} - {"scales", "feature_names"})
+    known = sorted({f.name for f in fields(TransitionTree)} - {"scales", "feature_names"})
     for name in spec.arguments:
         if name not in known:
             raise VocabularyError(
@@ -67,24 +64,6 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
     return learn_tree
 
 
-def earlier(classifier: str) -> list[str]:
-    """Return what a classifier of a file meant in earlier versions, the latest first.
-
-    Before trees looked ahead, default examples reached around circles at first.
-
-    Raises:
-        VocabularyError: if the text does not name a classifier.
-    """
-    spec = ClassifierSpec.parse(classifier)
-    if spec.name != TREE:
-        return []
-    meant: list[dict[str, Any]] = [
-        {"look_ahead": False},
-        {"look_ahead": False, "all_around": True},
-    ]
-    return [str(ClassifierSpec(TREE, {**arguments, **spec.arguments})) for arguments in meant]
-
-
 def learn_transitions(
     examples: Sequence[Example],
     scales: Sequence[Scale],
@@ -93,8 +72,7 @@ def learn_transitions(
 ) -> dict[str, LearnedTransition]:
     """Learn a transition function for each state that has examples, in order of appearance.
 
-    Learning from equal examples returns the same object, so do not modify it; see
-    `hitab_core.learning.memo`.
+    Learning from equal examples returns the same object, so do not modify it.
 
     Args:
         examples: of any states.
@@ -115,7 +93,7 @@ def learn_transitions(
         >>> {state: function.labels for state, function in functions.items()}
         {'Start': ['GoFast'], 'GoFast': ['Stop']}
     """
-    learn = learner(classifier, scales, names)
+    learner(classifier, scales, names)  # which checks what it is called
     may_miss = ClassifierSpec.parse(classifier).name == TREE
     by_state: dict[str, list[Example]] = {}
     for example in examples:
@@ -133,22 +111,25 @@ def learn_transitions(
         rows = [f'example {example.number} of state "{state}"' for example in own]
         # Checked here so that errors name the example.
         feature_values(X, scales, names, rows, may_miss=may_miss)
-        y = [example.next_state for example in own]
-        default = [example.is_default for example in own]
+        y = tuple(example.next_state for example in own)
+        default = tuple(example.is_default for example in own)
+        called = None if names is None else tuple(names)
         try:
-            functions[state] = _named(
-                _MEMO.learned(classifier, scales, X, y, default, partial(learn, X, y, default)),
-                names,
-            )
+            functions[state] = _learned(classifier, tuple(scales), called, X.tobytes(), y, default)
         except TrainingError as error:
             raise TrainingError(f'state "{state}": {error}') from error
     return functions
 
 
-def _named(function: LearnedTransition, names: Sequence[str] | None) -> LearnedTransition:
-    """Return a function with these feature names in its errors."""
-    if not isinstance(function, TransitionTree) or function.feature_names == names:
-        return function
-    renamed = copy(function)
-    renamed.feature_names = names
-    return renamed
+@lru_cache(maxsize=KEPT)
+def _learned(
+    classifier: str,
+    scales: tuple[Scale, ...],
+    names: tuple[str, ...] | None,
+    values: bytes,
+    y: tuple[str, ...],
+    default: tuple[bool, ...],
+) -> LearnedTransition:
+    """Learn from the values of an array, shape (n, m), and what was done in each row."""
+    X = np.frombuffer(values, np.float64).reshape(len(y), len(scales))
+    return learner(classifier, scales, names)(X, y, default)

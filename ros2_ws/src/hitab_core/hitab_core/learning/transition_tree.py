@@ -7,10 +7,9 @@ a checked one.
 from __future__ import annotations
 
 import hashlib
-import inspect
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import partial
 from typing import Any, Self
 
@@ -22,25 +21,19 @@ from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import VocabularyError
 from hitab_core.learning import tree_text
 from hitab_core.learning.boundaries import on_circle
-from hitab_core.learning.compiled_tree import (
-    Compiled,
-    MatrixColumns,
-    compiled,
-    decider,
-    ends,
-    leaf_choice,
-)
+from hitab_core.learning.compiled_tree import compiled, decider, leaf_choice
 from hitab_core.learning.feature_values import check_scales, feature_values
-from hitab_core.learning.missing_values import Likely, distribution_at, likely_state
+from hitab_core.learning.missing_values import distribution_at, likely_state
 from hitab_core.learning.splits import Choose, choose_split
 from hitab_core.learning.tree_growth import grow
-from hitab_core.learning.tree_nodes import Leaf, Node, ThresholdNode, described, fold, nodes
+from hitab_core.learning.tree_nodes import Leaf, Node, described, nodes
 from hitab_core.learning.tree_pruning import prune
 from hitab_core.learning.tree_text import Rule
 from hitab_core.transition_function import Decide, Explanation
 from hitab_core.vocabulary import has
 
 
+@dataclass(eq=False)
 class TransitionTree:
     """Decision tree that maps feature values to a distribution over next states.
 
@@ -65,8 +58,8 @@ class TransitionTree:
         boolean_first: whether ties between features are broken in favor of boolean and
             categorical ones.
         look_ahead: whether boolean and categorical features come before a boundary that would be
-            shared (`hitab_core.learning.splits`); False is for old files.
-        all_around: as in `hitab_core.learning.splits.split_toroidal`; for old files.
+            shared (`hitab_core.learning.splits`).
+        all_around: as in `hitab_core.learning.splits.split_toroidal`.
         feature_names: names of the features, for errors.
 
     Attributes:
@@ -77,8 +70,7 @@ class TransitionTree:
 
     Examples:
         >>> tree = TransitionTree(feature_names=["DistanceTo(ball)"])
-        >>> tree.fit([[9.0], [1.0], [4.0]], ["GoFast", "Stop", "GoFast"])
-        TransitionTree(feature_names=['DistanceTo(ball)'])
+        >>> _ = tree.fit([[9.0], [1.0], [4.0]], ["GoFast", "Stop", "GoFast"])
         >>> tree.predict([[2.4], [2.6]]).tolist()
         ['Stop', 'GoFast']
 
@@ -86,57 +78,16 @@ class TransitionTree:
         Paper, section 3. J. R. Quinlan, C4.5: Programs for Machine Learning, 1993.
     """
 
-    def __init__(
-        self,
-        scales: Sequence[Scale] | None = None,
-        *,
-        min_samples_leaf: int = 1,
-        max_depth: int | None = None,
-        prune: bool = False,
-        confidence: float = 0.25,
-        boolean_first: bool = True,
-        look_ahead: bool = True,
-        all_around: bool = False,
-        feature_names: Sequence[str] | None = None,
-    ) -> None:
-        """Store the parameters; `fit` checks them."""
-        self.scales = scales
-        self.min_samples_leaf = min_samples_leaf
-        self.max_depth = max_depth
-        self.prune = prune
-        self.confidence = confidence
-        self.boolean_first = boolean_first
-        self.look_ahead = look_ahead
-        self.all_around = all_around
-        self.feature_names = feature_names
-
-    def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """Return the parameters by name; ``deep`` is for scikit-learn and has no effect."""
-        return {name: getattr(self, name) for name in inspect.signature(type(self)).parameters}
-
-    def set_params(self, **params: Any) -> Self:
-        """Set parameters by name.
-
-        Raises:
-            ValueError: naming an unknown parameter.
-        """
-        known = self.get_params()
-        for name in params:
-            if name not in known:
-                raise ValueError(f'TransitionTree has no parameter "{name}" {has(known, name)}')
-        for name, value in params.items():
-            setattr(self, name, value)
-        return self
-
-    def __repr__(self) -> str:
-        """Return the constructor call, without default parameters."""
-        defaults = inspect.signature(type(self)).parameters
-        given = ", ".join(
-            f"{name}={value!r}"
-            for name, value in self.get_params().items()
-            if value != defaults[name].default
-        )
-        return f"{type(self).__name__}({given})"
+    scales: Sequence[Scale] | None = None
+    _: KW_ONLY
+    min_samples_leaf: int = 1
+    max_depth: int | None = None
+    prune: bool = False
+    confidence: float = 0.25
+    boolean_first: bool = True
+    look_ahead: bool = True
+    all_around: bool = False
+    feature_names: Sequence[str] | None = None
 
     def fit(
         self,
@@ -218,12 +169,6 @@ class TransitionTree:
         inner = (node for node in nodes(self._fitted()) if not isinstance(node, Leaf))
         return tuple(sorted({node.feature for node in inner}))
 
-    @property
-    def thresholds(self) -> tuple[tuple[int, float], ...]:
-        """The index of a feature and what it is compared with, of each such test."""
-        inner = (node for node in nodes(self._fitted()) if isinstance(node, ThresholdNode))
-        return tuple((node.feature, node.threshold) for node in inner)
-
     def predict_proba(self, X: ArrayLike) -> Floats:
         """Return the probability of each class.
 
@@ -237,16 +182,9 @@ class TransitionTree:
             FeatureValueError: as `fit`.
         """
         root = self._fitted()
-        values = feature_values(X, self.scales_, self.feature_names, may_miss=True)
-        probabilities = np.empty((len(values), len(self.classes_)))
-        tree = compiled(root, range(self.n_features_in_), np.array)
-
-        def mixed(row: int) -> Floats:
-            return np.array(distribution_at(root, values[row].tolist().__getitem__))
-
-        for ending in ends(tree, MatrixColumns(values), np.arange(len(values)), np.zeros, mixed):
-            probabilities[ending.rows] = ending.leaf / ending.leaf.sum()
-        return probabilities
+        values = feature_values(X, self.scales_, self.feature_names, may_miss=True).tolist()
+        odds = [distribution_at(root, row.__getitem__) for row in values]
+        return np.array(odds, np.float64).reshape(len(values), len(self.classes_))
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:
         """Return the most probable class; on a tie, the first in ``classes_``.
@@ -272,19 +210,6 @@ class TransitionTree:
         Raises:
             VocabularyError: if the tree leads to a state that is not in ``states``.
         """
-        return decider(*self.compile_batch(slots, states, most_probable=most_probable))
-
-    def compile_batch(
-        self, slots: Sequence[int], states: Mapping[str, int], *, most_probable: bool = False
-    ) -> tuple[Compiled, Likely | None]:
-        """Return the tree in the form of `compiled_tree.ends`, for many agents; see `compile`.
-
-        Returns:
-            The tree, and what decides where a value is missing; None: the draw does.
-
-        Raises:
-            VocabularyError: if the tree leads to a state that is not in ``states``.
-        """
         root = self._fitted()
         for label in self.labels:
             if label not in states:
@@ -295,7 +220,7 @@ class TransitionTree:
         tree = compiled(
             root, slots, lambda counts: leaf_choice(counts, indices, most_probable=most_probable)
         )
-        return tree, likely_state(root, slots, indices) if most_probable else None
+        return decider(tree, likely_state(root, slots, indices) if most_probable else None)
 
     def explain(self, values: Sequence[float], names: Sequence[str]) -> Explanation:
         """Explain the decision for a full feature vector; ``names`` name its features.
@@ -346,14 +271,6 @@ class TransitionTree:
     def as_text(self, names: Sequence[str]) -> str:
         """Return a drawing of the tree, one line per branch."""
         return tree_text.drawing(self._fitted(), self.labels, self.scales_, names)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the tree as plain data, numbers exact (``float.hex``)."""
-
-        def plain(node: Node, parts: list[dict[str, Any]]) -> dict[str, Any]:
-            return described(node) | ({"branches": parts} if parts else {})
-
-        return {"classes": self.labels, "root": fold(self._fitted(), plain)}
 
     def digest(self) -> str:
         """Return a SHA-256 in hexadecimal of the tree: labels, structure, counts, exact numbers.

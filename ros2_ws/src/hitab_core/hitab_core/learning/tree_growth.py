@@ -19,8 +19,6 @@ from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Scale
 from hitab_core.learning.gain_ratio import TIE
 from hitab_core.learning.splits import (
-    Arc,
-    Categories,
     Choose,
     Chosen,
     Examples,
@@ -29,14 +27,7 @@ from hitab_core.learning.splits import (
     choose_split,
     split_by,
 )
-from hitab_core.learning.tree_nodes import (
-    ArcNode,
-    CategoryNode,
-    Leaf,
-    Node,
-    ThresholdNode,
-    nodes,
-)
+from hitab_core.learning.tree_nodes import Fork, Leaf, Node, nodes
 
 LEAST_FRACTION = 1 / 128
 """The smallest part of an example for which a branch is made, if one example is enough for one.
@@ -172,7 +163,10 @@ def grow(
         counts = tuple(
             np.bincount(classes[place.rows], place.weights, minlength=n_classes).tolist()
         )
-        made[index] = _node(place, counts, [made.pop(branch) for branch in place.branches])
+        branches = tuple(made.pop(branch) for branch in place.branches)
+        made[index] = Leaf(counts)
+        if place.split is not None:
+            made[index] = Fork(place.feature, place.split.test, counts, branches)
     return made[0]
 
 
@@ -259,14 +253,3 @@ def _points_differ(
     np.add.at(parts, place, weights)
     expected = np.outer(parts.sum(axis=1), parts.sum(axis=0)) / parts.sum()
     return not np.allclose(parts, expected, rtol=TIE, atol=0.0)
-
-
-def _node(place: _Place, counts: tuple[float, ...], branches: list[Node]) -> Node:
-    if place.split is None:
-        return Leaf(counts)
-    test = place.split.test
-    if isinstance(test, Categories):
-        return CategoryNode(place.feature, test.categories, counts, tuple(branches))
-    if isinstance(test, Arc):
-        return ArcNode(place.feature, test.period, test.start, test.end, counts, *branches)
-    return ThresholdNode(place.feature, test.threshold, counts, *branches)

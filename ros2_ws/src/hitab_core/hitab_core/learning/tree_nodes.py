@@ -18,6 +18,50 @@ Counts = tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True)
+class Threshold:
+    """Two branches: ``value <= threshold``, and the others; a boolean's threshold is 0.5."""
+
+    threshold: float
+
+    def branch_for(self, value: float) -> int | None:
+        """Return the index of the branch that the value takes."""
+        return 0 if value <= self.threshold else 1
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """Two branches: ``[start, end)`` counted upwards on the circle, and the others.
+
+    If the arc passes zero, ``end < start``. Both ends are in [0, period).
+    """
+
+    start: float
+    end: float
+    period: float
+
+    def branch_for(self, value: float) -> int | None:
+        """Return the index of the branch that the value takes."""
+        place = on_circle(value, self.period)
+        if self.start < self.end:
+            return 0 if self.start <= place < self.end else 1
+        return 1 if self.end <= place < self.start else 0
+
+
+@dataclass(frozen=True, slots=True)
+class Categories:
+    """One branch per category seen; other categories get the node's own distribution."""
+
+    categories: tuple[int, ...]
+
+    def branch_for(self, value: float) -> int | None:
+        """Return the index of the branch that the value takes; None for an unseen category."""
+        return self.categories.index(int(value)) if value in self.categories else None
+
+
+Test = Threshold | Arc | Categories
+
+
+@dataclass(frozen=True, slots=True)
 class Leaf:
     """The end of a path: the number of examples of each class."""
 
@@ -30,74 +74,20 @@ class Leaf:
 
 
 @dataclass(frozen=True, slots=True)
-class ThresholdNode:
-    """``value <= threshold`` goes to ``low``, else to ``high``; a boolean's threshold is 0.5."""
+class Fork:
+    """A test of a feature's value, with the examples that came to it and its branches."""
 
     feature: int
-    threshold: float
-    counts: Counts
-    low: Node
-    high: Node
-
-    @property
-    def branches(self) -> tuple[Node, ...]:
-        """Both branches."""
-        return (self.low, self.high)
-
-    def branch_for(self, value: float) -> int | None:
-        """Return the index of the branch that the value takes."""
-        return 0 if value <= self.threshold else 1
-
-
-@dataclass(frozen=True, slots=True)
-class ArcNode:
-    """A value in the arc ``[start, end)`` goes to ``inside``, else to ``outside``.
-
-    The arc runs upwards from ``start``; if it passes zero, ``end < start``. The outside is the arc
-    ``[end, start)``. Both ends are in [0, period).
-    """
-
-    feature: int
-    period: float
-    start: float
-    end: float
-    counts: Counts
-    inside: Node
-    outside: Node
-
-    @property
-    def branches(self) -> tuple[Node, ...]:
-        """Both branches."""
-        return (self.inside, self.outside)
-
-    def branch_for(self, value: float) -> int | None:
-        """Return the index of the branch that the value takes."""
-        place = on_circle(value, self.period)
-        if self.start < self.end:
-            return 0 if self.start <= place < self.end else 1
-        return 1 if self.end <= place < self.start else 0
-
-
-@dataclass(frozen=True, slots=True)
-class CategoryNode:
-    """One branch per category seen; other categories get this node's own distribution."""
-
-    feature: int
-    categories: tuple[int, ...]
+    test: Test
     counts: Counts
     branches: tuple[Node, ...]
 
-    @property
-    def fallback(self) -> Leaf:
-        """The leaf for categories that were not seen."""
-        return Leaf(self.counts)
-
     def branch_for(self, value: float) -> int | None:
-        """Return the index of the branch that the value takes; None for an unseen category."""
-        return self.categories.index(int(value)) if value in self.categories else None
+        """Return the index of the branch that the value takes; None: there is none for it."""
+        return self.test.branch_for(value)
 
 
-Node = Leaf | ThresholdNode | ArcNode | CategoryNode
+Node = Leaf | Fork
 
 
 def fold(root: Node, make: Callable[[Node, list[T]], T]) -> T:
@@ -132,15 +122,13 @@ def described(node: Node) -> dict[str, object]:
     """Return a node, without its branches, as plain data with exact numbers (``float.hex``)."""
     counts = [n.hex() if isinstance(n, float) else n for n in node.counts]
     plain: dict[str, object] = {"counts": counts}
-    if isinstance(node, ThresholdNode):
-        plain |= {"feature": node.feature, "threshold": node.threshold.hex()}
-    elif isinstance(node, ArcNode):
-        plain |= {
-            "feature": node.feature,
-            "period": node.period.hex(),
-            "start": node.start.hex(),
-            "end": node.end.hex(),
-        }
-    elif isinstance(node, CategoryNode):
-        plain |= {"feature": node.feature, "categories": list(node.categories)}
+    if isinstance(node, Fork):
+        plain["feature"], test = node.feature, node.test
+        if isinstance(test, Categories):
+            plain["categories"] = list(test.categories)
+        elif isinstance(test, Threshold):
+            plain["threshold"] = test.threshold.hex()
+        else:
+            plain |= {"period": test.period.hex(), "start": test.start.hex()}
+            plain["end"] = test.end.hex()
     return plain

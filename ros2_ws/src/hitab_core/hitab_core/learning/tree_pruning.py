@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from statistics import NormalDist
 
-from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNode, fold
+from hitab_core.learning.tree_nodes import Leaf, Node, fold
 
 
 def pessimistic_errors(errors: float, n: float, confidence: float) -> float:
@@ -50,18 +50,8 @@ def prune(root: Node, confidence: float = 0.25) -> Node:
         n = sum(node.counts)
         as_leaf = pessimistic_errors(n - max(node.counts), n, confidence)
         as_tree = sum(errors for _, errors in parts)
-        if not parts or as_leaf <= as_tree + 0.1:
+        if isinstance(node, Leaf) or as_leaf <= as_tree + 0.1:
             return Leaf(node.counts), as_leaf
-        return _with_branches(node, [branch for branch, _ in parts]), as_tree
+        return replace(node, branches=tuple(branch for branch, _ in parts)), as_tree
 
     return fold(root, pruned)[0]
-
-
-def _with_branches(node: Node, branches: list[Node]) -> Node:
-    if isinstance(node, ThresholdNode):
-        return replace(node, low=branches[0], high=branches[1])
-    if isinstance(node, ArcNode):
-        return replace(node, inside=branches[0], outside=branches[1])
-    if isinstance(node, CategoryNode):
-        return replace(node, branches=tuple(branches))
-    return node

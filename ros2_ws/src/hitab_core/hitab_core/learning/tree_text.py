@@ -15,10 +15,10 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.learning.tree_nodes import ArcNode, CategoryNode, Leaf, Node, ThresholdNode
+from hitab_core.learning.tree_nodes import Arc, Categories, Fork, Leaf, Node
 from hitab_core.wording import DEGREES, quantity
 
-Step = tuple[ThresholdNode | ArcNode | CategoryNode, int | None]
+Step = tuple[Fork, int | None]
 """A node on a path and the branch taken there; None for a category that was not seen."""
 
 Interval = tuple[float, float]
@@ -103,15 +103,16 @@ def _condition(steps: Sequence[Step], scale: Scale, name: str, unit: str) -> str
     low, high = -math.inf, math.inf
     arcs: list[Interval] = [(0.0, math.inf)]
     for node, branch in steps:
-        if isinstance(node, CategoryNode):
-            return _category(node, branch, scale, name)
-        if isinstance(node, ArcNode):
-            start, end = (node.start, node.end) if branch == 0 else (node.end, node.start)
-            arcs = _common(arcs, _intervals(start, end, node.period))
+        test = node.test
+        if isinstance(test, Categories):
+            return _category(test, branch, scale, name)
+        if isinstance(test, Arc):
+            start, end = (test.start, test.end) if branch == 0 else (test.end, test.start)
+            arcs = _common(arcs, _intervals(start, end, test.period))
         elif branch == 0:
-            high = node.threshold  # each threshold on a path lies between earlier ones
+            high = test.threshold  # each threshold on a path lies between earlier ones
         else:
-            low = node.threshold
+            low = test.threshold
     if scale.kind is FeatureKind.TOROIDAL:
         return f"{name} {_arcs(arcs, scale, unit)}"
     if scale.kind is FeatureKind.BOOLEAN:
@@ -151,9 +152,9 @@ def _short(number: float, digits: int = DIGITS, negligible: float = NEGLIGIBLE) 
     return text, 1 if number > written else -1
 
 
-def _category(node: CategoryNode, branch: int | None, scale: Scale, name: str) -> str:
+def _category(test: Categories, branch: int | None, scale: Scale, name: str) -> str:
     known = dict(enumerate(scale.categories))
-    called = [known.get(category, str(category)) for category in node.categories]
+    called = [known.get(category, str(category)) for category in test.categories]
     return (
         f"{name} = {called[branch]}"
         if branch is not None
@@ -205,10 +206,10 @@ def _place(place: float, scale: Scale) -> str:
     return half_text if text == f"-{half_text}" else text
 
 
-def _ways_on(node: ThresholdNode | ArcNode | CategoryNode, scale: Scale) -> list[int | None]:
+def _ways_on(node: Fork, scale: Scale) -> list[int | None]:
     """Return the branches of a node, plus None if it has not seen all categories."""
     ways: list[int | None] = list(range(len(node.branches)))
-    if isinstance(node, CategoryNode) and len(scale.categories) != len(node.categories):
+    if isinstance(node.test, Categories) and len(scale.categories) != len(ways):
         ways.append(None)
     return ways
 

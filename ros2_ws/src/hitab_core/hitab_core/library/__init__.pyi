@@ -2,8 +2,8 @@ from . import commit as commit
 from . import durable_files as durable_files
 from . import yaml_models as yaml_models
 from . import yaml_places as yaml_places
+from .behavior_file import SUFFIX as SUFFIX
 from .behavior_file import scale_of as scale_of
-from .behavior_schema import SUFFIX as SUFFIX
 from .bundle import Bundle as Bundle
 from .bundle import bundle_digest as bundle_digest
 from .bundle import digest_in as digest_in
@@ -22,5 +22,4 @@ from .edition import Editions as Editions
 from .reissuing import content_of as content_of
 from .reissuing import reissued as reissued
 from .reissuing import same_behavior as same_behavior
-from .yaml_fields import Fields as Fields
-from .yaml_fields import kind_of as kind_of
+from .yaml_places import kind_of as kind_of

@@ -11,12 +11,20 @@ from hitab_core.domain import Domain, FeatureKind, Scale
 from hitab_core.errors import LibraryError
 from hitab_core.example_codec import file_record, value_records
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.library.behavior_schema import FLAG, FORMAT, SUFFIX
 from hitab_core.library.behavior_text import behavior_text
 from hitab_core.library.digests import checksum
 from hitab_core.library.provenance import Provenance
 from hitab_core.use import Use
 from hitab_core.wording import quantity
+
+FORMAT = 3
+"""The format version that is written, and the only one that is read."""
+
+FLAG = "flag"
+"""The kind of a feature that is true if the active sub-behavior has raised a flag."""
+
+SUFFIX = ".hfa.yaml"
+"""Ending of a behavior file's name."""
 
 BASIC = "basic"
 """Marks a used behavior that is hard-coded in the robot."""

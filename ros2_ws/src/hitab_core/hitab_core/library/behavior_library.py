@@ -10,7 +10,6 @@ time.
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -19,9 +18,9 @@ from pathlib import Path
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.change import LibraryChange, read_version, sound_version, way_back
+from hitab_core.library.change import LibraryChange
 from hitab_core.library.contents import Contents
 from hitab_core.library.digests import digest_of
 from hitab_core.library.durable_files import PATIENCE
@@ -29,6 +28,7 @@ from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.folder import LibraryFolder
 from hitab_core.library.provenance import Provenance, time_now
 from hitab_core.library.renaming import plan_renaming
+from hitab_core.library.shelf import Shelf
 from hitab_core.vocabulary import has
 
 
@@ -66,6 +66,7 @@ class BehaviorLibrary:
         self.generation = 0
         self._clock = clock
         self._folder = LibraryFolder(self.folder)
+        self._shelf = Shelf(self._folder, self.editions)
         self._loaded: dict[str, BehaviorFile] | None = None
 
     # -- reading ----------------------------------------------------------------------------
@@ -88,7 +89,7 @@ class BehaviorLibrary:
 
     def _load(self, strict: bool) -> Contents:
         with self._folder.held(alone=False):
-            contents = self._read()
+            contents = self._shelf.contents()
         problems = contents.problems
         if strict and problems:
             raise LibraryError("\n".join(problems[name] for name in sorted(problems)))
@@ -106,9 +107,7 @@ class BehaviorLibrary:
                 file.
             VocabularyError: if they do not fit the domain.
         """
-        contents = self._load(strict)
-        losses = contents.losses(self.folder, self.domain, self.sound_version)
-        return self.editions.of(contents.usable, losses)
+        return self._shelf.edition(self._load(strict))
 
     def path(self, name: str) -> Path:
         """Return where the file of a behavior is, or would be.
@@ -162,9 +161,7 @@ class BehaviorLibrary:
             LibraryError: if it cannot be read, or another process keeps it locked.
         """
         with self._folder.held(alone=True, patience=patience, sync=sync):
-            yield LibraryChange(
-                self._folder, self.editions, self._read(), self._clock, self._changed
-            )
+            yield LibraryChange(self._shelf, self._shelf.contents(), self._clock, self._changed)
 
     def save(
         self,
@@ -272,12 +269,9 @@ class BehaviorLibrary:
         Raises:
             LibraryError: naming what is wrong; nothing has changed.
         """
-        # Read before making the folder, and kept so that each is read only once.
-        read = [self.editions.read(t, self._folder.file(n).name) for n, t in texts.items()]
         with self.change() as change:
             changed = change.install(texts)
             change.commit()
-        del read
         return changed
 
     def has_saved(self, name: str, checksum: str) -> bool:
@@ -298,7 +292,7 @@ class BehaviorLibrary:
 
     def sound_version(self, name: str) -> int | None:
         """Return the newest version of a behavior that can be read; None if there is none."""
-        return sound_version(self._folder, self.editions, name)
+        return self._shelf.sound_version(name)
 
     def version(self, name: str, number: int) -> BehaviorFile:
         """Return one version of a behavior.
@@ -306,7 +300,7 @@ class BehaviorLibrary:
         Raises:
             LibraryError: if it is missing or faulty.
         """
-        return read_version(self._folder, self.editions, name, number)
+        return self._shelf.version(name, number)
 
     def restore(self, name: str, number: int) -> Path:
         """Make an earlier version of a behavior the newest one.
@@ -318,7 +312,7 @@ class BehaviorLibrary:
             LibraryError: if there is no such version, or it does not fit the library now.
         """
         with self.change() as change:
-            earlier = change.version(name, number)
+            earlier = self.version(name, number)
             provenance = replace(earlier.provenance, note=f"version {number} restored")
             change.save(earlier.automaton, earlier.classifier, provenance, restored=True)
             change.commit()
@@ -337,23 +331,3 @@ class BehaviorLibrary:
             else:
                 self._loaded.pop(name, None)
         self.problems = change.problems
-
-    def _read(self) -> Contents:
-        """Read all files, reusing unchanged ones; the folder must be locked."""
-        readable: dict[str, BehaviorFile] = {}
-        unreadable: dict[str, str] = {}
-        for name in self._folder.names():
-            try:
-                path = self._folder.file(name)
-                readable[name] = self.editions.read(self._folder.text(path), path.name)
-            except LibraryError as error:
-                command = f"hitab library accept {file_name(name)}"
-                there = f"hitab library accept {shlex.quote(str(self.folder / file_name(name)))}"
-                unreadable[name] = str(error).replace(command, there)
-        return Contents.of(
-            readable,
-            unreadable,
-            self.domain,
-            fit=self.editions.knows(readable),
-            way_back=lambda name: way_back(self._folder, self.editions, name),
-        )

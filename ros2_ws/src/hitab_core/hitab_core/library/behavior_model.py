@@ -13,9 +13,9 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from hitab_core.domain import FeatureKind
 from hitab_core.example import ExampleKind
-from hitab_core.library.behavior_schema import FLAG
-from hitab_core.library.yaml_fields import kind_of
+from hitab_core.library.behavior_file import FLAG
 from hitab_core.library.yaml_models import Record, among
+from hitab_core.library.yaml_places import kind_of
 from hitab_core.use import NAME_RULE
 
 
@@ -49,6 +49,10 @@ Number = Annotated[Count, Field(ge=1)]
 Value = Annotated[float | None, PlainValidator(_value)]
 
 
+Optional = Annotated[dict[str, Any], Field(default_factory=dict)]
+"""Sections by name that a later HiTAB may add and an earlier one may do without."""
+
+
 class DomainRecord(Record):
     """The domain in which a behavior was trained."""
 
@@ -78,6 +82,7 @@ class ExampleRecord(Record):
     command: Count
     cycle: Count
     ago: float = Field(ge=0)
+    optional: Optional
 
 
 class ReadingRecord(Record):
@@ -116,4 +121,5 @@ class BehaviorRecord(Record):
     readable: list[str]
     readings: list[ReadingRecord]
     provenance: ProvenanceRecord
+    optional: Optional
     checksum: Digest

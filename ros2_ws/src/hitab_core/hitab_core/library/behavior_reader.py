@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
-from hitab_core.domain import Domain, Scale
-from hitab_core.errors import HitabError, VocabularyError
+from hitab_core.domain import Domain, FeatureKind, Scale
+from hitab_core.errors import HitabError, VocabularyError, newer_format
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of
-from hitab_core.learning.transition_learning import earlier, learn_transitions
+from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.behavior_file import (
+    FORMAT,
+    SUFFIX,
     BehaviorFile,
     feature_record,
     file_name,
     meaning_of,
     scale_of,
 )
-from hitab_core.library.behavior_schema import SUFFIX, check_format, migrated
 from hitab_core.library.digests import checksum, learned_digest
-from hitab_core.library.example_check import wrong_with
 from hitab_core.library.provenance import Provenance
-from hitab_core.library.yaml_places import Complaints, Document, read_yaml
+from hitab_core.library.yaml_places import Complaints, Document, Place, read_yaml
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
-from hitab_core.vocabulary import unknown
+from hitab_core.vocabulary import has, unknown
 from hitab_core.wording import quantity
 
 
@@ -48,46 +49,41 @@ def read_behavior(
         LibraryError: naming every fault, by line.
     """
     document = read_yaml(text, file)
-    check_format(document)
-    complaints = Complaints(document)
-    if not accepting:
-        _check_checksum(document, complaints)
-    content: dict[str, Any] = migrated(document.value)
+    content, complaints = document.value, Complaints(document)
+    _check_format(content, complaints)
+    if not accepting and "checksum" in content and content["checksum"] != checksum(content):
+        complaints.add(
+            ("checksum",),
+            "the checksum does not match the file: it was edited or damaged; if it was edited on "
+            f"purpose, run: hitab library accept {file}; if not, restore an earlier version",
+        )
     # Here because pydantic is slow to import.
     from hitab_core.library.behavior_model import BehaviorRecord
     from hitab_core.library.yaml_models import read_record
 
     if read_record(BehaviorRecord, content, complaints) is None:
         complaints.raise_any()  # what follows relies on the form
-    return _Reader(document, content, domain, complaints, accepting).read(
-        name or file.removesuffix(SUFFIX), text
-    )
+    reader = _Reader(document, domain, complaints, accepting)
+    return reader.read(name or file.removesuffix(SUFFIX), text)
 
 
-def _check_checksum(document: Document, complaints: Complaints) -> None:
-    stated = document.value.get("checksum")
-    if stated is None:
-        return  # the model complains
-    if stated != checksum(document.value):
-        complaints.add(
-            ("checksum",),
-            "the checksum does not match the file: it was edited or damaged; if it was edited on "
-            f"purpose, run: hitab library accept {document.file}; "
-            "if not, restore an earlier version",
-        )
+def _check_format(content: Any, complaints: Complaints) -> None:
+    found = content.get("format") if isinstance(content, dict) else None
+    if found == FORMAT and not isinstance(found, bool):
+        return
+    wrong = f"is not a behavior file of format {FORMAT}, the one that this HiTAB reads"
+    if isinstance(found, int) and found > FORMAT:
+        wrong = newer_format(found, FORMAT)
+    complaints.add(("format",), f"{wrong}, or save the behavior with the version that wrote it")
+    complaints.raise_any()
 
 
 class _Reader:
     def __init__(
-        self,
-        document: Document,
-        content: dict[str, Any],
-        domain: Domain,
-        complaints: Complaints,
-        accepting: bool,
+        self, document: Document, domain: Domain, complaints: Complaints, accepting: bool
     ) -> None:
         self._document = document
-        self._content = content
+        self._content: dict[str, Any] = document.value
         self._domain = domain
         self._complaints = complaints
         self._accepting = accepting
@@ -95,10 +91,9 @@ class _Reader:
         self._accept = f"hitab library accept {document.file}"
 
     def read(self, name: str, text: str) -> BehaviorFile:
-        content, complaints = self._content, self._complaints
+        content = self._content
         self._check_domain()
-        self._check_name(name)
-        self._check_parameters()
+        self._check_names(name)
         states = self._states()
         features, scales = self._features()
         self._check_meaning(states, features)
@@ -106,18 +101,12 @@ class _Reader:
         readable, readings = self._readings()
         examples = self._examples([str(state) for state in states], scales, readings)
         self._stop_if_wrong()
-        functions, trees = self._learn(content["classifier"], examples, features, scales)
-        if trees != content["trees"]:  # perhaps an earlier version has saved it
-            for classifier in earlier(content["classifier"]):
-                former = self._learn(classifier, examples, features, scales)
-                if former[1] == content["trees"]:
-                    functions, trees = former
-                    content = {**content, "classifier": classifier}
-                    break
+        functions = self._learn(examples, features, scales)
+        trees = {state: function.digest() for state, function in functions.items()}
         if not self._accepting:
             self._check_trees(trees)
             self._check_uses({s.name for s in states if s.name not in FLAGS})
-        complaints.raise_any()
+        self._complaints.raise_any()
         automaton = Automaton(
             content["name"],
             tuple(states),
@@ -128,18 +117,21 @@ class _Reader:
             content["description"],
             tuple(readable),
         )
-        provenance = Provenance(**content["provenance"])
         return BehaviorFile(
             automaton,
             content["classifier"],
             trees,
             dict(content["uses"]),
-            provenance,
+            Provenance(**content["provenance"]),
             learned_digest(content, trees),
-            checksum(self._document.value),
+            checksum(content),
             text,
             tuple(self._document.line(("states", i)) for i in range(len(states))),
         )
+
+    def _complain(self, wrong: str, *path: str | int) -> None:
+        place: Place = path
+        self._complaints.add(place, wrong)
 
     def _stop_if_wrong(self) -> None:
         """Stop if anything but the checksum is wrong."""
@@ -148,12 +140,12 @@ class _Reader:
 
     def _check_domain(self) -> None:
         stated, domain = self._content["domain"]["name"], self._domain.name
-        if stated != domain:
-            # Nothing else can be right, so stop here.
-            self._complaints.add(
-                ("domain", "name"),
+        if stated != domain:  # nothing else can be right
+            self._complain(
                 f'was trained in domain "{stated}", but this is "{domain}"; '
                 "use a library of this domain",
+                "domain",
+                "name",
             )
             self._complaints.raise_any()
 
@@ -161,47 +153,40 @@ class _Reader:
         """Check that what it uses means what it did; other words may have come and gone."""
         stated, domain = self._content["domain"], self._domain
         ours = meaning_of(states, features, domain)
-        # Files of older formats do not say, and an edited one may use other words than it says.
-        knows = stated["signature"] and not self._before
-        same = not knows or stated["signature"] == ours["signature"]
+        # An edited file may use other words than it says.
+        same = bool(self._before) or stated["signature"] == ours["signature"]
         same &= stated["version"] in (ours["version"], domain.version)
         if not same and not self._accepting:
-            self._complaints.add(
-                ("domain",),
+            self._complain(
                 f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
-                f"{stated['signature'] or 'unknown'} of what it uses), but this is version "
-                f"{ours['version']} (signature {ours['signature']}); if what it uses still means "
-                f"the same, run: {self._accept}; if not, give it up and train it again",
+                f"{stated['signature']} of what it uses), but this is version {ours['version']} "
+                f"(signature {ours['signature']}); if what it uses still means the same, run: "
+                f"{self._accept}; if not, give it up and train it again",
+                "domain",
             )
 
-    def _check_name(self, expected: str) -> None:
-        name = self._content["name"]
+    def _check_names(self, expected: str) -> None:
+        name, domain = self._content["name"], self._domain
         if name != expected:
-            self._complaints.add(
-                ("name",),
+            self._complain(
                 f'is called "{name}", but the file is called "{self._document.file}"; '
                 f'rename the file to "{file_name(name)}", or give the behavior the file\'s name',
+                "name",
             )
-        if name in RESERVED:
-            self._complaints.add(("name",), f'"{name}" is reserved; choose another name')
-        if name in self._domain.behaviors:
-            self._complaints.add(
-                ("name",),
-                f'"{name}" is a basic behavior of domain "{self._domain.name}"; '
+        if name in RESERVED or name in domain.behaviors:
+            self._complain(
+                f'"{name}" is a basic behavior of domain "{domain.name}", or reserved; '
                 "choose another name",
+                "name",
             )
-
-    def _check_parameters(self) -> None:
         parameters = self._content["parameters"]
         for i, parameter in enumerate(parameters):
-            if parameter in self._domain.targets:
-                self._complaints.add(
-                    ("parameters", i),
-                    f'parameter "{parameter}" is also a target; rename it',
-                )
-            if parameter in parameters[:i]:
-                self._complaints.add(
-                    ("parameters", i), f'has parameter "{parameter}" twice; remove one'
+            if parameter in domain.targets or parameter in (*RESERVED, *parameters[:i]):
+                self._complain(
+                    f'parameter "{parameter}" is also a target, reserved, or there twice; '
+                    "rename it",
+                    "parameters",
+                    i,
                 )
 
     def _states(self) -> list[Use]:
@@ -209,19 +194,14 @@ class _Reader:
         arguments = {*self._domain.targets, *self._content["parameters"]}
         for i, state in enumerate(states):
             if state.name == START:
-                self._complaints.add(
-                    ("states", i), f"{START} is implicit; remove it from the states"
-                )
+                self._complain(f"{START} is implicit; remove it from the states", "states", i)
             elif state.name in FLAGS and state.arguments:
-                self._complaints.add(
-                    ("states", i), f'flag state "{state.name}" takes no targets; remove them'
-                )
+                self._complain(f'flag "{state.name}" takes no targets; remove them', "states", i)
             for argument in state.arguments:
                 if argument not in arguments:
-                    self._complaints.add(
-                        ("states", i),
-                        unknown("target", argument, arguments, f' in state "{state}"')
-                        + "; name one of these, or add it to the parameters",
+                    wrong = unknown("target", argument, arguments, f' in state "{state}"')
+                    self._complain(
+                        f"{wrong}; name one of these, or add it to the parameters", "states", i
                     )
         return states
 
@@ -235,15 +215,16 @@ class _Reader:
                 scales.append(scale_of(use, self._domain))
             except VocabularyError as error:
                 way = "correct it, or give the behavior up and train it again"
-                self._complaints.add(("features", i), f"{error}; {way}")
+                self._complain(f"{error}; {way}", "features", i)
                 continue
             for key, value in feature_record(use, self._domain).items():
                 if key != "feature" and record.get(key) != value:
-                    self._complaints.add(
-                        ("features", i),
+                    self._complain(
                         f'"{key}" of feature "{use}" is {record.get(key)} here but {value} in '
                         "the domain, so its values mean something else; give it up and train it "
                         "again",
+                        "features",
+                        i,
                     )
         return features, scales
 
@@ -253,10 +234,10 @@ class _Reader:
             try:
                 use = Use.parse(text)
             except VocabularyError as error:
-                self._complaints.add((key, i), str(error))
+                self._complain(str(error), key, i)
                 continue
             if use in uses:
-                self._complaints.add((key, i), f'has "{use}" twice; remove one')
+                self._complain(f'has "{use}" twice; remove one', key, i)
             uses.append(use)
         if len(uses) < len(texts):
             self._stop_if_wrong()  # positions would no longer fit
@@ -268,16 +249,13 @@ class _Reader:
         readable = self._uses("readable", self._content["readable"])
         readings: dict[int, Sequence[float | None]] = {}
         for i, record in enumerate(self._content["readings"]):
-            if len(record["values"]) != len(readable):
-                self._complaints.add(
-                    ("readings", i),
+            if len(record["values"]) != len(readable) or record["command"] in readings:
+                self._complain(
                     f"has {quantity(len(record['values']), 'value')} for "
-                    f"{quantity(len(readable), 'name')} in readable; give one for each, or "
-                    "remove this line",
-                )
-            if record["command"] in readings:
-                self._complaints.add(
-                    ("readings", i), f"has command {record['command']} twice; remove one"
+                    f"{quantity(len(readable), 'name')} in readable, or its command is there "
+                    "twice; remove this line",
+                    "readings",
+                    i,
                 )
             readings[record["command"]] = record["values"]
         return readable, readings
@@ -291,57 +269,78 @@ class _Reader:
         examples = []
         numbers: dict[int, int] = {}
         for i, record in enumerate(self._content["examples"]):
-            example = example_of(record, readings.get(int(record["command"]), ()))
-            for wrong in wrong_with(example, labels, scales):
-                self._complaints.add(("examples", i), f"example {example.number} {wrong}")
+            values = readings.get(int(record["command"]), ())
+            example = example_of({**record, "readings": values})
+            for wrong in _wrong_with(example, labels, scales):
+                self._complain(f"example {example.number} {wrong}", "examples", i)
             if example.number in numbers:
                 first = self._document.line(("examples", numbers[example.number]))
-                self._complaints.add(
-                    ("examples", i),
+                self._complain(
                     f"example number {example.number} is already used at line {first}; "
                     "give each example its own number",
+                    "examples",
+                    i,
                 )
             numbers.setdefault(example.number, i)
             examples.append(example)
         return examples
 
     def _learn(
-        self,
-        classifier: str,
-        examples: Sequence[Example],
-        features: Sequence[Use],
-        scales: Sequence[Scale],
-    ) -> tuple[Mapping[str, LearnedTransition], dict[str, str]]:
-        """Return what is learned for each state, and its digest."""
+        self, examples: Sequence[Example], features: Sequence[Use], scales: Sequence[Scale]
+    ) -> Mapping[str, LearnedTransition]:
         names = [str(use) for use in features]
         try:
-            functions = learn_transitions(examples, scales, classifier, names)
+            return learn_transitions(examples, scales, self._content["classifier"], names)
         except HitabError as error:
-            self._complaints.add(("classifier",), f"nothing can be learned: {error}")
+            self._complain(f"nothing can be learned: {error}", "classifier")
             self._complaints.raise_any()
             raise
-        return functions, {state: function.digest() for state, function in functions.items()}
 
     def _check_trees(self, learned: Mapping[str, str]) -> None:
         stated = self._content["trees"]
-        for state, digest in learned.items():
-            if stated.get(state) != digest:
-                self._complaints.add(
-                    ("trees", state),
+        for state in {**learned, **stated}:
+            if stated.get(state) != learned.get(state):
+                self._complain(
                     f'what is learned for state "{state}" from the examples differs from what was '
                     "saved: they were edited, or this version of HiTAB learns differently; "
                     f"test the behavior, then run: {self._accept}",
-                )
-        for state in stated:
-            if state not in learned:
-                self._complaints.add(
-                    ("trees", state), f'there is no example of state "{state}"; remove the line'
+                    "trees",
+                    state,
                 )
 
     def _check_uses(self, used: Iterable[str]) -> None:
         if {*used} != {*self._content["uses"]}:
-            self._complaints.add(
-                ("uses",),
+            self._complain(
                 f"lists {', '.join(self._content['uses']) or 'nothing'}, but the states use "
                 f"{', '.join(sorted(used)) or 'nothing'}; run: {self._accept}",
+                "uses",
             )
+
+
+def _wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale]) -> Iterable[str]:
+    """Yield the faults of an example, which may be edited by hand, worded to follow its number."""
+    state, to = example.state, example.next_state
+    if state not in (START, *labels):
+        yield f'is of state "{state}", which is not listed {has([START, *labels], state)}'
+    if to not in labels:
+        yield f'goes to "{to}", which is not a listed state {has(labels, to)}'
+    if example.is_default and to != state:
+        yield "is a default example, but leaves its state; make it a demonstrated one"
+    if len(example.features) != len(scales):
+        there, wanted = len(example.features), len(scales)
+        yield (
+            f"has {quantity(there, 'value')} for {quantity(wanted, 'feature')}; give one for each"
+        )
+        return
+    for i, (value, scale) in enumerate(zip(example.features, scales, strict=True), 1):
+        if math.isnan(value):
+            continue  # missing
+        most = len(scale.categories) - 1 if scale.categories else math.inf
+        if math.isinf(value):
+            yield f"has {value} as value {i}; write a finite number, or delete the example"
+        elif scale.kind is FeatureKind.BOOLEAN and value not in (0.0, 1.0):
+            yield f"has {value:g} as value {i}, which is boolean: 0 or 1"
+        elif scale.kind is FeatureKind.CATEGORICAL and not (
+            value.is_integer() and 0 <= value <= most
+        ):
+            yield f"has {value:g} as value {i}, which is a category: 0 to {most}"

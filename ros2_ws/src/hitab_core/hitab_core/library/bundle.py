@@ -132,7 +132,7 @@ def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
             problems.append(f'"{name}" comes after {late[0]}, which uses it; pack it again')
         files[name] = file
     if not problems:
-        problems += misfits(files, editions.domain).values()
+        problems += misfits(files, editions.domain)[0].values()
     if not problems:
         unneeded = {*files} - _made_of(bundle.name, files)
         if unneeded:

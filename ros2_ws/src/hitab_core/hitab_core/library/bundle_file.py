@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import yaml
 
@@ -19,9 +18,11 @@ from hitab_core.hierarchy import in_order
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.bundle import bundle_digest
 from hitab_core.library.edition import Editions
-from hitab_core.library.yaml_fields import Fields
-from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
+from hitab_core.library.yaml_places import read_text, read_yaml
 from hitab_core.vocabulary import has
+
+if TYPE_CHECKING:
+    from hitab_core.library.bundle_model import BundleFile
 
 FORMAT = 1
 """The format version that is written, and the newest that is read."""
@@ -33,19 +34,6 @@ _HEAD = """\
 # Trained behaviors, each after those that it uses. Read them into a library:
 #   hitab library import FILE -l FOLDER
 """
-
-
-@dataclass(frozen=True)
-class BundleFile:
-    """Behavior files from one file.
-
-    Attributes:
-        domain: name of the domain in which they were trained.
-        texts: of the files, by behavior name, each after those that it uses.
-    """
-
-    domain: str
-    texts: Mapping[str, str]
 
 
 def parts_of(files: Mapping[str, BehaviorFile], names: Iterable[str]) -> list[str]:
@@ -108,23 +96,16 @@ def read_bundle_file(path: Path) -> BundleFile:
         raise LibraryError(
             f"{path}: is not a file of behaviors; give one that `hitab library export` wrote"
         )
-    fields = Fields(Complaints(read_yaml(text, str(path))))
-    fields.check_format(FORMAT)
-    fields.integer("format", 1)
-    domain = fields.text("domain")
-    digest = fields.text("digest")
-    inner = fields.inner("files")
-    texts = {name: inner.text(name) for name in inner.names()}
-    if not texts:
-        fields.complain("`files:` holds no behavior; export it again", "files")
-    fields.done()
-    fields.complaints.raise_any()
-    if bundle_digest(tuple(texts.items())) != digest:
+    from hitab_core.library.bundle_model import BundleFile
+    from hitab_core.library.yaml_models import open_record
+
+    bundle = open_record(BundleFile, read_yaml(text, str(path)), FORMAT, LibraryError)
+    if bundle_digest(tuple(bundle.texts.items())) != bundle.digest:
         raise LibraryError(
             f"{path}: its digest does not fit its contents: it was edited or damaged; export it "
             "again, and edit behaviors in a library"
         )
-    return BundleFile(domain, texts)
+    return bundle
 
 
 def read_bundled(bundle: BundleFile, editions: Editions) -> list[BehaviorFile]:

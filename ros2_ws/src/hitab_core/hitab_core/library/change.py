@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import replace
 
 from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
-from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.contents import Contents, Losses, brought_back
-from hitab_core.library.edition import Edition, Editions
-from hitab_core.library.folder import Changes, LibraryFolder
+from hitab_core.library.contents import Contents, Losses
+from hitab_core.library.edition import Edition
+from hitab_core.library.folder import Changes
 from hitab_core.library.provenance import Provenance, tool_name
+from hitab_core.library.shelf import Shelf
 from hitab_core.vocabulary import has
 from hitab_core.wording import quantity
 
@@ -33,8 +32,7 @@ class LibraryChange:
 
     def __init__(
         self,
-        folder: LibraryFolder,
-        editions: Editions,
+        shelf: Shelf,
         there: Contents,
         clock: Callable[[], str],
         done: Callable[[LibraryChange], None],
@@ -42,8 +40,7 @@ class LibraryChange:
         """Start planning.
 
         Args:
-            folder: locked exclusively as long as this is used.
-            editions: reads behavior files, of one domain.
+            shelf: whose folder is locked exclusively as long as this is used.
             there: what the folder holds.
             clock: returns the time, ISO 8601, to record in saved files.
             done: called once the change is made.
@@ -52,9 +49,10 @@ class LibraryChange:
         self.note = b""
         self.changed: dict[str, BehaviorFile | None] = {}
         self.numbers: dict[str, int] = {}
-        self._folder = folder
-        self._editions = editions
-        self._domain = editions.domain
+        self._shelf = shelf
+        self._folder = shelf.folder
+        self._editions = shelf.editions
+        self._domain = shelf.editions.domain
         self._clock = clock
         self._done = done
         self._changes: dict[str, bytes | None] = {}
@@ -72,11 +70,7 @@ class LibraryChange:
     @property
     def losses(self) -> Losses:
         """The behaviors that cannot be used after the change."""
-        return self._contents.losses(
-            self._folder.path,
-            self._domain,
-            lambda name: sound_version(self._folder, self._editions, name),
-        )
+        return self._shelf.losses(self._contents)
 
     def edition(self) -> Edition:
         """Return the library's edition after the change.
@@ -84,7 +78,7 @@ class LibraryChange:
         Raises:
             VocabularyError: if its behaviors do not fit the domain.
         """
-        return self._editions.of(self.after, self.losses)
+        return self._shelf.edition(self._contents)
 
     # -- planning ---------------------------------------------------------------------------
 
@@ -212,14 +206,6 @@ class LibraryChange:
         examples = len(self.before.readable[name].automaton.examples)
         return f"version {former} ({quantity(examples, 'example')})"
 
-    def version(self, name: str, number: int) -> BehaviorFile:
-        """Return one version of a behavior.
-
-        Raises:
-            LibraryError: if it is missing or faulty.
-        """
-        return read_version(self._folder, self._editions, name, number)
-
     # -- making it --------------------------------------------------------------------------
 
     def commit(self) -> None:
@@ -256,14 +242,7 @@ class LibraryChange:
         readable = {name: file for name, file in now.readable.items() if name not in files}
         readable |= {name: file for name, file in files.items() if file is not None}
         unreadable = {name: text for name, text in now.unreadable.items() if name not in files}
-        known = self._editions.knows(readable)
-        return Contents.of(
-            readable,
-            unreadable,
-            self._domain,
-            fit=known,
-            way_back=lambda name: way_back(self._folder, self._editions, name),
-        )
+        return self._shelf.contents_of(readable, unreadable)
 
     def _unkept(self, name: str) -> Changes:
         there = self.after.get(name)
@@ -277,12 +256,8 @@ class LibraryChange:
     def _earlier(self, name: str) -> str:
         if name in self.after:
             return self.after[name].checksum
-        for number in reversed(self._folder.versions(name)):
-            try:
-                return self.version(name, number).checksum
-            except LibraryError:
-                continue
-        return ""
+        sound = self._shelf.sound_version(name)
+        return "" if sound is None else self._shelf.version(name, sound).checksum
 
     def _check_fit(self, new: Mapping[str, BehaviorFile]) -> None:
         """Refuse files that do not fit together, so that a library never gets worse."""
@@ -309,34 +284,3 @@ def refused_name(name: str, done: str, losses: Losses) -> str:
         f'"{name}" cannot be {done}: it would take the place of a lost behavior; {fault}, or '
         "choose another name"
     )
-
-
-def read_version(
-    folder: LibraryFolder, editions: Editions, name: str, number: int
-) -> BehaviorFile:
-    """Return one version of a behavior in a folder.
-
-    Raises:
-        LibraryError: if it is missing or faulty.
-    """
-    versions = folder.versions(name)
-    if number not in versions:
-        raise LibraryError(f'{folder.path}: has no version {number} of "{name}" {has(versions)}')
-    path = folder.version_file(name, number)
-    return read_behavior(folder.text(path), f"{name}/{path.name}", editions.domain, name=name)
-
-
-def sound_version(folder: LibraryFolder, editions: Editions, name: str) -> int | None:
-    """Return the newest version of a behavior that can be read; None if there is none."""
-    with suppress(LibraryError):
-        for number in reversed(folder.versions(name)):
-            with suppress(LibraryError):
-                read_version(folder, editions, name, number)
-                return number
-    return None
-
-
-def way_back(folder: LibraryFolder, editions: Editions, name: str) -> str:
-    """Return how to bring back a behavior that was deleted; "" if no version of it was kept."""
-    version = sound_version(folder, editions, name)
-    return "" if version is None else brought_back(name, folder.path, version)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Collection, Iterable, Mapping
 
 from hitab_core.automaton import FLAGS
 from hitab_core.domain import Domain
-from hitab_core.hierarchy import Uses, circular
+from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.vocabulary import has
 from hitab_core.wording import quantity
@@ -16,85 +15,56 @@ from hitab_core.wording import quantity
 def misfits(
     files: Mapping[str, BehaviorFile],
     domain: Domain,
-    unreadable: Mapping[str, str] | None = None,
+    unreadable: Iterable[str] = (),
     way_back: Callable[[str], str] = lambda name: "",
-) -> dict[str, str]:
-    """Return why behaviors cannot be used, by name, each a text with one line per complaint.
+) -> tuple[dict[str, str], dict[str, list[str]]]:
+    """Return why behaviors cannot be used, and which of their parts cannot.
 
     Args:
         files: the behaviors that could be read, by name.
         domain: gives the basic behaviors and the hand-written automata.
         unreadable: names of the others; behaviors that use them cannot be used either.
         way_back: returns how to bring back a behavior that has no file; "": it was never there.
-    """
-    lost = {*(unreadable or ())}
-    lost |= hand_written_users(domain, files, lost)
-    users: dict[str, list[str]] = {}
-    for name, file in files.items():
-        for used in file.automaton.behaviors_used:
-            users.setdefault(used, []).append(name)
 
-    def uses(name: str) -> Iterable[str]:
+    Returns:
+        What is wrong with files, by name, each a text with one line per complaint; and all that
+        is lost, unreadable files and hand-written automata included, each with the parts that it
+        is lost for. None: it is a cause of its own.
+    """
+    lost: dict[str, list[str]] = {name: [] for name in unreadable}
+    circles: dict[str, list[str]] = {}
+
+    def used(name: str) -> Collection[str]:
         automaton = files[name].automaton if name in files else domain.automata.get(name)
-        return () if automaton is None else automaton.behaviors_used
+        return () if automaton is None or name in lost else automaton.behaviors_used
 
-    circles = circular(files, uses)
+    def uses(name: str) -> Collection[str]:
+        return () if name in circles else used(name)
+
+    while way := circle_among(files, uses):
+        for i, name in enumerate(way[:-1]):
+            circles[name] = [*way[i:-1], *way[: i + 1]]
     found: dict[str, str] = {}
-    asked: Iterable[str] = files
-    while asked:
-        more = {
-            name: "\n".join(complaints)
-            for name in asked
-            if (
-                complaints := _complaints(
-                    files[name], files, domain, lost, circles, uses, way_back
-                )
+    for name in in_order([*files, *domain.automata], uses):
+        parts = sorted(lost.keys() & used(name))
+        if name in files:
+            complaints = _complaints(
+                files[name], files, domain, lost, circles.get(name, []), way_back
             )
-        }
-        found |= more
-        lost |= more.keys()
-        hand_written = hand_written_users(domain, files, lost)
-        lost |= hand_written
-        # Only the users of these can become unusable.
-        asked = {
-            user: None
-            for name in (*more, *hand_written)
-            for user in users.get(name, ())
-            if user not in found
-        }
-    return found
-
-
-def hand_written_users(domain: Domain, files: Collection[str], lost: Collection[str]) -> set[str]:
-    """Return the domain's automata that are made of something lost, unless a file replaces them.
-
-    Args:
-        domain: gives the hand-written automata.
-        files: names of the trained behaviors.
-        lost: names of the behaviors that cannot be used.
-    """
-    found: set[str] = set()
-    more = bool(lost)
-    while more:
-        made = {
-            name
-            for name, automaton in domain.automata.items()
-            if name not in files
-            and name not in lost
-            and not automaton.behaviors_used.isdisjoint({*lost, *found})
-        }
-        more = made > found
-        found |= made
-    return found
+            if complaints:
+                found[name] = "\n".join(complaints)
+                lost[name] = [] if name in circles else parts
+        elif parts:
+            lost[name] = parts
+    return found, lost
 
 
 def _complaints(
     file: BehaviorFile,
     files: Mapping[str, BehaviorFile],
     domain: Domain,
-    lost: set[str],
-    circles: Mapping[str, int],
-    uses: Uses,
+    lost: Collection[str],
+    circle: list[str],
     way_back: Callable[[str], str],
 ) -> list[str]:
     complaints = []
@@ -103,10 +73,9 @@ def _complaints(
             continue
         place = f'{file_name(file.name)}:{line}: state "{state}" uses behavior "{state.name}"'
         parameters = _parameters(state.name, files, domain)
-        if file.name in circles and circles[file.name] == circles.get(state.name):
-            way = " -> ".join(_circle(file.name, state.name, uses))
+        if circle and state.name == circle[1]:
             complaints.append(
-                f"{place}, which makes it recursive ({way}); "
+                f"{place}, which makes it recursive ({' -> '.join(circle)}); "
                 "a behavior cannot use itself: remove the state from one of these"
             )
         elif state.name in lost:
@@ -136,19 +105,3 @@ def _parameters(
         return files[name].automaton.parameters
     known = domain.behaviors.get(name) or domain.automata.get(name)
     return known.parameters if known is not None else None
-
-
-def _circle(name: str, used: str, uses: Uses) -> list[str]:
-    """Return the shortest path from ``name`` via ``used`` back to ``name``; it must exist."""
-    came_from = {used: name}
-    waiting = deque([used])
-    while name not in came_from:
-        last = waiting.popleft()
-        for below in sorted(uses(last)):
-            if below not in came_from:
-                came_from[below] = last
-                waiting.append(below)
-    way = [name]
-    while len(way) == 1 or way[-1] != name:
-        way.append(came_from[way[-1]])
-    return way[::-1]

@@ -2,7 +2,7 @@
 
 The whole change is first written to one file, the note. Once the note is in place the change
 counts as made. The next process that opens the folder and finds the note carries it out again from
-the beginning; on a read-only disk it reads the folder as if the change were carried out.
+the beginning.
 """
 
 from __future__ import annotations

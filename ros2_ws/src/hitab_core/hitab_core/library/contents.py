@@ -10,9 +10,8 @@ from pathlib import Path
 
 from hitab_core.automaton import RESERVED
 from hitab_core.domain import Domain
-from hitab_core.hierarchy import circular
 from hitab_core.library.behavior_file import BehaviorFile, file_name
-from hitab_core.library.check import hand_written_users, misfits
+from hitab_core.library.check import misfits
 from hitab_core.use import NAME
 from hitab_core.wording import quantity
 
@@ -59,11 +58,13 @@ class Contents:
         unreadable: what is wrong with the others, by name.
         problems: why behaviors cannot be used, by name: the unreadable ones, those that use one of
             them, and those that do not fit together. One complaint per line.
+        lost: all that is lost, hand-written automata included, each with its lost parts.
     """
 
     readable: Mapping[str, BehaviorFile]
     unreadable: Mapping[str, str]
     problems: Mapping[str, str]
+    lost: Mapping[str, list[str]]
 
     @classmethod
     def of(
@@ -71,8 +72,6 @@ class Contents:
         readable: Mapping[str, BehaviorFile],
         unreadable: Mapping[str, str],
         domain: Domain,
-        *,
-        fit: bool = False,
         way_back: Callable[[str], str] = lambda name: "",
     ) -> Contents:
         """Sort files.
@@ -81,13 +80,10 @@ class Contents:
             readable: sound in themselves, by name.
             unreadable: what is wrong with the others.
             domain: in which they were trained.
-            fit: whether they are known to fit together.
             way_back: returns how to bring back a behavior that was deleted; "": it was not.
         """
-        if fit and not unreadable:
-            return cls(readable, {}, {})
-        problems = {**unreadable, **misfits(readable, domain, unreadable, way_back)}
-        return cls(readable, unreadable, problems)
+        wrong, lost = misfits(readable, domain, unreadable, way_back)
+        return cls(readable, unreadable, {**unreadable, **wrong}, lost)
 
     @property
     def usable(self) -> dict[str, BehaviorFile]:
@@ -109,23 +105,19 @@ class Contents:
             waiting += more
         return found - {name}
 
-    def losses(
-        self, folder: Path, domain: Domain, sound_version: Callable[[str], int | None]
-    ) -> Losses:
+    def losses(self, folder: Path, sound_version: Callable[[str], int | None]) -> Losses:
         """Return what is lost.
 
         Args:
             folder: of the files.
-            domain: whose hand-written automata may use a lost behavior, too.
             sound_version: returns the newest version of a behavior that can be read; None: none.
         """
-        if not self.problems:
-            return Losses()
-        parts = self._lost_parts(domain)
         reasons: dict[str, str] = {}
         concerned: dict[str, list[str]] = {}
-        for name in sorted(parts):
-            way = _way_to_cause(name, parts)
+        for name in sorted(self.lost):
+            way = [name]
+            while self.lost[way[-1]]:  # what explains it, and in the end the cause
+                way.append(self.lost[way[-1]][0])
             reasons[name] = self._reason(folder, way)
             others = concerned.setdefault(way[-1], [])
             if way[-1] != name:
@@ -139,21 +131,6 @@ class Contents:
                 ways_out[cause] = _given_up(cause, folder)
             faults.append(f"{reasons[cause]}{also}; {ways_out[cause]}")
         return Losses(reasons, tuple(faults), ways_out)
-
-    def _lost_parts(self, domain: Domain) -> dict[str, list[str]]:
-        """Return what is lost, hand-written automata included, each with its lost parts."""
-        lost = {*self.problems, *hand_written_users(domain, {*self.readable}, self.problems)}
-
-        def parts(name: str) -> list[str]:
-            file = self.readable.get(name)
-            automaton = domain.automata.get(name) if file is None else file.automaton
-            if automaton is None or name in self.unreadable:
-                return []
-            return sorted(lost & automaton.behaviors_used)
-
-        # Behaviors that use each other are each a cause of its own.
-        circles = circular(lost, parts)
-        return {name: [] if name in circles else parts(name) for name in lost}
 
     def _reason(self, folder: Path, way: list[str]) -> str:
         """Return why the first on a way of parts cannot be used: its last is the cause."""
@@ -192,20 +169,3 @@ def brought_back(name: str, folder: Path, version: int) -> str:
 def _given_up(name: str, folder: Path) -> str:
     at = shlex.quote(str(folder))
     return f"or give it up with `hitab library delete {name} -l {at}`"
-
-
-def _way_to_cause(name: str, parts: Mapping[str, list[str]]) -> list[str]:
-    """Return a path of parts from a lost behavior to one that no other lost part explains."""
-    came_from = {name: ""}
-    waiting = [name]
-    for last in waiting:
-        if not parts[last]:
-            way = [last]
-            while came_from[way[0]]:
-                way.insert(0, came_from[way[0]])
-            return way
-        for part in parts[last]:
-            if part not in came_from:
-                came_from[part] = last
-                waiting.append(part)
-    raise AssertionError(f"{name} is made of itself")

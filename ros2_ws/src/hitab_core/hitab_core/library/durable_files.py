@@ -21,9 +21,6 @@ from hitab_core.errors import FolderInUseError, HitabError, LibraryError
 UNFINISHED = ".tmp"
 """Suffix of a file that is being written; leftovers after a crash mean nothing."""
 
-FEW_FOLDERS = 20
-"""Up to this many are synced file by file; for more, the whole file system is synced."""
-
 PATIENCE = 10.0
 """Seconds to wait for another process to finish with a folder."""
 
@@ -94,19 +91,13 @@ def write_all(descriptor: int, data: bytes) -> None:
 
 
 def sync_trees(folders: Iterable[Path]) -> None:
-    """Sync everything in some folders, and in the folders inside them, to disk.
+    """Sync everything in some folders to disk, with all else on their file systems.
 
-    For a few folders each file is synced, which does not wait for other programs' writes. For many
-    the whole file system is synced, which takes about as long as `os.fsync` of one file.
+    That takes about as long as `os.fsync` of one file, however many folders there are.
 
     Raises:
         OSError: if that fails.
     """
-    folders = list(folders)
-    if len(folders) <= FEW_FOLDERS:
-        for folder in folders:
-            _sync_tree(folder)
-        return
     seen: set[int] = set()
     for folder in folders:
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -117,17 +108,6 @@ def sync_trees(folders: Iterable[Path]) -> None:
                 _sync_filesystem(descriptor)
         finally:
             os.close(descriptor)
-
-
-def _sync_tree(folder: Path) -> None:
-    for place, _, files in os.walk(folder):
-        for name in files:
-            descriptor = os.open(Path(place) / name, os.O_RDONLY | os.O_CLOEXEC)
-            try:
-                os.fsync(descriptor)
-            finally:
-                os.close(descriptor)
-        sync_folder(Path(place))
 
 
 def _sync_filesystem(descriptor: int) -> None:

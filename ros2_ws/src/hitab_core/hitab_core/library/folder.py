@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 from hitab_core.automaton import RESERVED
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import file_name
-from hitab_core.library.behavior_schema import SUFFIX
-from hitab_core.library.commit import announce, commit, finish, is_unfinished, pending
+from hitab_core.library.behavior_file import SUFFIX, file_name
+from hitab_core.library.commit import announce, commit, finish, is_unfinished
 from hitab_core.library.durable_files import PATIENCE, file_errors, locked, make_folder
-from hitab_core.library.yaml_places import read_text, text_in
+from hitab_core.library.yaml_places import read_text
 from hitab_core.use import NAME, NAME_RULE
 
 VERSIONS = ".versions"
@@ -31,7 +30,6 @@ class LibraryFolder:
     def __init__(self, path: Path) -> None:
         """Open a folder, which may be missing."""
         self.path = path
-        self._pending: Changes = {}
 
     @contextmanager
     def held(
@@ -39,7 +37,7 @@ class LibraryFolder:
     ) -> Iterator[None]:
         """Lock the folder: exclusively (``alone``) to write, or shared to read. Do not nest.
 
-        A pending change is carried out first. A reader on a read-only disk reads as if it were.
+        A pending change is carried out first.
 
         Args:
             alone: lock exclusively, to write.
@@ -56,27 +54,19 @@ class LibraryFolder:
         if not is_there:
             yield
             return
-        if not alone:
-            with locked(self.path, alone=False, patience=patience):
-                if not is_unfinished(self.path):
+        while True:
+            with locked(self.path, alone=alone, patience=patience):
+                if alone:
+                    finish(self.path)
+                if alone or not is_unfinished(self.path):
                     yield
                     return
-            with suppress(LibraryError), locked(self.path, alone=True, patience=patience):
+            with locked(self.path, alone=True, patience=patience):
                 finish(self.path)
-            with locked(self.path, alone=False, patience=patience):
-                self._pending = pending(self.path)
-                try:
-                    yield
-                finally:
-                    self._pending = {}
-            return
-        with locked(self.path, alone=True, patience=patience):
-            finish(self.path)
-            yield
 
     def names(self) -> list[str]:
         """Return the names of the behaviors that have a file, sorted."""
-        return self._names(".")
+        return sorted(_names(self.path))
 
     def text(self, path: Path) -> str:
         """Return the text of a file in the folder.
@@ -84,10 +74,7 @@ class LibraryFolder:
         Raises:
             LibraryError: if it cannot be read, is not text or is too large.
         """
-        coming = None
-        if self._pending:
-            coming = self._pending.get(str(path.relative_to(self.path)))
-        return read_text(path) if coming is None else text_in(coming, path)
+        return read_text(path)
 
     def file(self, name: str) -> Path:
         """Return where the file of a behavior is, or would be.
@@ -103,8 +90,8 @@ class LibraryFolder:
 
     def versions(self, name: str) -> list[int]:
         """Return the numbers of the versions of a behavior, ascending."""
-        inner = f"{VERSIONS}/{self.file(name).name.removesuffix(SUFFIX)}"
-        return sorted(int(number) for number in self._names(inner) if number.isdecimal())
+        self.file(name)  # which refuses what is no name
+        return sorted(int(n) for n in _names(self.path / VERSIONS / name) if n.isdecimal())
 
     def version_file(self, name: str, number: int) -> Path:
         """Return where a version of a behavior is, or would be."""
@@ -159,16 +146,6 @@ class LibraryFolder:
             LibraryError: if they cannot be made; nothing has changed.
         """
         return announce(self.path, changes)
-
-    def _names(self, inner: str) -> list[str]:
-        """Return the names of behavior files in an inner folder, sorted."""
-        found = set(_names(self.path / inner))
-        for path, content in self._pending.items():
-            place = Path(path)
-            if str(place.parent) == inner and place.name.endswith(SUFFIX):
-                name = place.name.removesuffix(SUFFIX)
-                found = found - {name} if content is None else found | {name}
-        return sorted(found)
 
 
 def _version(name: str, number: int) -> str:

@@ -26,8 +26,8 @@ from pydantic import (
 )
 
 from hitab_core.errors import HitabError, newer_format
-from hitab_core.library.yaml_fields import kind_of
-from hitab_core.library.yaml_places import Complaints, Document, Place
+from hitab_core.library.yaml_places import Complaints, Document, Place, kind_of
+from hitab_core.use import Use
 from hitab_core.vocabulary import has
 
 
@@ -101,6 +101,30 @@ class OneOf:
         )
         checks = Discriminator(self._tag), BeforeValidator(self._check)
         return handler.generate_schema(Annotated[any_of, *checks])
+
+
+@dataclass(frozen=True)
+class MappingOr:
+    """Marks a value that is read as one type if it is a mapping, and else as another."""
+
+    mapping: Any
+    other: Any
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
+        def tag(value: Any) -> str:
+            return "<mapping>" if isinstance(value, dict | Record) else "<other>"
+
+        mapping: Any = Annotated[self.mapping, Tag("<mapping>")]
+        other: Any = Annotated[self.other, Tag("<other>")]
+        return handler.generate_schema(Annotated[mapping | other, Discriminator(tag)])
+
+
+def read_use(text: str) -> Use:
+    """Return the use of a behavior, feature or target; a ValueError says what is wrong."""
+    try:
+        return Use.parse(text)
+    except HitabError as error:
+        raise ValueError(str(error)) from None
 
 
 def _tuple(value: Any) -> Any:

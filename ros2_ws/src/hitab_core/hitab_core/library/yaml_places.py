@@ -111,11 +111,6 @@ def read_text(path: Path, *, error: type[HitabError] = LibraryError) -> str:
             raise error(f"{path}: is a pipe, not a file; remove it")
         with path.open("rb") as file:
             data = file.read(4 * LARGEST + 1)
-    return text_in(data, path, error=error)
-
-
-def text_in(data: bytes, path: Path, *, error: type[HitabError] = LibraryError) -> str:
-    """Return the text of a file, given its first bytes; see `read_text`."""
     if len(data) > 4 * LARGEST:
         raise error(f"{path}: has more than {4 * LARGEST} bytes; check that it is the right file")
     try:
@@ -183,6 +178,21 @@ def means_itself(text: str) -> bool:
     """Return whether an unquoted word reads as this text, here and in YAML 1.1."""
     tag = _OTHERS.resolve(yaml.ScalarNode, text, (True, False))
     return resolved_scalar(text) == text and bool(tag == "tag:yaml.org,2002:str")
+
+
+def kind_of(value: Any) -> str:
+    """Return a value in words, for complaints."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return "a list"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, str):
+        return f'the text "{value if len(value) <= 40 else value[:37] + "..."}"'
+    return str(value)
 
 
 class _Reader:

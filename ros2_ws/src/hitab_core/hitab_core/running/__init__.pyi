@@ -1,5 +1,4 @@
-from .agent_batch import AgentBatch as AgentBatch
-from .agent_batch import BatchMember as BatchMember
+from .live_features import live_features as live_features
 from .observing import Change as Change
 from .running_automaton import Clock as Clock
 from .running_automaton import RunContext as RunContext

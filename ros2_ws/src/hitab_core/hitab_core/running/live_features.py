@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 
 from hitab_core.automaton import OWN_FEATURES
-from hitab_core.running.agent_batch import BatchMember, LevelOfMember
 from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
 from hitab_core.running.senses import value_or_nan
 from hitab_core.use import Use
@@ -20,7 +19,7 @@ Reading = tuple[str, str, float]
 
 
 def live_features(
-    running: Running | LevelOfMember | None, context: RunContext, also: Sequence[Use] = ()
+    running: Running | None, context: RunContext, also: Sequence[Use] = ()
 ) -> list[Reading]:
     """Return the features of each active automaton, outermost first; leave flags up.
 
@@ -36,8 +35,7 @@ def live_features(
         context.repertoire.check_feature(use)
     look = context.senses.look
     readings: list[Reading] = []
-    running = running.outermost if isinstance(running, BatchMember) else running
-    while isinstance(running, RunningAutomaton | LevelOfMember):
+    while isinstance(running, RunningAutomaton):
         for feature in running.automaton.features:
             use = feature.bound(running.bindings)
             own = use in OWN_FEATURES

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 from hitab_core.action_behavior import ActionBehavior
 from hitab_core.automaton import FLAGS, OWN_NAMES, START, Automaton
@@ -84,26 +84,6 @@ class RunContext:
             return RunningBasicBehavior(self.repertoire.domain, self.body, behavior, use)
         bindings = dict(zip(behavior.parameters, use.arguments, strict=True))
         return RunningAutomaton(self, behavior, bindings, above, str(use))
-
-
-class Level(NamedTuple):
-    """The condition of one automaton that is being performed.
-
-    Attributes:
-        active: index of the active state.
-        raised: flags that it has raised.
-        entered: when the active state was entered, s.
-        seen: when each flag was last seen up, s.
-    """
-
-    active: int
-    raised: frozenset[str]
-    entered: float
-    seen: Mapping[str, float]
-
-
-Condition = tuple[list[Level], RunningBasicBehavior | None]
-"""Of each automaton, outermost first, and the basic behavior at the end, if any."""
 
 
 class RunningAutomaton:
@@ -213,15 +193,6 @@ class RunningAutomaton:
         child = self.child
         inner = child.active_path if isinstance(child, RunningAutomaton) else []
         return [self.active, *inner]
-
-    def condition(self) -> Condition:
-        """Return its condition, from which another performance can continue."""
-        own = Level(self._active, frozenset(self.raised), self._entered, dict(self._seen))
-        child = self.child
-        if isinstance(child, RunningAutomaton):
-            levels, basic = child.condition()
-            return [own, *levels], basic
-        return [own], child if isinstance(child, RunningBasicBehavior) else None
 
     def start(self) -> None:
         """Begin in Start, with no flag raised."""

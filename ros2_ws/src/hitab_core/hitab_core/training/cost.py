@@ -13,7 +13,6 @@ from typing import Any
 
 from hitab_core.example_codec import example_of
 from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.training_record import prepared
 from hitab_core.training.undo import Edit
 
 RESUMED = "resume"
@@ -55,10 +54,8 @@ class TrainingCost:
     finished: bool
 
 
-def training_cost(
-    records: Iterable[Mapping[str, Any]], now: float | None = None
-) -> TrainingCost | None:
-    """Return what a training cost; None if its journal is from before these were counted.
+def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None) -> TrainingCost:
+    """Return what a training cost.
 
     Args:
         records: of its journal, all of them.
@@ -68,15 +65,13 @@ def training_cost(
         TrainingError, KeyError, TypeError, ValueError: if they are no journal.
     """
     begin, *lines = records
-    if "at" not in begin:
-        return None
     rest = [record for record in lines if record["do"] != RESUMED]
     log = ExampleLog(map(example_of, begin["examples"]))
     told: list[str] = []
     for record in rest:
         told.append(str(record["do"]))
         # What was retimed, or learned from other features, is as many examples as before.
-        edit = Edit() if told[-1] in ("retime", "features") else prepared(log, record)
+        edit = Edit() if told[-1] in ("retime", "features") else log.prepared(record)
         if edit is not None:
             log.make(edit)
     walls = [[float(begin["at"])]]

@@ -257,7 +257,7 @@ def _record(line: bytes, number: int, place: str) -> dict[str, Any]:
         version, found, crc, record = (entry[k] for k in ("journal", "number", "crc", "record"))
     except (ValueError, KeyError, TypeError, RecursionError):
         raise LibraryError(f"{place}: is not a record of a journal; {damaged}") from None
-    if not isinstance(version, int) or version > VERSION:
+    if version != VERSION:
         raise LibraryError(
             f"{place}: {newer_format(version, VERSION)}, or use the version that wrote it"
         )

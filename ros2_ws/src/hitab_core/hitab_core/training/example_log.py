@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 from hitab_core.default_example import default_example, marked
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, Place
+from hitab_core.example_codec import example_of, values_of
 from hitab_core.training.undo import NUMBER, Edit, History
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered, quantity
@@ -28,7 +30,6 @@ class ExampleLog:
 
     Attributes:
         history: of the edits, for undo and redo.
-        defaults: the number of default examples.
         recorded: how many examples commands have added, whatever became of them.
     """
 
@@ -36,11 +37,9 @@ class ExampleLog:
         self._examples: list[Example] = []
         self._by_number: dict[int, Example] = {}
         self._there = defaultdict[Place, set[int]](set)
-        self._of_command = defaultdict[int, set[int]](set)
-        self._commanded = defaultdict[Place, Counter[str]](Counter)  # next states there
-        self._contradictory = set[Place]()  # where there are several
+        self._leaving = Counter[Place]()  # how many contradict default examples there
         self._told: tuple[Example, ...] | None = None
-        self.defaults = self.recorded = 0
+        self.recorded = 0
         self._next_number = self._next_command = 1
         self.history = History()
         self.make(self.replacement(examples))
@@ -56,6 +55,11 @@ class ExampleLog:
 
     def __len__(self) -> int:
         return len(self._examples)
+
+    @property
+    def defaults(self) -> int:
+        """The number of default examples."""
+        return sum(example.is_default for example in self._examples)
 
     def preview(
         self,
@@ -89,34 +93,38 @@ class ExampleLog:
         words = f"{first.state} → {first.next_state}, {quantity(len(taught), 'example')}"
         return replace(self.replacement(taught, words), left=first.state, entered=first.next_state)
 
-    def answer(
-        self, state: str, features: tuple[float, ...], next_state: str, kind: ExampleKind
-    ) -> Edit:
-        """Prepare to add the example that an answer to a question is."""
-        example = Example(state, features, next_state, kind, self._next_number, self._next_command)
-        return self.replacement([example], f"answered {state} → {next_state}")
-
-    def deletion(self, numbers: Iterable[int]) -> Edit:
-        """Prepare to delete examples.
+    def prepared(self, record: Mapping[str, Any]) -> Edit | None:
+        """Prepare what a record of the journal describes; None: it changes no examples.
 
         Raises:
-            TrainingError: if one of the numbers is unknown.
+            TrainingError: if it is not possible.
         """
-        wanted = self._known(numbers)
-        return self.replacement((), f"deleted {these(wanted)}", wanted)
+        match record["do"]:
+            case "command":
+                return self.addition([example_of(e) for e in record["examples"]])
+            case "undo":
+                return self.history.undo()
+            case "redo":
+                return self.history.redo()
+            case "delete":
+                wanted = self._known(record["numbers"])
+                return self.replacement((), f"deleted {these(wanted)}", wanted)
+            case "add":
+                state, to, number = record["state"], record["next_state"], self._next_number
+                kind, values = ExampleKind(record["kind"]), values_of(record["features"])
+                example = Example(state, values, to, kind, number, self._next_command)
+                return self.replacement([example], f"answered {state} → {to}")
+            case "relabel":
+                return self._relabeling(record["numbers"], record["next_state"])
+        return None
 
-    def relabeling(self, numbers: Iterable[int], next_state: str) -> Edit:
-        """Prepare to change the next state of examples; a default example becomes an ordinary one.
-
-        Raises:
-            TrainingError: if one of the numbers is unknown.
-        """
-        wanted = (self._by_number[number] for number in self._known(numbers))
+    def _relabeling(self, numbers: Iterable[int], next_state: str) -> Edit:
+        """Prepare to change next states; a default example becomes an ordinary one."""
         changed = [
             replace(
                 e, next_state=next_state, kind=ExampleKind.CORRECTION if e.is_default else e.kind
             )
-            for e in wanted
+            for e in (self._by_number[number] for number in self._known(numbers))
             if e.next_state != next_state
         ]
         words = f"changed {these(e.number for e in changed)} to {next_state}" if changed else ""
@@ -137,14 +145,14 @@ class ExampleLog:
         leaving = Counter(e.place for e in came.values() if e.leaves)
         leaving.subtract(e.place for e in gone.values() if e.leaves)
         for place, more in leaving.items():
-            there = self._leaving(place)
+            there = self._leaving[place]
             if bool(there) != bool(there + more):
                 others = (self._by_number[n] for n in self._there[place] if n not in gone)
                 assumed = {e.number: e for e in others if e.is_default}
                 gone |= assumed
                 came |= assumed
         for number, e in came.items():
-            came[number] = marked(e, self._leaving(e.place) + leaving[e.place] > 0)
+            came[number] = marked(e, self._leaving[e.place] + leaving[e.place] > 0)
         superseded = [
             n
             for n, e in came.items()
@@ -178,37 +186,15 @@ class ExampleLog:
         self._next_command = max((self._next_command, *(e.command + 1 for e in edit.came)))
         self.history.add(edit)
 
-    def _leaving(self, place: Place) -> int:
-        """Return how many examples contradict default ones there."""
-        commanded = self._commanded[place]
-        return commanded.total() - commanded[place[0]]
-
     def _count(self, example: Example, by: int) -> None:
         place = example.place
         self._there[place] ^= {example.number}
-        self._of_command[example.command or -example.number] ^= {example.number}
-        if example.is_default:
-            self.defaults += by
-            return
-        commanded = self._commanded[place]
-        commanded[example.next_state] += by
-        if sum(map(bool, commanded.values())) > 1:
-            self._contradictory.add(place)
-        else:
-            self._contradictory.discard(place)
+        if example.leaves:
+            self._leaving[place] += by
 
-    def contradictory(self) -> list[Example]:
-        """Return ordinary examples that differ in nothing but the next state.
-
-        With them are all others that their commands recorded, and default ones with their values.
-        """
-        there = (self._by_number[n] for at in self._contradictory for n in self._there[at])
-        return self.of_commands({e.command or -e.number for e in there})
-
-    def of_commands(self, commands: Iterable[int]) -> list[Example]:
-        """Return the examples that commands recorded; -n stands for that of example n."""
-        numbers = (number for command in commands for number in self._of_command[command])
-        return [self._by_number[number] for number in sorted(numbers)]
+    def of_commands(self, commands: Collection[int]) -> list[Example]:
+        """Return the examples that commands recorded."""
+        return [example for example in self._examples if example.command in commands]
 
     def commands_of(self, numbers: Iterable[int]) -> dict[int, int]:
         """Return the commands that examples were recorded by, each with one of these examples.

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from hitab_core.advice.ambiguity import Ambiguity, searched_ambiguities
+from hitab_core.advice.ambiguity import Ambiguity, ambiguities
 from hitab_core.advice.proposals import Proposal, ProposalKind
 from hitab_core.advice.unlearning import propose, suspects
 from hitab_core.automaton import START
@@ -64,7 +64,7 @@ class Questions:
         """Look for those that are found at once, if the examples have changed."""
         if self._about is not log.examples:
             self._about, self._searched = log.examples, False
-            self._known = self._contradictions(log.contradictory())
+            self._known = self._contradictions(log.examples)
 
     def find(self, material: Callable[[], Material], log: ExampleLog) -> list[Question]:
         """Return those that are open, the most useful first; this can take a tenth of a second.
@@ -161,14 +161,10 @@ class Questions:
             evidence = given.evidence(state)
             if len(set(evidence.next_states)) < 2:
                 continue
-            here = [at == state for at, _ in given.perceived]
-            readings = [values for _, values in given.perceived]
-            for ambiguity in searched_ambiguities(evidence, readings=readings, here=here):
-                if ambiguity is None:
-                    yield None
-                    continue
-                rank = (2, ambiguity.origin, -ambiguity.decisive, -ambiguity.share)
+            for ambiguity in ambiguities(evidence, given.perceived):
+                rank = (2, not ambiguity.here, -ambiguity.share)
                 yield rank, self._of_ambiguity(ambiguity)
+            yield None
 
     def _contradictions(self, examples: Sequence[Example]) -> list[Question]:
         recorded: dict[int, list[int]] = {}

@@ -217,7 +217,7 @@ class TrainingJournal:
             curriculum,
             map(example_of, begin["examples"]),
             self.write,
-            tuple(map(Use.parse, begin.get("readable", ()))),
+            tuple(map(Use.parse, begin["readable"])),
         )
         session.replay(rest)
         return session

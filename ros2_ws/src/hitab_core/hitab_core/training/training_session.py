@@ -15,6 +15,7 @@ from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, Vo
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import ExampleLog
@@ -23,7 +24,6 @@ from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
-from hitab_core.training.training_record import prepared
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -194,20 +194,15 @@ class TrainingSession:
         if not self._left:
             self.perception.keep(self.running, cycle, time, jumped=jumped)
 
-    @property
-    def has_perceived(self) -> bool:
-        """Whether anything is known of what was before a command."""
-        return self.perception.moments.latest is not None
-
-    def check_on(self, context: RunContext) -> None:
+    def check_on(self, repertoire: Repertoire) -> None:
         """Check that the training could continue with another repertoire.
 
         Raises:
             VocabularyError: naming what is missing there.
         """
-        check_curriculum(self.curriculum, context.repertoire)
+        check_curriculum(self.curriculum, repertoire)
         for label in _labels(self.log.examples):
-            context.repertoire.check_state(Use.parse(label), self.curriculum.parameters)
+            repertoire.check_state(Use.parse(label), self.curriculum.parameters)
 
     def replay(self, records: Iterable[Mapping[str, Any]]) -> None:
         """Replay the journal of the training, without its first record.
@@ -227,7 +222,7 @@ class TrainingSession:
             if record["do"] == "dismiss":
                 self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
-        self.check_on(self.context)
+        self.check_on(self.context.repertoire)
         self.rebuild(self.context)
 
     def rebuild(self, context: RunContext) -> None:
@@ -236,14 +231,6 @@ class TrainingSession:
         self.running = self._perform(())
         if self.testing:
             self.running.set_transitions(self.automaton().transitions)
-
-    @property
-    def is_tested(self) -> str:
-        """Why a command is refused while testing."""
-        return (
-            f'"{self.curriculum.name}" is being tested; go to training mode to take over before '
-            "commanding"
-        )
 
     def command(
         self,
@@ -277,7 +264,10 @@ class TrainingSession:
             FeatureValueError: if no feature had a value, or one was infinite.
         """
         if self.testing:
-            raise TrainingError(self.is_tested)
+            raise TrainingError(
+                f'"{self.curriculum.name}" is being tested; go to training mode to take over '
+                "before commanding"
+            )
         try:
             taught = self._record(state, cycle, ago, seen, request)
             self.note = ""
@@ -490,7 +480,7 @@ class TrainingSession:
             case "features":
                 features = tuple(map(Use.parse, record["features"]))
                 return exchange(self.log, self.curriculum, features, self.readable)
-        return prepared(self.log, record)
+        return self.log.prepared(record)
 
     def _check_features(self, features: Sequence[Use]) -> None:
         chosen = replace(self.curriculum, features=tuple(features))

@@ -107,7 +107,9 @@ async def situation(session: Session, data: Data) -> None:
     training = session.watched.training
     found = [e for e in training.examples if e.number == number] if training else []
     scene = (
-        session.shared.store.known.moments.of(session.agent, training.name, number, found[0].cycle)
+        session.shared.store.known.moments.get(
+            (session.agent, training.name, number, found[0].cycle)
+        )
         if training is not None and found
         else None
     )

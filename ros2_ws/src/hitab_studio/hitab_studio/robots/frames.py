@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,40 +14,30 @@ Matrix = NDArray[np.float64]
 FRAMES_MAX = 2000
 """Frames that are kept, whatever anybody publishes."""
 
+FARTHEST = 1e5
+"""m; what is farther away cannot be shown."""
 
-def matrix(translation: Sequence[float], rotation: Sequence[float]) -> Matrix | None:
-    """Return a motion; None if the rotation is no quaternion (x, y, z, w), as zeros are none."""
-    length = math.sqrt(sum(part * part for part in rotation))
-    if not (0.5 < length < 2.0 and all(map(math.isfinite, translation))):
+
+def matrix(place: Any, turn: Any) -> Matrix | None:
+    """Return a motion of a point and a quaternion; None if they are none, as zeros are no turn."""
+    length = math.hypot(turn.x, turn.y, turn.z, turn.w)
+    if not 0.5 < length < 2.0 or not all(abs(n) < FARTHEST for n in (place.x, place.y, place.z)):
         return None
-    x, y, z, w = (part / length for part in rotation)
+    x, y, z, w = (part / length for part in (turn.x, turn.y, turn.z, turn.w))
     return np.array(
         [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), translation[0]],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), translation[1]],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), translation[2]],
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), place.x],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), place.y],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), place.z],
             [0.0, 0.0, 0.0, 1.0],
         ]
     )
 
 
-def in_plane(x: float, y: float, yaw: float, *, upside_down: bool = False) -> Matrix:
-    """Return a motion in the plane, of what is turned over about its own x axis first."""
-    c, s, up = math.cos(yaw), math.sin(yaw), -1.0 if upside_down else 1.0
-    return np.array(
-        [[c, -up * s, 0.0, x], [s, up * c, 0.0, y], [0.0, 0.0, up, 0.0], [0.0, 0.0, 0.0, 1.0]]
-    )
-
-
-def planar(motion: Matrix) -> Matrix:
-    """Return what a motion is in the plane."""
+def in_plane(motion: Matrix) -> tuple[float, float, float]:
+    """Return what a motion is in the plane: x and y, m, and by how much it turns, rad."""
     x, y = motion[:2, 3].tolist()
-    return in_plane(x, y, heading(motion))
-
-
-def heading(motion: Matrix) -> float:
-    """Return by how much a motion turns in the plane, rad."""
-    return math.atan2(motion[1, 0], motion[0, 0])
+    return x, y, math.atan2(motion[1, 0], motion[0, 0])
 
 
 def applied(motion: Matrix, points: Matrix) -> Matrix:
@@ -66,8 +55,7 @@ class Frames:
     def take(self, message: Any) -> None:
         """Take a `tf2_msgs/TFMessage`; what makes no sense in it is left out."""
         for transform in message.transforms:
-            place, turn = transform.transform.translation, transform.transform.rotation
-            motion = matrix((place.x, place.y, place.z), (turn.x, turn.y, turn.z, turn.w))
+            motion = matrix(transform.transform.translation, transform.transform.rotation)
             child = transform.child_frame_id.lstrip("/")
             if motion is not None and (child in self._above or len(self._above) < FRAMES_MAX):
                 self._above[child] = (transform.header.frame_id.lstrip("/"), motion)
@@ -82,9 +70,8 @@ class Frames:
 
     def way(self, to: str, from_: str) -> Matrix | None:
         """Return the motion that takes points of a frame to another one; None: none is known."""
-        to, from_ = to.lstrip("/"), from_.lstrip("/")
-        up = self._ways_up(to)
-        for frame, motion in self._ways_up(from_).items():
+        up = self._ways_up(to.lstrip("/"))
+        for frame, motion in self._ways_up(from_.lstrip("/")).items():
             if frame in up:
                 found: Matrix = np.linalg.inv(up[frame]) @ motion
                 return found

@@ -1,13 +1,18 @@
 """What the messages of a robot say, checked: odometry, scans, maps and pictures.
 
-`read` takes a serialized message, whose length was checked. All functions raise `Refused` if a
-message makes no sense.
+All functions raise `Refused` if a message makes no sense. What pages draw of maps and pictures are
+binary frames, which begin with their kind:
+
+    uint32  SCANS, float32 x, y of each point, in the frame in which all is drawn
+    uint32  MAP, float32 x, y, yaw of its origin and width of a cell, then a PNG
+    uint32  PICTURE, then a JPEG or PNG
 """
 
 from __future__ import annotations
 
 import io
 import math
+import struct
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,51 +20,48 @@ import numpy as np
 from nav_msgs.msg import OccupancyGrid, Odometry
 from numpy.typing import NDArray
 from PIL import Image
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_core import HitabError
-from hitab_studio.robots.frames import Matrix, matrix, planar
+from hitab_studio.robots.frames import Matrix, applied, in_plane, matrix
 
-PICTURE_BYTES = 8_000_000
+SCANS, MAP, PICTURE = 2, 3, 4
+
 PICTURE_SIDE = 4096
 """Pixels; a small file may claim more than a browser can hold."""
 
 MAP_CELLS = 16_777_216
-MAP_BYTES = MAP_CELLS + 10_000
-SCAN_BYTES = 1_000_000
+BYTES_MAX = MAP_CELLS + 10_000
+"""Of a message; what is larger is refused."""
+
 POINTS_MAX = 2000
 """Points of a scan that are shown; of more, each so-many-th."""
 
-NAME_MAX = 256
-"""Letters of the name of a frame."""
-
-FARTHEST = 1e5
-"""m; what is farther away cannot be shown."""
-
 RANGE_MAX = 200.0
 """m; no scanner of a robot sees farther."""
+
+FAST = 1
+"""How much a map is compressed: it goes over a fast connection, and others wait."""
+
+OCCUPIED = 255
+UNKNOWN = 36
+"""Opacities of cells; free ones have none."""
 
 
 class Refused(HitabError):
     """A message that cannot be used; the text says why, after the name of its topic."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Placed:
-    """A robot's place.
-
-    Attributes:
-        frame, child: names of the frames of the odometry and of the robot.
-        pose: of the robot in the odometry's frame, in the plane.
-    """
+    """A robot's pose in the frame of its odometry, and the names of that frame and its own."""
 
     frame: str
     child: str
     pose: Matrix
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scanned:
     """The returns of a scan: points in the frame of the scanner, m, shape (n, 2)."""
 
@@ -69,82 +71,26 @@ class Scanned:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A map.
-
-    Attributes:
-        frame: in which it lies.
-        resolution: width of a cell, m.
-        origin: where its first cell has its corner, in that frame.
-        cells: how occupied each is, from 0 to 100, -1 unknown; shape (height, width).
-    """
+    """A map: the frame in which it lies, its corners there, m, shape (4, 2), and what is drawn."""
 
     frame: str
-    resolution: float
-    origin: Matrix
-    cells: NDArray[np.int8]
-
-    @property
-    def place(self) -> tuple[float, float, float]:
-        """The origin as x, y in m and yaw in rad."""
-        x, y = self.origin[:2, 3].tolist()
-        return x, y, math.atan2(self.origin[1, 0], self.origin[0, 0])
-
-    def corners(self) -> NDArray[np.float64]:
-        """Return its corners in its frame, m, shape (4, 2)."""
-        h, w = (self.resolution * side for side in self.cells.shape)
-        corners = np.array([(x, y, 0.0, 1.0) for x in (0.0, w) for y in (0.0, h)])
-        shown: NDArray[np.float64] = (corners @ self.origin.T)[:, :2]
-        return shown
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A picture as a browser can show it."""
-
-    media_type: str
-    data: bytes
-
-
-def read(kind: Any, data: bytes) -> Any:
-    """Return a message of this class.
-
-    Raises:
-        Refused: if it is none.
-    """
-    try:
-        return deserialize_message(data, kind)
-    except Exception as error:  # of the middleware, whichever it is
-        why = " ".join(str(error).split())[:100]
-        raise Refused(f"sends what is no {kind.__name__}: {why}") from None
-
-
-def _frame(name: str) -> str:
-    if len(name) > NAME_MAX:
-        raise Refused(f"has a frame whose name has more than {NAME_MAX} letters")
-    return name
-
-
-def stamp_of(message: Any) -> float:
-    """Return the stamp of a message, s; 0: it has none."""
-    header = getattr(message, "header", None)
-    return 0.0 if header is None else header.stamp.sec + 1e-9 * header.stamp.nanosec
+    corners: NDArray[np.float64]
+    drawn: bytes
 
 
 def _pose(pose: Any, of: str) -> Matrix:
-    place, turn = pose.position, pose.orientation
-    numbers = (place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w)
-    if not all(abs(number) < FARTHEST for number in numbers):
-        raise Refused(f"says that {of} is at {place.x:g}, {place.y:g} m, which is nowhere")
-    made = matrix(numbers[:3], numbers[3:])
-    if made is None:
-        raise Refused(f"does not say which way {of} faces: its orientation is no quaternion")
+    if (made := matrix(pose.position, pose.orientation)) is None:
+        raise Refused(
+            f"says that {of} is at {pose.position.x:g}, {pose.position.y:g} m with an orientation "
+            "that is none, or nowhere"
+        )
     return made
 
 
 def odometry_of(message: Odometry) -> Placed:
     """Return what a `nav_msgs/Odometry` says."""
-    pose = planar(_pose(message.pose.pose, "the robot"))
-    return Placed(_frame(message.header.frame_id), _frame(message.child_frame_id), pose)
+    pose = _pose(message.pose.pose, "the robot")
+    return Placed(message.header.frame_id, message.child_frame_id, pose)
 
 
 def scan_of(message: LaserScan) -> Scanned:
@@ -161,7 +107,7 @@ def scan_of(message: LaserScan) -> Scanned:
         hit = (ranges > 0.0) & (ranges >= message.range_min) & (ranges < most)
     ranges, angles = ranges[hit], angles[hit]
     points = np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
-    return Scanned(_frame(message.header.frame_id), points)
+    return Scanned(message.header.frame_id, points)
 
 
 def map_of(message: OccupancyGrid) -> Grid:
@@ -174,17 +120,35 @@ def map_of(message: OccupancyGrid) -> Grid:
         raise Refused(f"has {width} x {height} cells; up to {MAP_CELLS} can be shown")
     if len(message.data) != width * height:
         raise Refused(f"says that it has {width} x {height} cells, and has {len(message.data)}")
-    cells = np.frombuffer(message.data, np.int8).reshape(height, width)
     origin = _pose(info.origin, "its origin")
-    return Grid(_frame(message.header.frame_id), info.resolution, origin, cells)
+    w, h = width * info.resolution, height * info.resolution
+    corners = applied(origin, np.array([(x, y) for x in (0.0, w) for y in (0.0, h)]))
+    place = struct.pack("<I4f", MAP, *in_plane(origin), info.resolution)
+    cells = np.frombuffer(message.data, np.uint8).reshape(height, width)
+    return Grid(message.header.frame_id, corners, place + _png(cells))
 
 
-def picture_of(message: CompressedImage) -> Picture:
-    """Return the picture of a `sensor_msgs/CompressedImage`, if browsers show such ones."""
+def _png(cells: NDArray[np.uint8]) -> bytes:
+    """Return a PNG whose pixels are the more opaque the more surely a cell is occupied.
+
+    Its first row is the farthest in y. The page gives it the color of its theme.
+    """
+    # A palette of opacities alone: what is read of the map need not be calculated with.
+    opacity = np.full(256, UNKNOWN, np.uint8)
+    opacity[:101] = np.round(np.linspace(0, OCCUPIED, 101))
+    image = Image.fromarray(np.ascontiguousarray(cells[::-1]))
+    image.putpalette(bytes(3 * 256))
+    png = io.BytesIO()
+    image.save(png, "PNG", transparency=opacity.tobytes(), compress_level=FAST)
+    return png.getvalue()
+
+
+def picture_of(message: CompressedImage) -> bytes:
+    """Return the frame of a `sensor_msgs/CompressedImage`, if browsers show such ones."""
     data = message.data.tobytes()
     try:
         with Image.open(io.BytesIO(data), formats=("JPEG", "PNG")) as image:  # only its header
-            media_type, size = Image.MIME[image.format or ""], image.size
+            size = image.size
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
         raise Refused(
             f'is neither JPEG nor PNG; it calls itself "{message.format[:60]}"'
@@ -193,4 +157,4 @@ def picture_of(message: CompressedImage) -> Picture:
         raise Refused(
             f"has {size[0]} x {size[1]} pixels; up to {PICTURE_SIDE} x {PICTURE_SIDE} are shown"
         )
-    return Picture(media_type, data)
+    return struct.pack("<I", PICTURE) + data

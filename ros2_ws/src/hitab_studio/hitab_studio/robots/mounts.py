@@ -1,23 +1,24 @@
-"""Where a robot's scanners sit, by the parameters of its agent's node.
+"""Where a robot's scanners sit, by the parameters of its agent's node, as `scan.x` and `scan.yaw`.
 
-An agent that `hitab_robots` links has parameters such as ``scan.x`` and ``scan.yaw``, by which it
-places what its scanner sees; with ``base_frame``, tf tells it instead.
+`hitab_robots` links agents so; the parameters are called as the topic of the scanner.
 """
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
-from rcl_interfaces.srv import GetParameters, ListParameters
+from geometry_msgs.msg import Point, Quaternion
+from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
 
 from hitab_client import RosLink
-from hitab_studio.robots.frames import Matrix, in_plane
+from hitab_studio.robots.frames import Matrix, matrix
 
 FIELDS = ("x", "y", "yaw", "upside_down")
-BASE_FRAME = "base_frame"
 AGAIN_SECONDS = 5.0
 """Until an agent that has not answered is asked again."""
 
@@ -26,71 +27,37 @@ class Mounts:
     """Asks one agent's node, without ever waiting for an answer.
 
     Attributes:
-        base_frame: the robot's frame, if tf tells where its sensors sit; "": they do not ask tf.
+        of: where each scanner sits, by its topic; None: the agent does not know.
     """
 
-    def __init__(self, link: RosLink, node: str) -> None:
-        self.base_frame = ""
-        self._link = link
-        create = link.node.create_client
-        self._listing = create(ListParameters, f"{node}/list_parameters")
-        self._getting = create(GetParameters, f"{node}/get_parameters")
-        self._mounts: dict[str, Matrix] = {}
-        self._asked = -AGAIN_SECONDS
-        self._known = False
+    def __init__(self, link: RosLink, node: str, scans: Sequence[str]) -> None:
+        self.of: dict[str, Matrix | None] = {}
+        self._node = link.node
+        self._client = link.node.create_client(GetParameters, f"{node}/get_parameters")
+        self._scans = scans
+        self._next = 0.0
 
     def look(self) -> None:
         """Ask, if that is due."""
-        now = time.monotonic()
-        if self._known or now < self._asked + AGAIN_SECONDS:
+        unknown = [topic for topic in self._scans if topic not in self.of]
+        if not unknown or time.monotonic() < self._next or not self._client.service_is_ready():
             return
-        if not self._listing.service_is_ready():
+        self._next = time.monotonic() + AGAIN_SECONDS
+        for topic in unknown:
+            names = [f"{topic.rpartition('/')[2]}.{field}" for field in FIELDS]
+            future = self._client.call_async(GetParameters.Request(names=names))
+            future.add_done_callback(partial(self._take, topic))
+
+    def _take(self, topic: str, future: Any) -> None:
+        values = [parameter_value_to_python(value) for value in future.result().values]
+        if len(values) < len(FIELDS):
+            self.of[topic] = None
             return
-        self._asked = now
-        self._call(self._listing, ListParameters.Request(), self._take_names)
-
-    def _call(self, client: Any, request: Any, take: Callable[[Any], None]) -> None:
-        future = client.call_async(request)
-        future.add_done_callback(lambda done: take(done.result()))
-
-    def _take_names(self, answer: Any) -> None:
-        there = set(answer.result.names)
-        scanners = sorted(n.removesuffix(".yaw") for n in there if n.endswith(".yaw"))
-        wanted = [f"{s}.{f}" for s in scanners for f in FIELDS if f"{s}.{f}" in there]
-        wanted += [BASE_FRAME] if BASE_FRAME in there else []
-        if not wanted:
-            self._known = True
-            return
-        self._call(
-            self._getting,
-            GetParameters.Request(names=wanted),
-            lambda values: self._take_values(wanted, values),
-        )
-
-    def _take_values(self, names: Sequence[str], answer: Any) -> None:
-        values = {
-            name: parameter_value_to_python(value)
-            for name, value in zip(names, answer.values, strict=True)
-        }
-        self.base_frame = str(values.pop(BASE_FRAME, "") or "")
-        for scanner in {name.rpartition(".")[0] for name in values}:
-            x, y, yaw = (float(values.get(f"{scanner}.{f}") or 0.0) for f in FIELDS[:3])
-            down = bool(values.get(f"{scanner}.upside_down"))
-            self._mounts[scanner] = in_plane(x, y, yaw, upside_down=down)
-        self._known = True
-
-    def of(self, topic: str) -> Matrix | None:
-        """Return where the scanner with a topic sits on the robot; None: that is not known.
-
-        The parameters are named after the sensor, which is called as its topic unless that was
-        chosen otherwise. The only scanner is the one that is meant, whatever its topic.
-        """
-        named = self._mounts.get(topic.rsplit("/", 1)[-1])
-        if named is None and len(self._mounts) == 1:
-            return next(iter(self._mounts.values()))
-        return named
+        x, y, yaw, upside_down = values
+        c, s = math.cos(yaw / 2), math.sin(yaw / 2)
+        turn = Quaternion(x=c, y=s, w=0.0) if upside_down else Quaternion(z=s, w=c)
+        self.of[topic] = matrix(Point(x=x, y=y), turn)
 
     def close(self) -> None:
         """Ask no more."""
-        for client in (self._listing, self._getting):
-            self._link.node.destroy_client(client)
+        self._node.destroy_client(self._client)

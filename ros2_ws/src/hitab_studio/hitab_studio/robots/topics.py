@@ -20,14 +20,11 @@ CAMERA = "sensor_msgs/msg/CompressedImage"
 COMMAND = "hitab_msgs/msg/Command"
 """To what only agents subscribe."""
 
-NO_SENSORS = frozenset(
+NOT_LISTED = frozenset(
     f"sensor_msgs/msg/{name}"
-    for name in ("CameraInfo", "Joy", "JoyFeedback", "JoyFeedbackArray", "RegionOfInterest")
+    for name in ("CameraInfo", "CompressedImage", "Image", "Joy", "PointCloud", "PointCloud2")
 )
-HEAVY = frozenset(
-    f"sensor_msgs/msg/{name}" for name in ("CompressedImage", "Image", "PointCloud", "PointCloud2")
-)
-"""Types whose messages are not received just to know how old they are."""
+"""No sensors, or so heavy that they are not received just to know how old they are."""
 
 ROBOTS_MAX = 50
 """Robots that are shown, by name."""
@@ -38,12 +35,12 @@ Graph = Iterable[tuple[str, Sequence[str]]]
 
 @dataclass(frozen=True)
 class Options:
-    """What a person has chosen, where the graph leaves a choice; "" and none: what there is.
+    """What a person has chosen, where there are several; "" and none: the first.
 
     Attributes:
         map: topic of the map.
-        cameras: topics of cameras; one without a slash at its beginning is in the namespace of
-            each robot.
+        cameras: topics of cameras, or their ends: ``front/image`` is in the namespace of each
+            robot.
     """
 
     map: str = ""
@@ -55,17 +52,15 @@ class RobotTopics:
     """The topics of one robot.
 
     Attributes:
-        node: full name of its agent's node.
+        node: full name of its agent's node; "": it has gone.
         sensors: topics of its sensors, with their types; without its camera.
         odometry, camera: topics; "": none.
-        cameras: topics among which a person has to choose one.
     """
 
     node: str = ""
     sensors: Mapping[str, str] = field(default_factory=dict)
     odometry: str = ""
     camera: str = ""
-    cameras: tuple[str, ...] = ()
 
     @property
     def scans(self) -> list[str]:
@@ -75,11 +70,7 @@ class RobotTopics:
 
 def is_sensor(kind: str) -> bool:
     """Whether messages of a type come from a robot's sensor."""
-    return kind == ODOMETRY or (kind.startswith("sensor_msgs/msg/") and kind not in NO_SENSORS)
-
-
-def _last(topic: str) -> str:
-    return topic.rsplit("/", 1)[-1]
+    return kind == ODOMETRY or (kind.startswith("sensor_msgs/msg/") and kind not in NOT_LISTED)
 
 
 def _of_type(graph: Graph, kind: str) -> list[str]:
@@ -98,71 +89,58 @@ def robots_topics(
         options: what a person has chosen.
     """
     graph = node.get_topic_names_and_types()
-    there: dict[str, list[str]] = {}
-    for name, namespace in node.get_node_names_and_namespaces():
-        there.setdefault(namespace, []).append(name)
     agents = sorted(agents, key=natural)[:ROBOTS_MAX]
-    found = {}
-    for agent in agents:
-        namespace = f"{prefix}/{agent}"
-        own = ""
-        heard: dict[str, str] = {}
-        for name in there.get(namespace, ()):
-            try:
-                subscribed = node.get_subscriber_names_and_types_by_node(name, namespace)
-            except RuntimeError:  # it has gone meanwhile
-                continue
-            if any(COMMAND in kinds for _, kinds in subscribed):
-                own = f"{namespace}/{name}"
-            heard |= {t: next(filter(is_sensor, kinds), "") for t, kinds in subscribed}
-        sensors = {topic: heard[topic] for topic in sorted(heard, key=natural) if heard[topic]}
-        found[agent] = _robot(own, namespace, sensors, graph, options, alone=len(agents) == 1)
-    return found
+    alone = len(agents) == 1
+    spaces = {f"{prefix}/{agent}": agent for agent in agents}
+    nodes = dict.fromkeys(agents, "")
+    heard: dict[str, dict[str, str]] = {agent: {} for agent in agents}
+    for name, space in node.get_node_names_and_namespaces():
+        if (agent := spaces.get(space)) is None:
+            continue
+        try:
+            subscribed = node.get_subscriber_names_and_types_by_node(name, space)
+        except RuntimeError:  # it has gone meanwhile
+            continue
+        if any(COMMAND in kinds for _, kinds in subscribed):
+            nodes[agent] = f"{space}/{name}"
+        heard[agent] |= {t: kind for t, kinds in subscribed for kind in filter(is_sensor, kinds)}
+    return {
+        agent: _robot(nodes[agent], space, heard[agent], graph, options, alone=alone)
+        for space, agent in spaces.items()
+    }
 
 
 def _robot(
     node: str,
-    namespace: str,
+    space: str,
     sensors: dict[str, str],
     graph: Graph,
     options: Options,
     *,
     alone: bool,
 ) -> RobotTopics:
-    odometries = [topic for topic, kind in sensors.items() if kind == ODOMETRY]
-    odometries.sort(key=lambda topic: _last(topic) != "odom")
-    odometry = odometries[0] if odometries else ""
-    places = tuple({f"{namespace}/", f"{odometry.rpartition('/')[0]}/"} - {"/"})
+    places = [f"{space}/"]
 
-    def own(kind: str) -> list[str]:
-        topics = _of_type(graph, kind)
-        near = [topic for topic in topics if topic.startswith(places)]
-        return near if near or not alone else topics
+    def of(kind: str, among: Sequence[str] | None = None) -> list[str]:
+        topics = _of_type(graph, kind) if among is None else among
+        heard = [topic for topic in topics if sensors.get(topic) == kind]
+        near = [topic for topic in topics if topic.startswith(tuple(places))]
+        return list(heard or near or (topics if alone else ()))
 
-    cameras = [topic for topic, kind in sensors.items() if kind == CAMERA] or own(CAMERA)
+    odometry = next(iter(sorted(of(ODOMETRY), key=lambda topic: not topic.endswith("/odom"))), "")
+    places += [f"{odometry.rpartition('/')[0]}/"] if odometry.count("/") > 1 else []
+    cameras = _of_type(graph, CAMERA)
     if options.cameras:
-        wanted = {t if t.startswith("/") else p + t for t in options.cameras for p in places}
-        cameras = [topic for topic in _of_type(graph, CAMERA) if topic in wanted]
-        if not alone:  # of several, those of this one
-            cameras = [topic for topic in cameras if topic.startswith(places)] or cameras
-    if not any(kind == SCAN for kind in sensors.values()):
-        sensors |= dict.fromkeys(own(SCAN), SCAN)
-    if not odometry:
-        sensors |= dict.fromkeys(own(ODOMETRY)[:1], ODOMETRY)
-        odometry = next((t for t, kind in sensors.items() if kind == ODOMETRY), "")
-    camera = cameras[0] if len(cameras) == 1 else ""
-    sensors = {t: kind for t, kind in sensors.items() if t not in cameras}
-    return RobotTopics(node, sensors, odometry, camera, tuple(cameras))
+        cameras = [t for t in cameras if any(f"/{t}".endswith(f"/{c}") for c in options.cameras)]
+    camera = next(iter(of(CAMERA, cameras)), "")
+    sensors |= dict.fromkeys(of(SCAN), SCAN) | ({odometry: ODOMETRY} if odometry else {})
+    return RobotTopics(node, sensors, odometry, camera)
 
 
-def map_topic(graph: Graph, options: Options) -> tuple[str, tuple[str, ...]]:
-    """Return the topic of the map, and the topics among which a person has to choose.
+def map_topic(graph: Graph, options: Options) -> str:
+    """Return the topic of the map; "" if there is none.
 
-    Of several, the one called ``map`` is meant: Nav2 publishes its costmaps with the same type.
+    Of several, one called ``map`` is meant: Nav2 publishes its costmaps with the same type.
     """
-    topics = _of_type(graph, MAP)
-    if options.map:
-        return options.map, ()
-    called = [topic for topic in topics if _last(topic) == "map"]
-    meant = called if called else topics
-    return (meant[0], ()) if len(meant) == 1 else ("", tuple(meant))
+    topics = sorted(_of_type(graph, MAP), key=lambda topic: not topic.endswith("/map"))
+    return options.map or next(iter(topics), "")

@@ -1,5 +1,4 @@
 // Draws the field: the ground, what is in it, what is said, and what lies beyond the view.
-import { Labels } from "./labels.js";
 
 // As in markers.py.
 export const STATE_COLORS = [
@@ -11,7 +10,6 @@ export const MANY = 120; // things; with more, they are drawn smaller
 const SILENT = 5; // mode of an agent that does not answer
 export const KNOB = 4.5; // px; radius of such a knob
 const HANDLE = 24; // px; from a thing's edge to the knob that turns it
-const EDGE = 20; // px; from the edge of the view to the middle of an arrow
 
 export function draw(field) {
   const { context: c, now } = field;
@@ -20,7 +18,7 @@ export function draw(field) {
   field.drawn += 1;
   c.setTransform(field.ratio, 0, 0, field.ratio, 0, 0);
   c.clearRect(0, 0, field.width, field.height);
-  const footer = drawGround(field, c);
+  drawGround(field, c);
   if (!now) return;
   const at = (time - now.at) / now.gap;
   field.shown = field.cycleAt(at);
@@ -35,13 +33,11 @@ export function draw(field) {
   drawOrders(field, c, screen, time);
   drawThings(field, c, screen);
   drawHandles(field, c, screen);
-  drawNames(field, c, screen, footer);
+  drawNames(field, c, screen);
   drawCalls(field, c, screen, time);
-  drawArrows(field, c, screen);
   if (at < 1 || field.calls.length || field.orders.length) field.redraw();
 }
 
-// Returns the box of the text below the ground.
 function drawGround(field, c) {
   const [w, h] = field.roster.size;
   const [mx, my] = field.roster.center;
@@ -70,15 +66,11 @@ function drawGround(field, c) {
   c.strokeStyle = field.colors.line;
   c.lineWidth = 1.5;
   c.strokeRect(left, top, width, height);
-  if (!field.now) return null;
   c.fillStyle = field.colors.faint;
   c.font = `11px ${field.font}`;
   c.textAlign = "right";
   c.textBaseline = "top";
-  const text = `${w.toFixed(0)} × ${h.toFixed(0)} m · grid ${step} m`;
-  c.fillText(text, left + width, top + height + 4);
-  const wide = c.measureText(text).width;
-  return [left + width - wide, top + height + 4, wide, 13];
+  c.fillText(`${w.toFixed(0)} × ${h.toFixed(0)} m · grid ${step} m`, left + width, top + height + 4);
 }
 
 export function fill(field, i) {
@@ -169,7 +161,7 @@ function drawHandles(field, c, screen) {
     const away = field.radius(i) + HANDLE;
     const [x, y] = [px + away * Math.cos(heading), py - away * Math.sin(heading)];
     const root = [px + (away - 16) * Math.cos(heading), py - (away - 16) * Math.sin(heading)];
-    field.handles.push({ i, x, y, root });
+    field.handles.push({ i, x, y });
     c.strokeStyle = field.colors.accent;
     c.fillStyle = field.colors.paper;
     c.lineWidth = 1.5;
@@ -184,42 +176,28 @@ function drawHandles(field, c, screen) {
   }
 }
 
-function drawNames(field, c, screen, footer) {
-  const { now } = field;
-  const few = now.n <= NAMED;
-  const { names } = field.roster;
-  const important = (i) => (field.chosen.has(names[i]) ? 2 : i === field.hovered ? 1 : 0);
-  const labels = new Labels();
-  if (footer) labels.block(...footer);
-  for (const { x, y, root } of field.handles) {
-    const [left, top] = [Math.min(x - KNOB, root[0]), Math.min(y - KNOB, root[1])];
-    labels.block(left, top, Math.max(x + KNOB, root[0]) - left, Math.max(y + KNOB, root[1]) - top);
-  }
-  for (let i = 0; few && i < now.n; i++) {
-    const radius = field.radius(i);
-    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
-    labels.block(px - radius, py - radius, 2 * radius, 2 * radius);
-  }
-  const chosen = [...field.chosen].map((name) => field.index.get(name) ?? -1);
-  const named = few ? now.colors.keys() : new Set([...chosen, field.hovered]);
-  const wanted = [...named].filter(
-    (i) => i >= 0 && i < now.n && (important(i) || field.looks[i].labelled),
+// Below each thing; those that are chosen first, and none on another one.
+function drawNames(field, c, screen) {
+  const { now, roster, chosen, hovered } = field;
+  const important = (i) => (chosen.has(roster.names[i]) ? 2 : i === hovered ? 1 : 0);
+  const wanted = [...now.colors.keys()].filter(
+    (i) => important(i) || (now.n <= NAMED && field.looks[i].labelled),
   );
-  wanted.sort((a, b) => important(b) - important(a) || a - b);
-  field.labels = [];
+  wanted.sort((a, b) => important(b) - important(a));
+  const taken = [];
   c.textAlign = "center";
   c.textBaseline = "top";
   for (const i of wanted) {
-    const chosen = field.chosen.has(names[i]);
-    c.font = `${chosen ? 600 : 400} 11px ${field.font}`;
-    const width = c.measureText(names[i]).width;
-    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
-    const gap = field.radius(i) + (now.modes[i] > 2 || chosen ? 10 : 7);
-    const place = labels.place(px, py, gap, width, 13, important(i) > 0);
-    if (!place) continue;
-    field.labels.push([...place, width, 13]);
-    c.fillStyle = chosen ? field.colors.ink : field.colors.faint;
-    c.fillText(names[i], place[0] + width / 2, place[1] + 1);
+    const strong = important(i) === 2;
+    c.font = `${strong ? 600 : 400} 11px ${field.font}`;
+    const half = c.measureText(roster.names[i]).width / 2;
+    const x = screen[3 * i];
+    const y = screen[3 * i + 1] + field.radius(i) + (now.modes[i] > 2 || strong ? 10 : 7);
+    const covered = taken.some((t) => Math.abs(t.x - x) < t.half + half && Math.abs(t.y - y) < 13);
+    if (covered && !important(i)) continue;
+    taken.push({ x, y, half });
+    c.fillStyle = strong ? field.colors.ink : field.colors.faint;
+    c.fillText(roster.names[i], x, y + 1);
   }
 }
 
@@ -282,39 +260,4 @@ function bubble(field, c, text, x, y, back, front) {
   c.textAlign = "center";
   c.textBaseline = "middle";
   c.fillText(text, x, y);
-}
-
-// At the edge of the view, where what moves by itself and is out of sight would be; among many,
-// only what is chosen.
-function drawArrows(field, c, screen) {
-  field.arrows = [];
-  const [top, bottom] = field.margins();
-  const [left, right] = [EDGE, field.width - EDGE - 38]; // beside the buttons
-  const [high, low] = [top - 16, field.height - bottom + 10];
-  const [mx, my] = [(left + right) / 2, (high + low) / 2];
-  for (let i = 0; i < field.now.n; i++) {
-    const [px, py] = [screen[3 * i], screen[3 * i + 1]];
-    if (px >= 0 && py >= 0 && px <= field.width && py <= field.height) continue;
-    const name = field.roster.names[i];
-    const chosen = field.chosen.has(name);
-    const moves = field.looks[i].faces || field.looks[i].shape === "ball";
-    if (!chosen && (!moves || field.now.n > MANY)) continue;
-    const [dx, dy] = [px - mx, py - my];
-    const far = Math.max(Math.abs(dx) / (right - mx), Math.abs(dy) / (low - my));
-    const [x, y] = [mx + dx / far, my + dy / far];
-    field.arrows.push({ i, x, y });
-    c.fillStyle = fill(field, i);
-    c.strokeStyle = chosen ? field.colors.accent : field.colors.ink;
-    c.lineWidth = chosen ? 2 : 1;
-    c.beginPath();
-    dart(c, x, y, 9, Math.atan2(dy, dx));
-    c.fill();
-    c.stroke();
-    if (i !== field.hovered && !chosen) continue;
-    c.fillStyle = field.colors.ink;
-    c.font = `600 11px ${field.font}`;
-    c.textAlign = x > mx ? "right" : "left";
-    c.textBaseline = "middle";
-    c.fillText(name, x + (x > mx ? -14 : 14), y);
-  }
 }

@@ -9,7 +9,6 @@ import { openStream } from "./stream.js";
 const ROOM = 122; // px; below the field, for two rows of behaviors
 const ABOVE = 92; // px; for a banner and the legend
 const BESIDE = 46; // px; at either side, for the buttons at the right
-const GROWS_MS = 3000; // the field grows again so long after a notice over it has gone
 const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
 const CALL_MS = 1400;
 const TRAIL = 90;
@@ -30,17 +29,12 @@ class Field {
     this.drag = null;
     this.hovered = -1;
     this.handles = []; // knobs that turn what is chosen, on the screen
-    this.arrows = []; // to what is out of sight, on the screen
     this.drawn = this.frames = 0;
-    this.below = ROOM;
-    this.above = ABOVE;
-    this.lowerSince = 0; // when there was first less over the field than there is room for
     this.robots = new Robots(this);
     this.recolor();
     listen(this);
     openStream(session, (message) => this.take(message));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
-    setInterval(() => this.makeRoom(), 300);
     this.resize();
   }
 
@@ -49,13 +43,13 @@ class Field {
   take(message) {
     if (message.t === "frame") this.takeFrame(message);
     else if (message.t === "roster") this.takeRoster(message);
-    else if (message.t === "scans") this.robots.take(message);
     else if (message.t === "say") this.takeCalls(message.said);
     else if (message.t === "order") this.orders.push({ ...message, until: performance.now() + 2200 });
     else if (message.t === "replay") this.replay = message.on;
     else if (message.t === "chosen") this.chosen = new Set(message.names);
     else if (message.t === "reaction-game") playReactionGame(message);
     else if (message.t === "demonstrator") rememberDemonstrator(message.name);
+    else this.robots.take(message);
     this.redraw();
   }
 
@@ -119,7 +113,6 @@ class Field {
     this.canvas.height = Math.max(1, clientHeight * ratio);
     this.canvas.style.width = `${clientWidth}px`;
     this.canvas.style.height = `${clientHeight}px`;
-    if (clientWidth !== this.width) [this.above, this.below] = [ABOVE, ROOM];
     this.width = clientWidth;
     this.height = clientHeight;
     this.ratio = ratio;
@@ -137,30 +130,13 @@ class Field {
     this.redraw();
   }
 
-  // What may lie over the field at its top and bottom: the same with and without an agent that is
-  // chosen, so that the field stays where it is.
+  // What lies over the field at its top and bottom; there is room for some rows of behaviors.
   margins() {
     const low = this.roster.real ? 0.36 : 0.25; // of the window: a camera is high
-    return [Math.min(this.above, 0.25 * this.height), Math.min(this.below, low * this.height)];
-  }
-
-  // Makes room for more rows of behaviors and for more notices, but never under the pointer.
-  makeRoom() {
-    const deck = document.querySelector(".deck");
-    const notices = document.querySelector(".notices");
-    const camera = document.getElementById("camera");
-    const high = Math.max(deck?.offsetHeight ?? 0, camera?.offsetHeight ?? 0);
-    const below = Math.max(this.below, high ? high + 34 : 0);
-    const needed = Math.max(ABOVE, notices ? notices.offsetHeight + ABOVE - 40 : 0);
-    // Notices come and go: the field grows again once they have been lower for a while.
-    if (needed >= this.above) this.lowerSince = 0;
-    else this.lowerSince ||= performance.now();
-    const grows = this.lowerSince && performance.now() - this.lowerSince > GROWS_MS;
-    const above = grows ? needed : Math.max(this.above, needed);
-    if (below === this.below && above === this.above) return;
-    if (this.drag || this.canvas.matches(":hover")) return;
-    [this.above, this.below] = [above, below];
-    if (this.view.fitted) this.fit();
+    const high = (part) => document.querySelector(part)?.offsetHeight ?? 0;
+    const above = Math.max(ABOVE, high(".notices") + ABOVE - 40);
+    const below = Math.max(ROOM, high(".deck") + 34, high("#camera") + 34);
+    return [Math.min(above, 0.25 * this.height), Math.min(below, low * this.height)];
   }
 
   toScreen(x, y) {
@@ -169,14 +145,6 @@ class Field {
 
   toField(px, py) {
     return [(px - this.view.x) / this.view.scale, (this.view.y - py) / this.view.scale];
-  }
-
-  // Moves the view to a thing, without looking closer.
-  lookAt(i) {
-    const [x, y] = this.now.places.subarray(3 * i, 3 * i + 2);
-    const { scale } = this.view;
-    this.view = { scale, x: this.width / 2 - x * scale, y: this.height / 2 + y * scale, fitted: false };
-    this.redraw();
   }
 
   zoom(factor, px = this.width / 2, py = this.height / 2) {

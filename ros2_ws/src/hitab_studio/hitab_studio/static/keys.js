@@ -1,4 +1,4 @@
-// The page's keys: the emergency stop, scrolling, Escape, and keys that click an element (data-hotkey).
+// The page's keys: the emergency stop, Escape, and keys that click an element (data-hotkey).
 import { stopRobots, told } from "./studio.js";
 
 // What has the focus because a person went there with the keyboard, if it is to be pressed.
@@ -18,37 +18,6 @@ document.addEventListener("keydown", (event) => {
 }, true);
 
 const TEXT = new Set(["INPUT", "SELECT", "TEXTAREA"]);
-
-// Keys that scroll do so in what was clicked last, in the panel at the right otherwise: the page
-// itself is never longer than the window.
-const SCROLLS = {
-  PageDown: (part) => part.scrollBy(0, 0.9 * part.clientHeight),
-  PageUp: (part) => part.scrollBy(0, -0.9 * part.clientHeight),
-  Home: (part) => part.scrollTo(0, 0),
-  End: (part) => part.scrollTo(0, part.scrollHeight),
-};
-let clicked = null;
-document.addEventListener("pointerdown", ({ target }) => (clicked = target), true);
-
-function scrollable(element) {
-  for (let part = element; part && part !== document.body; part = part.parentElement) {
-    const { overflowY } = getComputedStyle(part);
-    if (part.scrollHeight > part.clientHeight + 1 && /auto|scroll/.test(overflowY)) return part;
-  }
-  return null;
-}
-
-function scrolls(event) {
-  const active = document.activeElement;
-  if (!(event.key in SCROLLS) || TEXT.has(active?.tagName)) return false;
-  if (event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return false;
-  const dialog = document.querySelector("[data-modal] .dialog");
-  const part = dialog ? scrollable(active) ?? dialog
-    : scrollable(active) ?? scrollable(clicked?.isConnected ? clicked : null)
-      ?? document.querySelector(".side .pane");
-  if (part) SCROLLS[event.key](part);
-  return true;
-}
 
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") {
@@ -73,10 +42,6 @@ document.addEventListener("keydown", (event) => {
       element.dispatchEvent(new MouseEvent("click", { bubbles: true, cancelable: true }));
     }
     if (element) return; // the browser presses it
-  }
-  if (scrolls(event)) {
-    event.preventDefault();
-    return;
   }
   const writing = TEXT.has(document.activeElement?.tagName) && document.activeElement.type !== "range";
   if (writing || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;

@@ -82,7 +82,7 @@ function patchNode(there, wanted) {
     if (there.nodeValue !== wanted.nodeValue) there.nodeValue = wanted.nodeValue;
     return;
   }
-  if (there.isEqualNode(wanted)) return;
+  if (there.tagName === "CANVAS" || there.isEqualNode(wanted)) return; // what is drawn stays
   const typed = there.type !== "number" || there.value !== there.defaultValue;
   const mine = (document.activeElement === there && typed) || there.dataset.kept !== undefined;
   // What a person has filled in stays, unless the server describes another value than before.
@@ -90,11 +90,11 @@ function patchNode(there, wanted) {
     (name) => there.getAttribute(name) !== wanted.getAttribute(name),
   );
   for (const { name, value } of [...wanted.attributes]) {
-    if (there.getAttribute(name) !== value) there.setAttribute(name, value);
+    if (name !== "open" && there.getAttribute(name) !== value) there.setAttribute(name, value);
   }
   for (const { name } of [...there.attributes]) {
-    // <details> that a person has opened stay open.
-    if (!wanted.hasAttribute(name) && name !== "open") there.removeAttribute(name);
+    // <details> that a person has opened or closed stay so.
+    if (name !== "open" && !wanted.hasAttribute(name)) there.removeAttribute(name);
   }
   if (there.tagName === "INPUT" && told && !mine) {
     if (there.type === "checkbox") there.checked = wanted.hasAttribute("checked");

@@ -59,11 +59,10 @@ const near = (marks, px, py, within) =>
   marks.find(({ x, y }) => Math.hypot(px - x, py - y) < within);
 
 function hover(field, event) {
-  const arrow = near(field.arrows, event.offsetX, event.offsetY, 14);
-  const found = arrow ? arrow.i : field.thingAt(event.offsetX, event.offsetY);
+  const found = field.thingAt(event.offsetX, event.offsetY);
   if (found !== field.hovered) {
     field.hovered = found;
-    field.canvas.style.cursor = arrow || (found >= 0 && field.fixed) ? "pointer" : found >= 0 ? "grab" : "default";
+    field.canvas.style.cursor = found < 0 ? "default" : field.fixed ? "pointer" : "grab";
     field.redraw();
   }
 }
@@ -72,13 +71,12 @@ function beginDrag(field, event) {
   const from = [event.offsetX, event.offsetY];
   const finger = event.pointerType === "touch";
   const slack = finger ? FINGER : 6;
-  const arrow = near(field.arrows, ...from, 8 + slack);
   const handle = near(field.handles, ...from, 5 + slack);
   // A knob may lie on another thing: who touches what is seen of the knob means the knob, and who
   // touches the thing beside it the thing.
   // Who chooses several (Shift) means the thing, even if the knob of another one lies over it.
   const knob = !event.shiftKey && near(field.handles, ...from, KNOB + 1.5);
-  const thing = arrow || knob ? -1 : field.thingAt(...from, handle ? 0 : slack);
+  const thing = knob ? -1 : field.thingAt(...from, handle ? 0 : slack);
   const turning = thing < 0 ? !!handle : event.altKey;
   const i = thing < 0 && handle ? handle.i : thing;
   const starts = new Map();
@@ -91,7 +89,7 @@ function beginDrag(field, event) {
     }
   }
   const drag = {
-    i, from, starts, turning, arrow, places: new Map(), headings: new Map(),
+    i, from, starts, turning, places: new Map(), headings: new Map(),
     moved: false, least: finger ? 9 : 4, view: { ...field.view },
   };
   field.drag = drag;
@@ -132,10 +130,7 @@ function endDrag(field, event) {
   clearTimeout(drag.hold);
   field.drag = null;
   field.canvas.style.cursor = "default";
-  if (drag.arrow && !drag.moved) {
-    field.lookAt(drag.arrow.i);
-    window.studioTell("choose", { name: names[drag.arrow.i], more: event.shiftKey });
-  } else if (drag.i < 0) {
+  if (drag.i < 0) {
     if (!drag.moved) window.studioTell("deselect");
   } else if (!drag.moved) {
     if (!drag.turning) window.studioTell("choose", { name: names[drag.i], more: event.shiftKey });

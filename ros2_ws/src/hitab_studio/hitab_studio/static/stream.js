@@ -1,8 +1,8 @@
 // The stream of moments from the server: names and sizes as JSON, places as binary frames. It comes
 // back by itself when the server does.
-import { scans } from "./robots.js";
+import { layer } from "./robots.js";
 
-const SCANS = 2; // kind of a binary frame; the other one shows the things in the field
+const THINGS = 1; // kind of a binary frame: the things in the field
 
 export function openStream(session, take) {
   let socket;
@@ -24,7 +24,7 @@ export function openStream(session, take) {
 
 function frame(data) {
   const view = new DataView(data);
-  if (view.getUint32(0, true) === SCANS) return scans(data);
+  if (view.getUint32(0, true) !== THINGS) return layer(data);
   const n = view.getUint32(4, true);
   return {
     t: "frame",

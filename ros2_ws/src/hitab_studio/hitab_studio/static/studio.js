@@ -153,20 +153,6 @@ document.addEventListener("submit", (event) => {
   told(form.dataset.submit, { ...dataOf(form), values: valuesOf(form), again: again || undefined });
 });
 
-// The browser only says that a format is wanted; the page says which. What is missing stands below
-// its field (class "missing"), where it stays, in place of the browser's bubble.
-document.addEventListener("invalid", (event) => {
-  const { target } = event;
-  if (target.validity.valueMissing && target.nextElementSibling?.matches(".missing")) {
-    event.preventDefault();
-    target.form.querySelector(":invalid").focus();
-    return;
-  }
-  const wrong = target.validity.patternMismatch && target.dataset.format;
-  target.setCustomValidity(wrong || "");
-}, true);
-document.addEventListener("input", ({ target }) => target.setCustomValidity?.(""), true);
-
 document.documentElement.lang = "en";
 
 // The theme is the browser's own unless the person chose one.

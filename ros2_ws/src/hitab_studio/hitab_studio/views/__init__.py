@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -14,13 +15,14 @@ from hitab_client.called_as import as_called
 from hitab_core import quantity
 from hitab_studio.session import Session
 from hitab_studio.unavailable import off
-from hitab_studio.views import agents, dialog, emergency, overlay, side, top
-from hitab_studio.views.numbers import counted, duration, measure
+from hitab_studio.views import agents, dialog, overlay, side, top
+from hitab_studio.views.numbers import counted, duration, measure, measured
+from hitab_studio.views.swarm import since
 
 Context = dict[str, Any]
 PANELS: dict[str, Callable[[Session], Context]] = {
     "top": top.context,
-    "emergency": emergency.context,
+    "emergency": top.emergency,
     "agents": agents.context,
     "overlay": overlay.context,
     "side": side.context,
@@ -78,6 +80,7 @@ _environment.filters |= {
     "clock": clock,
     "quantity": quantity,
     "breaks": breaks,
+    "since": since,
 }
 _environment.globals["off"] = off
 
@@ -85,4 +88,9 @@ _environment.globals["off"] = off
 def render(panel: str, session: Session) -> str:
     """Return the HTML of a panel."""
     template = _environment.get_template(f"{panel}.html")
-    return template.render(session=session, store=session.shared.store, **PANELS[panel](session))
+    return template.render(
+        session=session,
+        store=session.shared.store,
+        measured=partial(measured, session),
+        **PANELS[panel](session),
+    )

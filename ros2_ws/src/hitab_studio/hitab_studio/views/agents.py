@@ -2,109 +2,114 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from hitab_studio.absence import absence
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
-from hitab_studio.views.agent_tree import Branch, tree, unfolded
 
 MOST = 80
 """Rows that are shown; more are found by typing."""
 
+FEW = 40
+"""Agents that are shown unfolded."""
 
-@dataclass(frozen=True)
-class Row:
-    """One agent, or the title of agents that are called alike.
-
-    Attributes:
-        fold: "open" or "closed", if there are agents below it.
-        below: number of agents below it; of a title, of those that are called so.
-        also: of a title, number of agents under these.
-        mode: None for a title.
-    """
-
-    name: str
-    depth: int
-    fold: str = ""
-    below: int = 0
-    also: int = 0
-    mode: str | None = None
-    state: str = ""
-    color: str = ""
-    chosen: bool = False
-    absence: str = ""
-    lock: str = ""
-    order: str = ""
-    faults: str = ""
+DEEPEST = 8
 
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the list shows."""
-    statuses = (
-        session.player.recording.statuses(session.player.at)
-        if session.player is not None
-        else session.shared.store.known.statuses
-    )
-    branches = tree(session.agents, session.shared.store.known.groups)
+    known, player = session.shared.store.known, session.player
+    statuses = known.statuses if player is None else player.recording.statuses(player.at)
     wanted = session.filter.lower()
     if wanted:
         shown = [
-            (Branch(branch.name), 0, "")
-            for branch in (b for top in branches for b in top.all())
-            if branch.is_agent
-            and (
-                wanted in branch.name.lower()
-                or (
-                    branch.name in statuses
-                    and wanted in " ".join(statuses[branch.name].active_path).lower()
-                )
-            )
+            (name, 0, 0, False)
+            for name in session.agents
+            if wanted in name.lower()
+            or (name in statuses and wanted in " ".join(statuses[name].active_path).lower())
         ]
-        count = len(shown)
     else:
-        shown = list(unfolded(branches, session.folds, session.agent))
-        count = sum(branch.size for branch in branches)
+        shown = list(unfolded(session.agents, known.groups, session.folds, session.agent))
     return {
         "rows": [
-            _row(session, statuses, branch.name, depth, fold, branch.size - branch.is_agent)
-            if branch.is_agent
-            else _title(branch, depth, fold)
-            for branch, depth, fold in shown[:MOST]
+            {"name": name, "depth": depth, "below": below, "is_open": is_open}
+            | _row(session, statuses.get(name), name)
+            for name, depth, below, is_open in shown[:MOST]
         ],
-        "count": count,
+        "count": len(shown if wanted else session.agents),
         "more": max(0, len(shown) - MOST),
         "filter": session.filter,
-        "replays": session.player is not None,
+        "replays": player is not None,
     }
 
 
-def _title(branch: Branch, depth: int, fold: str) -> Row:
-    named = len(branch.below)
-    return Row(name=branch.name, depth=depth, fold=fold, below=named, also=branch.size - named)
+def unfolded(
+    agents: Iterable[str], groups: Mapping[str, Any], folds: Mapping[str, bool], viewed: str
+) -> Iterator[tuple[str, int, int, bool]]:
+    """Yield what is visible: each name with its depth, how many are below it, and if it is open.
+
+    Args:
+        agents: their names.
+        groups: the last `CommanderStatus` of each commander.
+        folds: what a person has opened (true) or closed, by name.
+        viewed: the viewed one, which is always visible unless a person has closed what holds it.
+    """
+    names = list(agents)
+    subordinates = _commanded(groups, names)
+    below: dict[str, set[str]] = {}
+
+    def all_below(name: str, depth: int = 0) -> set[str]:
+        if name not in below and depth < DEEPEST:
+            subs = subordinates.get(name, ())
+            below[name] = {*subs}.union(*(all_below(sub, depth + 1) for sub in subs))
+        return below.get(name, set())
+
+    def visible(name: str, depth: int) -> Iterator[tuple[str, int, int, bool]]:
+        inside = all_below(name)
+        is_open = bool(inside) and folds.get(name, len(names) <= FEW or viewed in inside)
+        yield name, depth, len(inside), is_open
+        if is_open and depth < DEEPEST:
+            for sub in subordinates[name]:
+                yield from visible(sub, depth + 1)
+
+    commanded = {sub for subs in subordinates.values() for sub in subs}
+    for name in names:
+        if name not in commanded:
+            yield from visible(name, 0)
 
 
-def _row(session: Session, statuses: Any, name: str, depth: int, fold: str, below: int) -> Row:
-    store = session.shared.store
-    status = statuses.get(name)
-    holder = session.shared.locks.holder(name) if session.player is None else None
+def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, list[str]]:
+    """Return the subordinates of each commander, also of those that were not heard yet.
+
+    A commander names its subordinates and its own commander, so a link between two of them is
+    known as soon as one of them was heard.
+    """
+    there = {*groups, *agents}
+    found = {name: [sub.name for sub in group.subordinates] for name, group in groups.items()}
+    for name, group in groups.items():
+        if group.superior in there and name not in found.get(group.superior, ()):
+            found.setdefault(group.superior, []).append(name)
+    return found
+
+
+def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
+    """Return what an agent does; of a commander, its order and how many obey it."""
+    store, live = session.shared.store, session.player is None
+    holder = session.shared.locks.holder(name) if live else None
     state = state_shown(status.active_path) if status is not None else ""
     index = store.palette.index(state)
     group = store.known.groups.get(name)
-    absent = absence(store.known, name) if session.player is None else None
-    return Row(
-        name=name,
-        depth=depth,
-        fold=fold,
-        below=below,
-        mode=status.mode if status is not None else "",
-        state=state or (status.behavior if status is not None else ""),
-        color="" if index == NO_COLOR else STATE_COLORS[index],
-        chosen=name == session.agent,
-        absence=absent.word if absent is not None else "",
-        lock="" if holder is None else ("you" if holder.session == session.id else holder.name),
-        order=group.order if group is not None else "",
-        faults="\n".join(status.faults) if status is not None else "",
-    )
+    return {
+        "mode": status.mode if status is not None else "",
+        "state": state or (status.behavior if status is not None else ""),
+        "color": "" if index == NO_COLOR else STATE_COLORS[index],
+        "absence": (absence(store.known, name) or "") if live else "",
+        "lock": "" if holder is None else ("you" if holder.session == session.id else holder.name),
+        "order": group.order if group is not None else "",
+        "obeying": sum(member.obeys for member in group.subordinates) if group is not None else 0,
+        "size": len(group.subordinates) if group is not None else 0,
+        "faults": "\n".join(status.faults) if status is not None else "",
+    }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import SwarmError, reaction_time
@@ -14,7 +13,6 @@ from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.session import Session
 from hitab_studio.views import generations
-from hitab_studio.views.legend import KEYS, WORDS
 from hitab_studio.views.numbers import counted, measure
 from hitab_studio.views.questions import WHEN_UNSURE
 
@@ -23,38 +21,8 @@ FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
 NAME_FORMAT = "A name is made of letters, digits and _, and begins with a letter, as ApproachBall."
 """Of behaviors and parameters, as their fields in the dialogs check it."""
 
-TITLES = {
-    "help": "Keys and words",
-    "new": "Train a behavior",
-    "discard": "Give up a training",
-    "features": "Learn from other features",
-    "reaction": "Reaction time",
-    "caution": "What it does when it is unsure",
-    "save": "Save a behavior",
-    "distribute": "Distribute a behavior",
-    "generations": "Generations of a team",
-    "snapshots": "Snapshots",
-    "rename-recording": "Rename a recording",
-    "delete-recording": "Delete a recording",
-    "stop": "Stop the swarm",
-    "release": "Release the emergency stop",
-}
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A feature or behavior to choose.
-
-    Attributes:
-        label: with its targets.
-        kind: of a feature, with its unit.
-        now: its present value, for people.
-    """
-
-    label: str
-    description: str
-    kind: str = ""
-    now: str = ""
+Feature = tuple[str, str, str, str]
+"""A feature with its targets, what it is, its kind with its unit, and its present value."""
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -64,11 +32,8 @@ def context(session: Session) -> dict[str, Any]:
     found: dict[str, Any] = {
         "dialog": dialog,
         "kind": kind,
-        "title": TITLES.get(kind, ""),
         "name_format": NAME_FORMAT,
     }
-    if kind == "help":
-        found |= {"keys": KEYS, "words": WORDS}
     if kind == "new":
         vocabulary = session.watched.vocabulary
         parameter = dialog["parameter"]
@@ -77,7 +42,7 @@ def context(session: Session) -> dict[str, Any]:
         found |= {
             "features": _features(session, arguments),
             "states": [
-                Choice(str(use), _described(vocabulary.behavior_descriptions, text, use))
+                (str(use), _described(vocabulary.behavior_descriptions, text, use))
                 for text, use in uses(vocabulary.behaviors, arguments)
             ],
             "running": world is not None and world.mode != "paused",
@@ -121,12 +86,12 @@ def _saved(session: Session) -> tuple[str, str]:
     return (name, counted(behavior.examples) if behavior is not None else "")
 
 
-def _features(session: Session, arguments: Sequence[str]) -> list[Choice]:
+def _features(session: Session, arguments: Sequence[str]) -> list[Feature]:
     """Return the features to choose from, with these targets and parameters."""
     words = session.watched.vocabulary
     return [
         *(_feature(session, text, use) for text, use in uses(words.features, arguments)),
-        *(Choice(flag, FLAG_DESCRIPTION.format(flag), "boolean") for flag in FLAGS),
+        *((flag, FLAG_DESCRIPTION.format(flag), "boolean", "") for flag in FLAGS),
     ]
 
 
@@ -147,7 +112,7 @@ def _reaction(session: Session) -> str:
     return f"{seconds:g}" if seconds else ""
 
 
-def _feature(session: Session, text: str, use: Use) -> Choice:
+def _feature(session: Session, text: str, use: Use) -> Feature:
     """Return a feature of the vocabulary with targets, as the dialog offers it."""
     watched = session.watched
     vocabulary, name, label = watched.vocabulary, use.name, str(use)
@@ -156,7 +121,7 @@ def _feature(session: Session, text: str, use: Use) -> Choice:
     if (value := watched.probed.get(label)) is not None:
         now = measure(value, kind, unit)
     about = _described(vocabulary.feature_descriptions, text, use)
-    return Choice(label, about, f"{kind}, {shown_unit(unit)}" if unit else kind, now)
+    return label, about, f"{kind}, {shown_unit(unit)}" if unit else kind, now
 
 
 def _described(descriptions: Mapping[str, str], text: str, use: Use) -> str:

@@ -2,39 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_client.bootstrapping import Generation, Generations
+from hitab_client.bootstrapping import Generations
 from hitab_studio import unavailable
 from hitab_studio.actions.bootstrapping import AS_IT_IS, SNAPSHOT
 from hitab_studio.generations import known_generations
 from hitab_studio.session import Session
-
-
-@dataclass(frozen=True)
-class Row:
-    """A generation, in words.
-
-    Attributes:
-        parent: number of the one that it continues; 0: none.
-        score: the mean length of an episode, or why there is none.
-        current: whether the training goes on from it.
-        best: whether it has the best score of those that can be compared.
-    """
-
-    number: int
-    parent: int
-    version: str
-    score: str
-    played: str
-    examples: int
-    when: str
-    who: str
-    note: str
-    current: bool
-    best: bool
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -49,45 +24,21 @@ def context(session: Session) -> dict[str, Any]:
         problem = str(error)
     trains = training is not None and training.name == behavior
     busy = session.shared.generations.why_busy
+    generations = known.all if known is not None else ()
+    best = known.best() if known is not None else None
+    next_off = unavailable.testing(session)
+    if not trains:
+        next_off = (
+            f"{behavior} is not being trained: train it further, or go back to a generation."
+        )
     return {
-        "rows": _rows(known) if known is not None else [],
+        "generations": generations,
+        "current": known.current if known is not None else 0,
+        "best": best.number if best is not None else 0,
         "problem": problem,
         "making": session.shared.generations.making,
         "mates": [a for a in session.agents if a != agent],
         "situations": [AS_IT_IS, *(f"{SNAPSHOT}{name}" for name in store.snapshots)],
-        "has_world": store.known.world is not None,
         "back_off": problem or busy or unavailable.agent(session),
-        "next_off": problem or busy or _next_off(session, behavior, trains=trains),
+        "next_off": problem or busy or next_off,
     }
-
-
-def _next_off(session: Session, behavior: str, *, trains: bool) -> str:
-    if not trains:
-        return f"{behavior} is not being trained: train it further, or go back to a generation."
-    return unavailable.saving(session)
-
-
-def _rows(known: Generations) -> list[Row]:
-    best = known.best()
-    return [
-        Row(
-            generation.number,
-            generation.parent,
-            ", ".join(map(str, (generation.version, *generation.restored))),
-            *_score(generation),
-            generation.examples,
-            generation.at.replace("T", " ").removesuffix("Z")[:16],
-            generation.by,
-            generation.note,
-            generation.number == known.current,
-            best is not None and generation.number == best.number,
-        )
-        for generation in known.all
-    ]
-
-
-def _score(generation: Generation) -> tuple[str, str]:
-    score = generation.score
-    if score is None:
-        return "none", generation.unscored
-    return f"{score.figures['seconds']} s", f"{score.episodes} episodes, seed {score.seed}"

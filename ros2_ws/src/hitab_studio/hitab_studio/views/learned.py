@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import Learned
@@ -15,67 +13,39 @@ from hitab_studio.session import Session
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
 
+SHOWN = 8
+"""Changes of state that are listed."""
 
-@dataclass(frozen=True)
-class Level:
-    """One automaton of the hierarchy.
-
-    Attributes:
-        label: as in the path of active states, such as ``GoTo(ball)``.
-        state: its active state; "" if it is not active.
-    """
-
-    name: str
-    label: str
-    depth: int
-    state: str
-    shown: bool
-
-
-@dataclass(frozen=True)
-class Change:
-    """A state change and why it happened."""
-
-    cycle: int
-    automaton: str
-    source: str
-    target: str
-    why: str
-    probability: float
-    commanded: bool
+DEEPEST = 6
 
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     levels = _levels(session)
-    shown = next((level for level in levels if level.shown), None)
-    behavior = _behavior(session, shown.name) if shown is not None else None
+    chosen = (level for level in levels if level["name"] == session.level)
+    shown = next(chosen, levels[0] if levels else {"name": "", "label": "", "state": ""})
+    behavior = _behavior(session, shown["name"])
     automaton = behavior.automaton if behavior is not None else None
-    state = (session.state or (shown.state if shown else "")) or START
+    state = session.state or shown["state"] or START
     tree = behavior.tree(state) if behavior is not None else None
-    values = _values(session, shown, behavior)
-    changes = _changes(session)
-    last = next((c for c in changes if shown and c.automaton == shown.label), None)
-    names = _names(behavior, session)
+    values = _values(session, shown["label"], behavior)
+    events = _events(session)
+    names = behavior.features if behavior is not None else ()
+    automata = [b.name for b in session.watched.behaviors.values() if b.is_automaton]
     return {
         "levels": levels,
         "level": shown,
         "behavior": behavior,
         "taken_out": behavior is not None and is_taken_out(behavior),
-        "graph": graph(automaton, [b.name for b in _automata(session)]) if automaton else None,
+        "graph": graph(automaton, automata) if automaton else None,
         "state": state,
-        "last": last,
+        "last": next((e for e in events if _label(e) == shown["label"]), None),
         "rows": tree_rows(tree, names, dict(zip(names, values, strict=False))) if tree else [],
         "live": bool(values),
-        "chances": dict(behavior.decides(state, values)) if behavior and values else {},
-        "changes": changes[:8],
+        "changes": events[:SHOWN],
+        "because": lambda event: _because(session, event),
+        "label": _label,
     }
-
-
-def _automata(session: Session) -> list[Learned]:
-    found = [b for b in session.watched.behaviors.values() if b.is_automaton]
-    training = session.watched.training
-    return [*found, training] if training is not None else found
 
 
 def _behavior(session: Session, name: str) -> Learned | None:
@@ -85,83 +55,64 @@ def _behavior(session: Session, name: str) -> Learned | None:
     return session.watched.behaviors.get(name)
 
 
-def _names(behavior: Learned | None, session: Session) -> Sequence[str]:
-    return behavior.features if behavior is not None else ()
+def _levels(session: Session) -> list[dict[str, Any]]:
+    """Return the hierarchy below what the agent performs, active or not, outermost first.
 
-
-def _levels(session: Session) -> list[Level]:
-    """Return the hierarchy below what the agent performs, active or not, outermost first."""
-    status = session.status
+    Each automaton has the label of the path of active states, such as ``GoTo(ball)``.
+    """
+    status, training = session.status, session.watched.training
     if status is None:
         return []
-    top = status.behavior
-    if not top and session.watched.training is not None:
-        top = session.watched.training.name
-    if not top and session.behavior:
-        top = session.behavior
-    if not top:
-        return []
+    top = status.behavior or (training.name if training is not None else session.behavior)
     path = list(status.active_path)
-    found: list[tuple[str, str, int, str]] = []
+    found: dict[str, dict[str, Any]] = {}
 
-    def visit(label: str, depth: int, active: int | None) -> None:
+    def visit(label: str, depth: int, *, active: bool) -> None:
         name = Use.parse(label).name
         behavior = _behavior(session, name)
-        if behavior is None or not behavior.is_automaton or depth > 6:
+        if name in found or behavior is None or not behavior.is_automaton or depth > DEEPEST:
             return
-        state = path[active] if active is not None and active < len(path) else ""
-        if any(name == other for other, _, _, _ in found):
-            return
-        found.append((name, label, depth, state))
+        state = path[depth] if active and depth < len(path) else ""
+        found[name] = {"name": name, "label": label, "depth": depth, "state": state}
         for inner in behavior.states or ():
-            if Use.parse(inner).name in FLAGS:
-                continue
-            inner_active = active + 1 if active is not None and inner == state else None
-            visit(inner, depth + 1, inner_active)
+            if Use.parse(inner).name not in FLAGS:
+                visit(inner, depth + 1, active=active and inner == state)
 
-    visit(top, 0, 0)
-    chosen = session.level if any(n == session.level for n, *_ in found) else ""
-    return [
-        Level(name, label, depth, state, name == chosen if chosen else i == 0)
-        for i, (name, label, depth, state) in enumerate(found)
-    ]
+    if top:
+        visit(top, 0, active=True)
+    return list(found.values())
 
 
-def _values(session: Session, level: Level | None, behavior: Learned | None) -> list[float]:
+def _values(session: Session, label: str, behavior: Learned | None) -> list[float]:
     """Return the values that the automaton's features have now, if it is active."""
-    if level is None or behavior is None or session.player is not None:
+    if behavior is None or session.player is not None:
         return []
-    there = [
-        (feature, values[-1])
-        for (automaton, feature), values in list(session.watched.readings.items())
-        if automaton == level.label and values
+    values = [
+        values[-1]
+        for (automaton, _), values in list(session.watched.readings.items())
+        if automaton == label and values
     ]
-    values = [value for _, value in there]
     if len(values) != len(behavior.features) or any(math.isnan(v) for v in values):
         return []
     return values
 
 
-def _changes(session: Session) -> list[Change]:
+def _events(session: Session) -> list[Any]:
+    """Return the last `TransitionEvent`s of the agent, the newest first."""
     if session.player is not None:
-        events = session.player.recording.events(session.player.at, session.agent)
-    else:
-        events = list(reversed(session.watched.transitions))
-    found = []
-    for event in events:
-        seen = ", ".join(
-            f"{feature} = {measured(session, feature, value)}"
-            for feature, value in zip(event.features, event.values, strict=True)
-        )
-        found.append(
-            Change(
-                event.cycle,
-                event.automaton[-1] if event.automaton else "",
-                event.from_state,
-                event.to_state,
-                "commanded" if event.commanded else seen or "always",
-                event.probability,
-                event.commanded,
-            )
-        )
-    return found
+        return session.player.recording.events(session.player.at, session.agent)
+    return list(reversed(session.watched.transitions))
+
+
+def _label(event: Any) -> str:
+    """Return the label of the automaton in which a state changed."""
+    return event.automaton[-1] if event.automaton else ""
+
+
+def _because(session: Session, event: Any) -> str:
+    """Say why a state changed."""
+    seen = ", ".join(
+        f"{feature} = {measured(session, feature, value)}"
+        for feature, value in zip(event.features, event.values, strict=True)
+    )
+    return "commanded" if event.commanded else seen or "always"

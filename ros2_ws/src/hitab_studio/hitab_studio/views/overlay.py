@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from hitab_core import FLAGS, START, Use, some
@@ -12,30 +11,17 @@ from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.launching import Startable, unknown
-from hitab_studio.learned import is_taken_out
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
-from hitab_studio.views.choices import choices
+from hitab_studio.views.swarm import choices
 
 MODE_WORDS = {
     "idle": ("Idle", "no behavior runs"),
-    "performing": ("Performing", "a saved automaton decides"),
+    "performing": ("Performing", ""),
     "training": ("Training", "you decide: each command teaches"),
     "testing": ("Testing", "what was learned decides"),
 }
-
-
-@dataclass(frozen=True)
-class Button:
-    """A behavior to be commanded."""
-
-    behavior: str
-    description: str
-    key: str
-    kind: str
-    active: bool
-    one_shot: bool
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -44,32 +30,30 @@ def context(session: Session) -> dict[str, Any]:
     holder = session.shared.locks.holder(session.agent) if session.agent else None
     live = session.player is None
     mode = status.mode if status is not None else ""
-    empty = _empty(session)
+    nothing = empty(session)
     known, launch = session.shared.store.known, session.shared.launcher.launch
     world_absent = absence(known, WORLD) if live else None
     history = session.watched.history
+    faults = list(status.faults) if status is not None else []
+    stopped = [fault for fault in faults if fault.startswith(STOPPED)]
     return {
         "absent": absence(known, session.agent) if live and session.agent else None,
         "world_absent": world_absent,
-        "stale": live and bool(world_absent or empty[0]),
+        "stale": live and bool(world_absent or nothing[0]),
         "lost": session.lost,
         "lost_off": _lost_off(session),
         "agent_off": unavailable.agent(session),
         "undo_off": unavailable.undoing(session),
         "redo_off": unavailable.redoing(session),
-        "earlier_off": unavailable.retiming(session),
         "test_off": unavailable.testing(session),
-        "save_off": unavailable.saving(session),
-        "switch_off": unavailable.switching(session),
-        "command_off": unavailable.commanding(session),
-        "raise_off": unavailable.raising(session),
+        "training_off": unavailable.training(session),
         "last_done": history.done[-1] if history.done else "",
         "stuck": _stuck(session),
         "note": status.note if status is not None else "",
         "agent": session.agent,
         "status": status,
         "mode": mode,
-        "mode_words": (MODE_WORDS.get(mode, ("", ""))[0], _decides(session, mode)),
+        "mode_words": MODE_WORDS.get(mode, ("", "")),
         "path": list(status.active_path) if status is not None else [],
         "lock": None if holder is None or holder.session == session.id else holder.name,
         "buttons": _buttons(session),
@@ -77,11 +61,11 @@ def context(session: Session) -> dict[str, Any]:
         "targets": _targets(session),
         "legend": _legend(session),
         "camera": sensors.camera(session),
-        "silent_sensors": sensors.silent(session),
-        "stopped": next((f for f in status.faults if f.startswith(STOPPED)), "") if status else "",
+        "stopped": next(iter(stopped), ""),
+        "faults": [fault for fault in faults if fault not in stopped],
         "player": session.player,
-        "empty": empty,
-        "choices": choices(session) if empty[0] else [],
+        "empty": nothing,
+        "choices": choices(session) if nothing[0] else [],
         "launch": launch,
         "making": session.shared.generations.making if live else None,
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
@@ -90,20 +74,6 @@ def context(session: Session) -> dict[str, Any]:
         "busy": session.busy > 0,
         "kept": session.watched.training is not None and mode in ("idle", "performing"),
     }
-
-
-def _decides(session: Session, mode: str) -> str:
-    """Say who decides what the agent does."""
-    words = MODE_WORDS.get(mode, ("", ""))[1]
-    if mode != "performing" or not session.status.behavior:
-        return words
-    name = Use.parse(session.status.behavior).name
-    behavior = session.watched.behaviors.get(name)
-    if name in session.watched.vocabulary.trained or behavior is None:
-        return words if name in session.watched.vocabulary.trained else ""
-    if is_taken_out(behavior):
-        return "it was taken out: nothing decides"
-    return "a hand-written automaton decides" if behavior.is_automaton else "a basic behavior runs"
 
 
 def _lost_off(session: Session) -> str:
@@ -116,11 +86,6 @@ def _lost_off(session: Session) -> str:
 def _stuck(session: Session) -> str:
     """Say why nothing happens while what was learned is tested, if nothing does."""
     status, training = session.status, session.watched.training
-    if empty := _taken_out(session):
-        return (
-            f"{empty} was taken out of the robot's domain (`without:` in the swarm file): it does "
-            "nothing until it is trained, or given by another agent."
-        )
     if status is None or status.mode != "testing" or training is None or session.player:
         return ""
     world = session.shared.store.known.world
@@ -137,16 +102,6 @@ def _stuck(session: Session) -> str:
     return ""
 
 
-def _taken_out(session: Session) -> str:
-    """Return the active automaton that does nothing because it was taken out; "" if none is."""
-    status = session.status
-    if status is None or session.player is not None:
-        return ""
-    found = session.watched.behaviors
-    names = [Use.parse(label).name for label in (status.behavior, *status.active_path) if label]
-    return next((n for n in names if n in found and is_taken_out(found[n])), "")
-
-
 def _legend(session: Session) -> list[tuple[str, str]]:
     """Return the states that are active at the moment, with their colors."""
     palette = session.shared.store.palette
@@ -158,69 +113,42 @@ def _legend(session: Session) -> list[tuple[str, str]]:
     return [(s, STATE_COLORS[palette.index(s)]) for s in palette.states if s in active][:8]
 
 
-def _empty(session: Session) -> tuple[str, str, str]:
+def empty(session: Session) -> tuple[str, str, str]:
     """Return a title, an explanation and what to type, for when there is no field to show."""
-    store = session.shared.store
-    if session.player is not None or store.known.shown is not None:
+    known, launch = session.shared.store.known, session.shared.launcher.launch
+    target, finds = known.target, "This page finds it by itself."
+    here = "here or in a terminal" if startable(session) else "in a terminal"
+    if session.player is not None or known.shown is not None:
         return ("", "", "")
-    target, launch = store.known.target, session.shared.launcher.launch
     if launch is not None and launch.status is None:
-        doing = "Starting" if launch.verb == "up" else "Stopping"
-        what = "This page shows it as soon as it answers." if launch.verb == "up" else ""
-        return (f"{doing} {launch.swarm} …", what, "")
+        return (f"{'Starting' if launch.verb == 'up' else 'Stopping'} {launch.swarm} …", "", "")
+    if target is not None and target.choices and target.problem:
+        return ("Which swarm?", target.problem, "")
     if target is not None and target.problem.endswith("is not up."):
-        return _not_up(session, target.swarm)
+        name = target.swarm
+        if not name or (why := unknown(name)):
+            return (f"{name or 'The swarm'} is not up", f"{why if name else ''} {finds}", "")
+        return (f"{name} is not up", f"Start it {here}. {finds}", f"hitab up {name}")
     if target is not None and target.problem:
-        if target.choices:
-            return ("Which swarm?", target.problem, "")
-        return (
-            "Not connected to a swarm",
-            f"{target.problem} This page connects by itself as soon as it can.",
-            "",
-        )
-    if store.known.statuses and target is not None and target.world:
-        return (f"Waiting for the world of {target.swarm}", "It does not answer yet.", "")
-    if store.known.statuses:
+        return ("Not connected to a swarm", f"{target.problem} {finds}", "")
+    if known.statuses and target is not None and not target.world:
         return (
             "No robot has a place yet",
             "The agents are in no simulated world, and no odometry and no tf says where their "
             "robots are. Choose an agent to see its sensors, and train it as any other.",
             "",
         )
-    if target is not None and target.swarm and target.swarm == target.identity:
-        where = f"ROS domain {target.domain_id}"
-        return (
-            f"Waiting for {target.swarm}",
-            f"It was not started from here, and nothing of it answers in {where}.",
-            "",
-        )
     if target is not None and target.swarm:
-        return (f"Waiting for {target.swarm}", "It is up but does not answer yet.", "")
-    if store.known.elsewhere:
+        where = f"Nothing of it answers yet in ROS domain {target.domain_id}."
+        return (f"Waiting for {target.swarm}", where, "")
+    if known.elsewhere:
         return (
             "No swarm of yours is up",
             "Started elsewhere (from another HITAB_HOME, user or computer), and left alone: "
-            f"{some(store.known.elsewhere)}. To use one nevertheless, start a studio for it:",
-            f"hitab studio {store.known.elsewhere[0]}",
+            f"{some(known.elsewhere)}. To use one nevertheless, start a studio for it:",
+            f"hitab studio {known.elsewhere[0]}",
         )
-    return (
-        "No swarm is up",
-        "Start one here or in a terminal. This page finds it by itself."
-        if startable(session)
-        else "Start one in a terminal. This page finds it by itself.",
-        f"hitab up {_proposed(session)}",
-    )
-
-
-def _not_up(session: Session, name: str) -> tuple[str, str, str]:
-    """Return the same for a swarm that was asked for and is not up."""
-    finds = "This page finds it by itself."
-    if not name:
-        return ("The swarm is not up", f"Start it in a terminal. {finds}", "")
-    if why := unknown(name):
-        return (f"{name} is not up", f"{why} {finds}", "")
-    where = "here or in a terminal" if startable(session) else "in a terminal"
-    return (f"{name} is not up", f"Start it {where}. {finds}", f"hitab up {name}")
+    return ("No swarm is up", f"Start one {here}. {finds}", f"hitab up {_proposed(session)}")
 
 
 def _to_start(session: Session) -> dict[str, Any]:
@@ -245,7 +173,7 @@ def startable(session: Session) -> tuple[Startable, ...]:
     return () if up or known.shown or known.statuses else session.shared.launcher.startable
 
 
-def _buttons(session: Session) -> list[Button]:
+def _buttons(session: Session) -> list[dict[str, Any]]:
     """Return the behaviors that may be commanded: those chosen for the training, else all."""
     status, watched = session.status, session.watched
     vocabulary, training = watched.vocabulary, watched.training
@@ -266,14 +194,14 @@ def _buttons(session: Session) -> list[Button]:
     if status.mode == "performing":
         active = status.behavior
     return [
-        Button(
-            behavior=name,
-            description=vocabulary.behavior_descriptions.get(Use.parse(name).name, ""),
-            key=keys.of(vocabulary.domain, name),
-            kind=_kind(name, vocabulary.trained),
-            active=name == active,
-            one_shot=Use.parse(name).name in vocabulary.one_shot,
-        )
+        {
+            "behavior": name,
+            "description": vocabulary.behavior_descriptions.get(Use.parse(name).name, ""),
+            "key": keys.of(vocabulary.domain, name),
+            "kind": _kind(name, vocabulary.trained),
+            "active": name == active,
+            "one_shot": Use.parse(name).name in vocabulary.one_shot,
+        }
         for name in names
     ]
 

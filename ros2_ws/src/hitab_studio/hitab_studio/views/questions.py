@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-
 from hitab_msgs.msg import Question
 
 from hitab_studio.session import Session
-from hitab_studio.views.numbers import measured
 
 WHEN_UNSURE = {
     "go_on": ("go on", "it decides all the same"),
@@ -24,46 +20,11 @@ TITLES = {
 }
 
 
-@dataclass(frozen=True)
-class ShownQuestion:
-    """A question.
-
-    Attributes:
-        title: what kind of question it is.
-        answers: each with its effect, and whether it is proposed; the proposed one first.
-        situation: names of the features where it is to be decided, and their values for people.
-    """
-
-    number: int
-    title: str
-    text: str
-    answers: tuple[tuple[str, str, bool], ...]
-    situation: tuple[tuple[str, str], ...]
-
-
-def questions(session: Session) -> list[ShownQuestion]:
-    """Return the open questions of the agent."""
-    return [
-        ShownQuestion(
-            question.number,
-            TITLES.get(question.kind, "A question"),
-            question.text,
-            _answers(question),
-            tuple(
-                (feature, measured(session, feature, value))
-                for feature, value in zip(question.features, question.situation, strict=True)
-                if not math.isnan(value)
-            ),
-        )
-        for question in session.watched.questions
-    ]
-
-
-def _answers(question: Question) -> tuple[tuple[str, str, bool], ...]:
-    """Return the answers to choose from, the proposed one first."""
+def answers(question: Question) -> list[tuple[str, str, bool]]:
+    """Return the answers to choose from, with their effects; the proposed one first."""
     there = enumerate(zip(question.choices, question.effects, strict=True))
     found = [(choice, effect, i == question.proposed) for i, (choice, effect) in there]
-    return tuple(sorted(found, key=lambda answer: not answer[2]))
+    return sorted(found, key=lambda answer: not answer[2])
 
 
 def when_unsure(session: Session) -> str:

@@ -10,8 +10,6 @@ from hitab_studio.session import Session
 
 MOST = 30
 
-KILO, MEGA = 1e3, 1e6
-
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
@@ -22,13 +20,9 @@ def context(session: Session) -> dict[str, Any]:
         "recorded": known.recorded,
         "folder": str(recordings_folder()),
         "files": [
-            (r.name, time.strftime("%d %b %H:%M", time.localtime(r.when)), _size(r.size))
+            (r.name, time.strftime("%d %b %H:%M", time.localtime(r.when)), r.size)
             for r in done[:MOST]
         ],
         "more": max(0, len(done) - MOST),
         "shown": session.player.recording.path.name if session.player is not None else "",
     }
-
-
-def _size(size: int) -> str:
-    return f"{size / KILO:.0f} kB" if size < MEGA else f"{size / MEGA:.1f} MB"

@@ -1,67 +1,67 @@
-"""What the agents do, and the commanders' orders."""
+"""What the agents do, and the swarms that are up."""
 
 from __future__ import annotations
 
+import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 from hitab_core import natural, some
-from hitab_studio.absence import absence
+from hitab_studio.absence import NOT_HEARD, absence
 from hitab_studio.known import Known
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.scene import NO_COLOR, state_shown
 from hitab_studio.session import Session
-from hitab_studio.views.agent_tree import DEEPEST, commanded
-from hitab_studio.views.choices import choices
+from hitab_studio.swarm_finder import Choice
 
-
-@dataclass(frozen=True)
-class Group:
-    """A commander with its order and how it is obeyed; `order` is None if it was not heard yet."""
-
-    name: str
-    depth: int
-    order: str | None
-    obeying: int
-    silent: int
-    size: int
+DAY = 24 * 3600
 
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     store = session.shared.store
-    states = Counter(
-        state_shown(s.active_path) or s.behavior or "nothing"
-        for s in store.known.statuses.values()
-    )
-    digests = Counter(s.library_digest for s in store.known.statuses.values())
-    total = max(1, sum(states.values()))
+    statuses = store.known.statuses.values()
+    states = Counter(state_shown(s.active_path) or s.behavior or "nothing" for s in statuses)
     return {
         "shares": [
-            (state, count, 100 * count / total, _color(store.palette.index(state)))
+            (state, count, 100 * count / len(statuses), _color(store.palette.index(state)))
             for state, count in states.most_common(12)
         ],
-        "modes": Counter(s.mode for s in store.known.statuses.values()),
-        "groups": list(_groups(store.known.groups, store.known.agents)),
+        "modes": Counter(s.mode for s in statuses),
         "expected": len(store.known.agents),
         "waiting": store.known.is_waiting,
-        "libraries": len(digests),
+        "libraries": len({s.library_digest for s in statuses}),
         "stoppable": _stoppable(session),
         "choices": choices(session),
-        "absences": _absences(store.known),
+        "absences": {w: some(sorted(who, key=natural)) for w, who in absent(store.known).items()},
         "errors": [(n, e) for n, s in store.known.statuses.items() if (e := s.last_error)][:6],
     }
 
 
-def _absences(known: Known) -> dict[str, str]:
-    """Return who was heard and is absent now, by how."""
+def absent(known: Known) -> dict[str, list[str]]:
+    """Return the agents that do not answer, by how; without those that may still come."""
     found: dict[str, list[str]] = {}
-    for name in known.statuses:
-        if (absent := absence(known, name)) is not None:
-            found.setdefault(absent.word, []).append(name)
-    return {word: some(sorted(absent, key=natural)) for word, absent in found.items()}
+    for name in known.agents:
+        how = absence(known, name)
+        if how is not None and how.word != NOT_HEARD:
+            found.setdefault(how.word, []).append(name)
+    return found
+
+
+def choices(session: Session) -> Sequence[Choice]:
+    """Return the swarms that may be shown instead of the present one, by name, oldest first."""
+    target = session.shared.store.known.target
+    if target is None or session.player is not None:
+        return []
+    found = sorted(target.choices, key=lambda choice: (choice.swarm, choice.since))
+    return [choice for choice in found if target.problem or choice.folder != target.folder]
+
+
+def since(moment: int) -> str:
+    """Return a time of day, with the date if that is longer ago than a day."""
+    recent = time.time() - moment < DAY
+    return time.strftime("%H:%M:%S" if recent else "%d %b, %H:%M", time.localtime(moment))
 
 
 def _stoppable(session: Session) -> str:
@@ -74,23 +74,3 @@ def _stoppable(session: Session) -> str:
 
 def _color(index: int) -> str:
     return "" if index == NO_COLOR else STATE_COLORS[index]
-
-
-def _groups(groups: Mapping[str, Any], agents: Sequence[str]) -> Iterator[Group]:
-    """Yield the commanders, each above those that it commands."""
-    below = commanded(groups, agents)
-
-    def under(name: str, depth: int) -> Iterator[Group]:
-        if (group := groups.get(name)) is None:
-            yield Group(name, depth, None, 0, 0, len(below[name]))
-        else:
-            obeying = sum(member.obeys for member in group.subordinates)
-            silent = sum(member.silent for member in group.subordinates)
-            yield Group(name, depth, group.order, obeying, silent, len(group.subordinates))
-        for sub in sorted(below[name], key=natural):
-            if sub in below and depth < DEEPEST:
-                yield from under(sub, depth + 1)
-
-    commands = {sub for subs in below.values() for sub in subs}
-    for name in sorted(below.keys() - commands, key=natural):
-        yield from under(name, 0)

@@ -2,35 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from hitab_client import SwarmError
 from hitab_client.demonstrating import EARLIER_SECONDS
-from hitab_core import FLAGS, Example, FeatureKind
+from hitab_core import Example
 from hitab_studio import unavailable
 from hitab_studio.learned import superseding
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
-from hitab_studio.views.numbers import measure, shown_unit
-from hitab_studio.views.questions import questions, when_unsure
+from hitab_studio.views.numbers import measure
+from hitab_studio.views.questions import TITLES, answers, when_unsure
 
 SHOWN = 6
 """Edits of the history that are shown on either side of now."""
-
-
-@dataclass(frozen=True)
-class Reading:
-    """A feature with its value now, for people, and its values until now."""
-
-    automaton: str
-    feature: str
-    value: str
-    unit: str
-    description: str
-    history: Sequence[float]
-    kind: str
 
 
 def context(session: Session) -> dict[str, Any]:
@@ -42,20 +27,22 @@ def context(session: Session) -> dict[str, Any]:
     return {
         "recorded": [e for e in examples if e.command == last] if last else [],
         "defaults": sum(e.is_default for e in examples),
-        "readings": readings(session),
+        "readings": {key: [*history] for key, history in watched.readings.items() if history},
+        "abouts": watched.vocabulary.feature_descriptions,
         "values_of": lambda example: _values(session, example),
         "trained": sorted(session.watched.vocabulary.trained),
         "last_edits": [(text, False) for text in watched.history.done[-SHOWN:]]
         + [(text, True) for text in watched.history.undone[:SHOWN]],
         "undo_off": unavailable.undoing(session),
         "redo_off": unavailable.redoing(session),
-        "earlier_off": unavailable.retiming(session),
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
         "given_up": _given_up(session),
         "reaction": _reaction(session),
         "cost": watched.cost,
-        "questions": questions(session),
+        "questions": watched.questions,
+        "question_titles": TITLES,
+        "answers": answers,
         "when_unsure": when_unsure(session),
         "sensors": sensors.rows(session),
         "sensor_notes": sensors.notes(session),
@@ -89,20 +76,3 @@ def _values(session: Session, example: Example) -> list[tuple[str, str]]:
     kinds = [scale.kind for scale in training.scales]
     values = map(measure, example.features, kinds, training.units)
     return list(zip(training.features, values, strict=True))
-
-
-def readings(session: Session) -> list[Reading]:
-    """Return what the agent perceives, level by level."""
-    found = []
-    vocabulary = session.watched.vocabulary
-    for (automaton, feature), values in list(session.watched.readings.items()):
-        history = list(values)
-        if not history:
-            continue
-        name = feature.partition("(")[0]
-        unit = vocabulary.units.get(name, "")
-        about = vocabulary.feature_descriptions.get(name, "")
-        kind = FeatureKind.BOOLEAN if name in FLAGS else vocabulary.kinds.get(name, "")
-        value = measure(history[-1], kind, unit).removesuffix(f" {shown_unit(unit)}")
-        found.append(Reading(automaton, feature, value, shown_unit(unit), about, history, kind))
-    return found

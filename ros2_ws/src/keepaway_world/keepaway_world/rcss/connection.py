@@ -9,9 +9,14 @@ import time
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
 
-from keepaway_world.rcss.messages import Init, Message, Refusal
-from keepaway_world.rcss.reading import parse_message
-from keepaway_world.rcss.sexpr import ProtocolError, decode
+from keepaway_world.rcss.messages import (
+    Init,
+    Message,
+    ProtocolError,
+    Refusal,
+    decode,
+    parse_message,
+)
 
 VERSION = 15
 ANSWER_SECONDS = 0.5
@@ -96,13 +101,6 @@ class Connection:
             with contextlib.suppress(ProtocolError):  # not from rcssserver
                 texts.append(decode(datagram))
 
-    def parse(self, text: str) -> Message | None:
-        """Return the message in a datagram's text; None if there is none."""
-        try:
-            return parse_message(text)
-        except ProtocolError:
-            return None
-
     def close(self) -> None:
         """Say goodbye, so that the server no longer waits for this client."""
         with contextlib.suppress(OSError):
@@ -111,6 +109,14 @@ class Connection:
 
     def _gone(self) -> NoAnswer:
         return NoAnswer(f"the rcssserver at {self.where} has gone; start it again")
+
+
+def parsed(text: str) -> Message | None:
+    """Return the message in a datagram's text; None if there is none that is used."""
+    try:
+        return parse_message(text)
+    except ProtocolError:
+        return None
 
 
 def address_of(host: str, port: int) -> tuple[int, Any]:
@@ -181,7 +187,7 @@ def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tupl
             raise ServerError(f"what answers at {where} is not an rcssserver: {error}") from None
         if isinstance(message, Init):
             return message, sender
-        if isinstance(message, Refusal) and message.kind == "error":
+        if isinstance(message, Refusal):
             reason = REASONS.get(message.reason, message.reason.replace("_", " "))
             raise ServerError(f"the rcssserver at {where} refuses: {reason}")
         # The answer itself was lost: later messages already come from the new port.
@@ -196,3 +202,19 @@ def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tupl
 def readable(connections: Iterable[Readable], seconds: float) -> Sequence[Readable]:
     """Wait until something has arrived; return the connections on which it has."""
     return select.select(list(connections), [], [], max(seconds, 0.0))[0]
+
+
+def kick_off(host: str, port: int) -> None:
+    """Make the server start to play, as a monitor does on a user's command.
+
+    Repeat the call if the message is lost. A server started with ``server::keepaway_start=-1``,
+    the default, waits for it; another one starts earlier than it would have.
+    """
+    with contextlib.suppress(OSError, ServerError), contextlib.ExitStack() as stack:
+        family, address = address_of(host, port)
+        sock = stack.enter_context(udp_socket(family))
+        sock.sendto(b"(dispinit version 4)\0", address)
+        if readable([sock], ANSWER_SECONDS):
+            _, dedicated = sock.recvfrom(1)
+            sock.sendto(b"(dispstart)\0", dedicated)
+            sock.sendto(b"(dispbye)\0", dedicated)

@@ -7,61 +7,52 @@ percepts, takers and referee can read it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from random import Random
-from typing import Any, TypeAlias
+from typing import Any
 
-from hitab_core import has
-from hitab_world import Entity, Placement, WorldError
 from hitab_world.parameters import ParameterError
+from keepaway_world.arranging import Place
 from keepaway_world.parameters import KeepawayParameters
-from keepaway_world.percept import CYCLES_PER_SECOND
 from keepaway_world.physics import Mover, Physics
 from keepaway_world.rcss.connection import ServerError
-from keepaway_world.rcss.messages import LEFT, RIGHT, FullState, Parameters
+from keepaway_world.rcss.messages import LEFT, RIGHT, FullState, Settings
 
 SETTINGS: Mapping[str, str] = {
     "width": "keepaway_length",
     "height": "keepaway_width",
     "player_radius": "player_size",
     "ball_radius": "ball_size",
-    "kickable_margin": "kickable_margin",
-    "player_decay": "player_decay",
-    "ball_decay": "ball_decay",
     "player_acceleration_max": "player_accel_max",
     "ball_acceleration_max": "ball_accel_max",
-    "player_speed_max": "player_speed_max",
-    "ball_speed_max": "ball_speed_max",
-    "player_rand": "player_rand",
-    "ball_rand": "ball_rand",
-    "kick_rand": "kick_rand",
     "dash_rate": "dash_power_rate",
     "kick_rate": "kick_power_rate",
     "inertia": "inertia_moment",
     "say_range": "audio_cut_dist",
+    "say_length": "say_msg_size",
+    **dict.fromkeys(("kickable_margin", "player_decay", "ball_decay"), ""),
+    **dict.fromkeys(("player_speed_max", "ball_speed_max"), ""),
+    **dict.fromkeys(("player_rand", "ball_rand", "kick_rand"), ""),
 }
-"""Our parameters that the server decides, with its names for them."""
+"""Our parameters that the server decides, with its names for them; "": the same."""
 
 
-def parameters_of(server: Parameters, ours: KeepawayParameters) -> KeepawayParameters:
+def parameters_of(server: Settings, ours: KeepawayParameters) -> KeepawayParameters:
     """Return the parameters of the server's game.
 
     Raises:
         ServerError: if it plays an unknown game.
     """
     figures: dict[str, Any] = {
-        name: server.number(setting, getattr(ours, name)) for name, setting in SETTINGS.items()
+        name: type(mine)(server.number(theirs or name, mine))
+        for name, theirs in SETTINGS.items()
+        for mine in [getattr(ours, name)]
     }
-    say_length = int(server.number("say_msg_size", ours.say_length))
     try:
-        return replace(ours, **figures, say_length=say_length)
+        return replace(ours, **figures)
     except ParameterError as error:
         raise ServerError(f"the server's settings do not fit keepaway: {error}") from None
-
-
-Place: TypeAlias = tuple[float, float, float, float, float]
-"""x, y, heading, vx, vy: m, rad and m/cycle, y up."""
 
 
 class Field:
@@ -75,95 +66,46 @@ class Field:
     """
 
     def __init__(self, parameters: KeepawayParameters) -> None:
-        self.parameters = parameters
         self.physics = Physics(parameters, Random())
         self.movers: dict[str, Mover] = {mover.name: mover for mover in self.physics.movers}
+        self._teams = (LEFT, self.physics.keepers), (RIGHT, self.physics.takers)
 
-    def take(self, state: FullState) -> list[str]:
-        """Take over the server's state; return the names of the players that kick in this cycle.
+    def take(self, state: FullState) -> list[Mover]:
+        """Take over the server's state; return the players that kick in this cycle.
 
         The keepers are the left team and the takers the right one, each by rising number.
         """
-        physics = self.physics
+        ball = self.physics.ball
+        reach = self.physics.parameters.kickable * 1.05
+        could_kick = [
+            player
+            for player in self.physics.players
+            if math.hypot(player.x - ball.x, player.y - ball.y) <= reach
+        ]
         x, y, vx, vy = state.ball
-        reach = physics.parameters.kickable * 1.05
-        could_kick = {
-            player.name
-            for player in physics.players
-            if math.hypot(player.x - physics.ball.x, player.y - physics.ball.y) <= reach
-        }
-        physics.put(physics.ball, x, -y, 0.0, vx, -vy)
+        self.physics.put(ball, x, -y, 0.0, vx, -vy)
         kicked = []
-        for side, movers in ((LEFT, physics.keepers), (RIGHT, physics.takers)):
+        for side, movers in self._teams:
             team = sorted((p for p in state.players if p.side == side), key=lambda p: p.number)
             for mover, player in zip(movers, team, strict=False):
                 heading = math.remainder(-math.radians(player.body), 2.0 * math.pi)
-                physics.put(mover, player.x, -player.y, heading, player.vx, -player.vy)
-                if player.kicked and mover.name in could_kick:
-                    kicked.append(mover.name)
+                self.physics.put(mover, player.x, -player.y, heading, player.vx, -player.vy)
+                if player.kicked and mover in could_kick:
+                    kicked.append(mover)
         return kicked
 
     def missing(self, state: FullState) -> str:
         """Return a sentence about missing or extra players, or ""."""
-        p = self.parameters
-        for side, team, wanted in ((LEFT, "keepers", p.keepers), (RIGHT, "takers", p.takers)):
+        for (side, movers), team in zip(self._teams, ("keepers", "takers"), strict=True):
             there = sum(player.side == side for player in state.players)
-            if there != wanted:
+            if there != len(movers):
                 return (
-                    f"the server has {there} {team} but this world {wanted}; connect all players "
-                    f"before play starts, or set the parameter {team} to {there}"
+                    f"the server has {there} {team} but this world {len(movers)}; connect all "
+                    f"players before play starts, or set the parameter {team} to {there}"
                 )
         return ""
-
-    def entities(self, said: Mapping[str, str]) -> list[Entity]:
-        """Return everything in SI units, for viewers."""
-        return [
-            Entity(
-                mover.name,
-                mover.kind,
-                mover.x,
-                mover.y,
-                mover.heading,
-                mover.vx * CYCLES_PER_SECOND,
-                mover.vy * CYCLES_PER_SECOND,
-                mover.radius,
-                said.get(mover.name, ""),
-            )
-            for mover in self.physics.movers
-        ]
-
-    def places(self) -> dict[str, Place]:
-        """Return all places: x, y, heading, vx, vy by name."""
-        return {m.name: (m.x, m.y, m.heading, m.vx, m.vy) for m in self.physics.movers}
 
     def put(self, places: Mapping[str, Place]) -> None:
         """Put things somewhere; the caller must also inform the server."""
         for name, place in places.items():
             self.physics.put(self.movers[name], *place)
-
-
-def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict[str, Place]:
-    """Return the requested places, with NaN replaced by the current values.
-
-    Raises:
-        WorldError: naming what does not exist or is impossible.
-    """
-    places: dict[str, Place] = {}
-    for p in placements:
-        mover = movers.get(p.name)
-        if mover is None:
-            raise WorldError(f'nothing is called "{p.name}" {has(movers, p.name)}')
-        given = (p.x, p.y, p.heading, p.vx / CYCLES_PER_SECOND, p.vy / CYCLES_PER_SECOND)
-        now = (mover.x, mover.y, mover.heading, mover.vx, mover.vy)
-        if any(math.isinf(value) for value in given):
-            raise WorldError(f"{p.name}: a figure is infinite; give a number or NaN")
-        x, y, heading, vx, vy = (
-            old if math.isnan(new) else new for new, old in zip(given, now, strict=True)
-        )
-        if math.hypot(vx, vy) > mover.speed_max * 1.001:
-            raise WorldError(
-                f"{p.name}: a speed of {math.hypot(vx, vy) * CYCLES_PER_SECOND:.2f} m/s exceeds "
-                f"its maximum, {mover.speed_max * CYCLES_PER_SECOND:g} m/s"
-            )
-        places[p.name] = x, y, math.remainder(heading, 2.0 * math.pi), vx, vy
-    return places

@@ -1,4 +1,9 @@
-"""The state of a server's game, cycle by cycle."""
+"""The state of a server's game, cycle by cycle, with what its referee does not report.
+
+The referee only reports that an episode is over, after it has set up the next one. But it checks
+for a ball that is out before one that is taken, and its count of the takers' possession follows
+from earlier cycles. So the referee of the simulated world, which has the same rules, tells why.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +11,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hitab_world import Sensed
+from keepaway_world import referee
+from keepaway_world.arranging import Place
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.percept import perceive
-from keepaway_world.rcss.episode_watch import EpisodeWatch
-from keepaway_world.rcss.field import Field, Place
+from keepaway_world.rcss.field import Field
 from keepaway_world.rcss.link import Link
 from keepaway_world.rcss.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
-from keepaway_world.referee import Referee
+
+_AT_REST = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,22 +65,24 @@ class Game:
         self.time = -1
         exact = replace(parameters, sight="full")  # the server has already rounded what is seen
         self._seen = {name: Field(exact) for name in agents} if by_sight else {}
-        self._watch = EpisodeWatch(Referee(parameters), self.field.physics)
+        self._rules = referee.Referee(parameters)
+        self._began = 0
         self._heard: dict[str, list[str]] = {}
 
     @property
     def fresh(self) -> bool:
         """Whether the current episode has not been played yet."""
-        return self.time == self._watch.began
+        return self.time == self._began
 
     @property
     def passes(self) -> int:
         """The number of passes completed in the current episode."""
-        return self._watch.passes
+        return self._rules.passes
 
-    def begin(self) -> None:
+    def begin(self, time: int | None = None) -> None:
         """Start an episode from the current field."""
-        self._watch.begin(self.time)
+        self._rules.begin()
+        self._began = self.time if time is None else time
 
     def take(self, link: Link) -> Turn:
         """Take in a cycle's messages to the players."""
@@ -86,16 +95,18 @@ class Game:
         at = max(said, default=self.time)
         over = bool(said)
         if state is not None and self.mode == mode == PLAYING:
-            over = over or self._watch.set_up_anew(state)
+            over = over or self._set_up_anew(state)
         began = over or (mode == PLAYING and self.mode == BEFORE_KICK_OFF)
-        ended = self._watch.why_over() if over else ""
-        episode_cycle, passes = at - self._watch.began, self.passes
+        ended = self._why_over() if over else ""
+        episode_cycle, passes = at - self._began, self.passes
         if state is not None:
             kickers = self.field.take(state)
             if not began and mode == PLAYING:
-                self._watch.saw(kickers)
+                for kicker in kickers:
+                    self._rules.saw_kick(kicker)
+                self._rules.judge(self.field.physics)
         if began:
-            self._watch.begin(at)
+            self.begin(at)
         for name, field in self._seen.items():
             sighting = link.clients[name].sighting
             if sighting is not None and (seen := sighting.state(mode)) is not None:
@@ -103,6 +114,27 @@ class Game:
         self._heard = {name: list(client.heard) for name, client in link.clients.items()}
         self.mode = mode
         return Turn(state, passed, episode_cycle, passes, ended, began)
+
+    def _why_over(self) -> str:
+        """Return why the referee ended the episode in the cycle after the last one seen."""
+        ball, p = self.field.physics.ball, self.field.physics.parameters
+        across, along = abs(ball.x + ball.vx), abs(ball.y + ball.vy)
+        out = across >= p.width / 2.0 or along >= p.height / 2.0
+        taken = self._rules.possession >= p.turnover_cycles and not out
+        return referee.TAKEN if taken else referee.OUT
+
+    def _set_up_anew(self, state: FullState) -> bool:
+        """Return whether the field has just changed to the setup of a new episode.
+
+        This detects a new episode if the referee's message was lost.
+        """
+        x, y, vx, vy = state.ball
+        ball = self.field.physics.ball
+        corner_x, corner_y = referee.ball_start(self.field.physics.parameters)
+        there = abs(x - corner_x) + abs(-y - corner_y) < _AT_REST
+        speeds = [abs(vx) + abs(vy), *(abs(p.vx) + abs(p.vy) for p in state.players)]
+        moved = abs(ball.x - corner_x) + abs(ball.y - corner_y) > _AT_REST
+        return there and moved and max(speeds) < _AT_REST
 
     def percept(self, keeper: str) -> Sensed:
         """Return what a keeper perceives now."""

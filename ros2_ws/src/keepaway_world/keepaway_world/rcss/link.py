@@ -11,6 +11,7 @@ from keepaway_world.rcss.connection import (
     NoAnswer,
     ServerError,
     connect,
+    parsed,
     readable,
 )
 from keepaway_world.rcss.messages import (
@@ -23,14 +24,12 @@ from keepaway_world.rcss.messages import (
     FullState,
     Hear,
     Init,
-    Parameters,
     See,
     SenseBody,
+    Settings,
     Think,
 )
-from keepaway_world.rcss.reading import parse_message
 from keepaway_world.rcss.server_settings import FULL_STATE, ServerSettings
-from keepaway_world.rcss.sexpr import ProtocolError
 from keepaway_world.rcss.sighting import Sighting, together
 
 PARAMETERS_SECONDS = 1.0  # for the server's settings, which follow the answer to (init ...)
@@ -83,10 +82,10 @@ class Link:
         """
         self.where = server.where
         self.clients: dict[str, Client] = {}
-        self.settings = Parameters("server_param", {})
+        self.settings = Settings({})
         self.time = -1
         self.referee: set[tuple[int, str]] = set()
-        self.thinking_since = self._last_arrival = 0.0
+        self.thinking_since = 0.0
         self._state_text = ""
         self.synch = False
         self.full_state = True
@@ -108,12 +107,13 @@ class Link:
             raise
 
     def _check(self, kind: str, index: int, init: Init) -> None:
-        if init.side == (LEFT if kind == "keeper" else RIGHT) and init.number != index + 1:
-            raise ServerError(
-                f"on the rcssserver at {self.where} other clients are, or were, the {kind}s; "
-                "players that leave cannot be replaced, so restart the server"
-            )
-        if init.side != (LEFT if kind == "keeper" else RIGHT):
+        if init.side == (LEFT if kind == "keeper" else RIGHT):
+            if init.number != index + 1:
+                raise ServerError(
+                    f"on the rcssserver at {self.where} other clients are, or were, the {kind}s; "
+                    "players that leave cannot be replaced, so restart the server"
+                )
+        else:
             raise ServerError(
                 f"on the rcssserver at {self.where} the {kind}s are the wrong team: another "
                 "team connected first, and the first are the keepers; restart the server and "
@@ -139,12 +139,11 @@ class Link:
         teams = {server.team: LEFT, server.taker_team: RIGHT}
         decay = self.settings.number("ball_decay", 0.94)
         speed_max = self.settings.number("ball_speed_max", 3.0)
-        for name, client in self.clients.items():
+        for client in self.clients.values():
             init = client.connection.init
             if self.full_state and (server.percepts == FULL_STATE or init.side == RIGHT):
                 continue
-            me = init.side, init.number
-            self.clients[name].sighting = Sighting(me, teams, decay, speed_max)
+            client.sighting = Sighting((init.side, init.number), teams, decay, speed_max)
             # Otherwise it would see in two cycles of three, at a wider angle.
             client.connection.send("(synch_see)", "(change_view narrow high)")
 
@@ -178,7 +177,6 @@ class Link:
         for connection in readable(by_connection, seconds):
             client = by_connection[connection]
             for text in connection.receive():
-                self._last_arrival = time.monotonic()
                 self._take(client, text)
 
     def _take(self, client: Client, text: str) -> None:
@@ -187,28 +185,26 @@ class Link:
             return
         if text.startswith("(see ") and client.sighting is None:
             return
-        message = client.connection.parse(text)
-        if isinstance(message, Think):
-            client.thinking = True
-            self.thinking_since = self._last_arrival
-        elif isinstance(message, SenseBody):
-            client.told = True
-            client.time = message.time
-            self.time = max(self.time, message.time)
-            if client.sighting is not None:
-                client.sighting.feel(message)
-        elif isinstance(message, See):
-            if client.sighting is not None:
+        match message := parsed(text):
+            case Think():
+                client.thinking = True
+                self.thinking_since = time.monotonic()
+            case SenseBody():
+                client.told = True
+                client.time = message.time
+                self.time = max(self.time, message.time)
+                if client.sighting is not None:
+                    client.sighting.feel(message)
+            case See() if client.sighting is not None:
                 client.sighting.see(message)
-        elif isinstance(message, Hear):
-            if message.sender == REFEREE:
+            case Hear(sender=sender) if sender == REFEREE:
                 self.referee.add((message.time, message.text))
                 if message.text != EPISODE_OVER:
                     self.mode = message.text
-            elif message.team == OUR:
+            case Hear(team=team) if team == OUR:
                 client.heard.append(message.text)
-        elif isinstance(message, Parameters) and message.kind == "server_param":
-            self.settings = message
+            case Settings():
+                self.settings = message
 
     def state(self) -> FullState | None:
         """Return the newest full state; None if none has arrived since `forget`.
@@ -218,10 +214,7 @@ class Link:
         if not self.full_state:
             eyes = (c.sighting for c in self.clients.values() if c.sighting is not None)
             return together(eyes, self.mode)
-        try:
-            message = parse_message(self._state_text) if self._state_text else None
-        except ProtocolError:
-            return None
+        message = parsed(self._state_text)
         return message if isinstance(message, FullState) else None
 
     def forget(self) -> None:
@@ -242,11 +235,7 @@ class Link:
         """
         for name, client in self.clients.items():
             client.thinking = False
-            client.connection.send(*commands.get(name, ()), *self._done)
-
-    @property
-    def _done(self) -> tuple[str, ...]:
-        return ("(done)",) if self.synch else ()
+            client.connection.send(*commands.get(name, ()), *["(done)"] * self.synch)
 
     @property
     def complete(self) -> bool:
@@ -260,13 +249,6 @@ class Link:
             c.told and c.time == self.time and (c.sighting is None or c.sighting.time == self.time)
             for c in clients
         )
-
-    @property
-    def _incomplete(self) -> bool:
-        """Whether some of our players can already act in a new cycle."""
-        if self.synch:
-            return any(client.thinking for client in self.clients.values())
-        return any(client.told for client in self.clients.values())
 
     def await_cycle(self) -> None:
         """Wait until our players can act in the next cycle; datagrams may be lost.
@@ -284,7 +266,7 @@ class Link:
                     f"the rcssserver at {self.where} has been silent for {GONE_SECONDS:g} s; "
                     "start it again"
                 )
-            if self._incomplete:
+            if any(c.thinking if self.synch else c.told for c in self.clients.values()):
                 some_since = some_since or now
                 if now - some_since > straggler:
                     return  # the others' messages were lost

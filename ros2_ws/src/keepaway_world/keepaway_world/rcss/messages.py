@@ -1,4 +1,4 @@
-"""rcssserver's messages to its clients, as data; protocol version 15.
+"""rcssserver's messages to its clients as data, and its commands as text; protocol version 15.
 
 All values are the server's own: y points down, angles are in degrees, clockwise, speeds are per
 cycle. `keepaway_world.rcss.field` converts them to ours.
@@ -7,11 +7,12 @@ cycle. `keepaway_world.rcss.field` converts them to ours.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TypeAlias
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
-from keepaway_world.rcss.sexpr import Expression, ProtocolError, excerpt
+from keepaway_world.action import Order
 
 LEFT, RIGHT = "l", "r"
 REFEREE, SELF, OUR = "referee", "self", "our"
@@ -19,44 +20,36 @@ BEFORE_KICK_OFF, PLAYING = "before_kick_off", "play_on"
 EPISODE_OVER = "training Keepaway 1"
 """The referee's message when an episode has ended and the next one has been set up."""
 
+Expression: TypeAlias = "str | list[Expression]"
+"""An atom or a list. Numbers stay text; quoted texts lose their quotes."""
 
-def number_of(atom: Expression) -> float:
-    """Return an atom as a finite number.
+_TOKEN = re.compile(r'[()]|"[^"]*"|[^\s()"]+|"')
 
-    Raises:
-        ProtocolError: if it is not one.
-    """
-    try:
-        value = float(atom)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        raise ProtocolError(f"{excerpt(str(atom))} is not a number") from None
-    if not math.isfinite(value):
-        raise ProtocolError(f"{atom} is not finite")
-    return value
+
+class ProtocolError(ValueError):
+    """A message that is not rcssserver's; the text says what is wrong with it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Init:
     """The answer to ``(init ...)``; ``side`` is "" and ``number`` 0 for a trainer."""
 
-    side: str
-    number: int
-    mode: str
+    side: str = ""
+    number: int = 0
+    mode: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """An ``(error ...)`` or a ``(warning ...)``."""
+    """An ``(error ...)``."""
 
-    kind: str
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
-class Parameters:
-    """``server_param``, ``player_param`` or ``player_type``: settings by name."""
+class Settings:
+    """The ``server_param``, by name."""
 
-    kind: str
     values: Mapping[str, str]
 
     def number(self, name: str, otherwise: float) -> float:
@@ -65,7 +58,7 @@ class Parameters:
         Raises:
             ProtocolError: if it is not a number.
         """
-        return number_of(self.values[name]) if name in self.values else otherwise
+        return _number(self.values[name]) if name in self.values else otherwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +126,6 @@ class Hear:
     sender: str
     text: str
     team: str = ""
-    number: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,14 +140,216 @@ class Ok:
     command: str
 
 
-@dataclass(frozen=True, slots=True)
-class Other:
-    """A message of another kind, which is not used here."""
-
-    kind: str
-    parts: Sequence[Expression] = field(default=(), repr=False)
+Message: TypeAlias = Init | Refusal | Settings | SenseBody | FullState | See | Hear | Think | Ok
 
 
-Message: TypeAlias = (
-    Init | Refusal | Parameters | SenseBody | FullState | See | Hear | Think | Ok | Other
-)
+# -- reading --------------------------------------------------------------------------------------
+
+
+def decode(datagram: bytes) -> str:
+    """Return the text of a datagram without its trailing NULs and line ends.
+
+    Raises:
+        ProtocolError: if it is not ASCII.
+    """
+    try:
+        return datagram.rstrip(b"\0\r\n").decode("ascii")
+    except UnicodeDecodeError:
+        shown = _excerpt(datagram.decode("latin-1"))
+        raise ProtocolError(f"not a message of rcssserver, which speaks ASCII: {shown}") from None
+
+
+def parse_message(text: str) -> Message | None:
+    """Return a message of the server as data; None if its kind is not used here.
+
+    Raises:
+        ProtocolError: if it is not one, or lacks a part.
+    """
+    kind, *parts = parse(text) or [""]
+    if not isinstance(kind, str) or not kind:
+        raise ProtocolError(f"a message without a name: {_excerpt(text)}")
+    if kind not in _READERS:
+        return None
+    try:
+        return _READERS[kind](*parts)
+    except (LookupError, TypeError, ValueError) as error:
+        raise ProtocolError(
+            f"not a {kind} message of protocol version 15 ({error}): {_excerpt(text)}"
+        ) from None
+
+
+def parse(text: str) -> list[Expression]:
+    """Return a message, an S-expression such as ``(hear 41 1 our 3 "p1")``, as a list.
+
+    Raises:
+        ProtocolError: if it is not exactly one list, is unbalanced, or has an open quote.
+    """
+    outermost: list[Expression] = []
+    open_lists = [outermost]
+    for match in _TOKEN.finditer(text):
+        token = match.group()
+        if len(open_lists) == 1 and (outermost or token != "("):
+            what = "is followed by something" if outermost else "does not begin with '('"
+            raise ProtocolError(f"a message {what}: {_excerpt(text)}")
+        if token == "(":
+            inner: list[Expression] = []
+            open_lists[-1].append(inner)
+            open_lists.append(inner)
+        elif token == ")":
+            open_lists.pop()
+        elif token == '"':
+            raise ProtocolError(f"a quote is not closed: {_excerpt(text)}")
+        else:
+            open_lists[-1].append(token[1:-1] if token[0] == '"' else token)
+    if len(open_lists) > 1 or not outermost:
+        raise ProtocolError(f"a message is not closed, or empty: {_excerpt(text)}")
+    message = outermost[0]
+    assert isinstance(message, list)  # it began with a parenthesis
+    return message
+
+
+def _excerpt(text: str, length: int = 60) -> str:
+    """Return the printable beginning of a message, for an error's text."""
+    return repr(text if len(text) <= length else text[: length - 3] + "...")
+
+
+def _number(atom: Any) -> float:
+    word = _word(atom)
+    try:
+        value = float(word)
+    except ValueError:
+        raise ProtocolError(f"{_excerpt(word)} is not a number") from None
+    if not math.isfinite(value):
+        raise ProtocolError(f"{value} is not finite")
+    return value
+
+
+def _whole(atom: Any) -> int:
+    value = _number(atom)
+    if not value.is_integer():
+        raise ProtocolError(f"{value} is not a whole number")
+    return int(value)
+
+
+def _word(atom: Any) -> str:
+    if not isinstance(atom, str):
+        raise ProtocolError("a list where a word should be")
+    return atom
+
+
+def _list(part: Any) -> list[Any]:
+    if not isinstance(part, list):
+        raise ProtocolError(f"{part} where a list should be")
+    return part
+
+
+def _side(atom: Any) -> str:
+    if atom not in (LEFT, RIGHT):
+        raise ProtocolError("no such side")
+    return str(atom)
+
+
+def _init(*e: Any) -> Init:
+    return Init() if e == ("ok",) else Init(_side(e[0]), _whole(e[1]), _word(e[2]))
+
+
+def _settings(*e: Any) -> Settings:
+    return Settings({_word(name): _word(value) for name, value, *_ in map(_list, e)})
+
+
+def _sense_body(time: Any, *e: Any) -> SenseBody:
+    parts = {_word(name): values for name, *values in map(_list, e)}
+    speed, neck, kicks = parts["speed"], parts["head_angle"], parts["kick"]
+    forward, direction, turned = map(_number, (*speed[:2], neck[0]))
+    return SenseBody(_whole(time), forward, direction, turned, _whole(kicks[0]))
+
+
+def _full_state(time: Any, *e: Any) -> FullState:
+    mode, ball, players = "", None, []
+    for part in e:
+        match part:
+            case ["pmode", str(name)]:
+                mode = name
+            case [["b"], x, y, vx, vy, *_]:
+                ball = (_number(x), _number(y), _number(vx), _number(vy))
+            case [["p", side, number, *_], x, y, vx, vy, body, *rest]:
+                x, y, vx, vy, body = map(_number, (x, y, vx, vy, body))
+                kicked = "k" in rest
+                player = PlayerState(_side(side), _whole(number), x, y, vx, vy, body, kicked)
+                players.append(player)
+            case [["b" | "p", *_], *_]:
+                raise ProtocolError("a part is missing")
+    if ball is None or not mode:
+        raise ProtocolError("no ball or mode of play")
+    return FullState(_whole(time), mode, ball, tuple(players))
+
+
+def _see(time: Any, *e: Any) -> See:
+    objects = []
+    for name, *values in map(_list, e):
+        figures = [_number(value) for value in values if value not in ("k", "t", "f")]
+        if len(figures) == 1:
+            figures.insert(0, math.nan)
+        used = figures[: 4 if len(figures) >= 4 else 2]
+        objects.append(SeenObject(tuple(map(_word, _list(name))), *used))
+    return See(_whole(time), tuple(objects))
+
+
+def _hear(time: Any, sender: Any, *e: Any) -> Hear:
+    if sender in (REFEREE, SELF) or "coach" in sender:
+        return Hear(_whole(time), sender, " ".join(map(_word, e)))
+    _number(sender)  # the direction in which an ordinary player was heard
+    return Hear(_whole(time), sender, _word(e[-1]), _word(e[0]))
+
+
+_READERS: Mapping[str, Callable[..., Message]] = {
+    "init": _init,
+    "error": lambda *e: Refusal(" ".join(map(_word, e))),
+    "server_param": _settings,
+    "sense_body": _sense_body,
+    "fullstate": _full_state,
+    "see": _see,
+    "hear": _hear,
+    "think": lambda: Think(),
+    "ok": lambda *e: Ok(_word(e[0])),
+}
+
+
+# -- commands -------------------------------------------------------------------------------------
+
+_SAYABLE = re.compile(r"[0-9A-Za-z().+*/?<>_ -]+")
+"""Pattern of the messages that the server accepts."""
+
+
+def command_of(order: Order) -> tuple[str, ...]:
+    """Return the command for an order, if it is one: radians to degrees, y up to y down."""
+    kind, amount, direction = order
+    if kind == "dash":
+        return (f"(dash {_within(amount, -100.0, 100.0):.4f})",)
+    if kind == "turn":
+        return (f"(turn {_degrees(amount):.4f})",)
+    if kind == "kick":
+        return (f"(kick {_within(amount, 0.0, 100.0):.4f} {_degrees(direction):.4f})",)
+    return ()
+
+
+def say(message: str) -> str:
+    """Return the command to say something.
+
+    Raises:
+        ValueError: if the server would not transmit it.
+    """
+    if not _SAYABLE.fullmatch(message):
+        raise ValueError(
+            f"cannot say {message!r}: on an rcssserver a message is made of letters, digits, "
+            "spaces and ( ) . + - * / ? < > _; it is not heard"
+        )
+    return f'(say "{message}")'
+
+
+def _within(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)
+
+
+def _degrees(angle: float) -> float:
+    return -math.degrees(_within(angle, -math.pi, math.pi))

@@ -18,7 +18,7 @@ from rclpy.node import Node
 
 from hitab_ros import Loop, Spinner, run
 from hitab_world import run_world
-from hitab_world.figures import declare_all_figures
+from hitab_world.figures import declare_figures
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.rcss.rcss_world import RcssWorld
 from keepaway_world.rcss.server_settings import ServerSettings
@@ -30,7 +30,7 @@ def make_world(node: Node, seed: int) -> RcssWorld:
     Raises:
         HitabError: if a parameter is invalid.
     """
-    server, parameters = declare_all_figures(node, ServerSettings, KeepawayParameters)
+    server, parameters = declare_figures(node, ServerSettings, KeepawayParameters)
     return RcssWorld(server, parameters, seed)
 
 

@@ -15,15 +15,15 @@ from typing import Any
 from hitab_core import world_seed
 from hitab_world import LOOK, RESTART, Action, Entity, EpisodeResult, Placement, Sensed, WorldError
 from keepaway_world import referee
+from keepaway_world.action import orders_of
+from keepaway_world.arranging import Place, entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.rcss import sentences
-from keepaway_world.rcss.commands import command_of_order, commands_of
-from keepaway_world.rcss.connection import NoAnswer, ServerError
-from keepaway_world.rcss.field import Place, parameters_of, placed
+from keepaway_world.rcss.connection import NoAnswer, ServerError, kick_off
+from keepaway_world.rcss.field import parameters_of
 from keepaway_world.rcss.game import Game, Turn
-from keepaway_world.rcss.kick_off import kick_off
 from keepaway_world.rcss.link import Link
-from keepaway_world.rcss.messages import BEFORE_KICK_OFF, PLAYING
+from keepaway_world.rcss.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
 from keepaway_world.rcss.server_settings import SEE, ServerSettings
 from keepaway_world.rcss.trainer import Trainer
 from keepaway_world.takers import TakerTeam
@@ -81,7 +81,7 @@ class RcssWorld:
         """Clear everything known about the field."""
         self.size = self.parameters.width, self.parameters.height
         self._game = Game(self.parameters, self.agents, by_sight=self.server.percepts == SEE)
-        self._takers = TakerTeam(self.parameters)
+        self._takers = TakerTeam(self._game.field.physics)
         self._said: dict[str, str] = {}
         self._result: EpisodeResult | None = None
         self._held: dict[str, Place] = {}
@@ -139,7 +139,7 @@ class RcssWorld:
     def _set_up(self) -> None:
         """Make the trainer place everything as the referee would, drawn from our seed."""
         referee.set_up(self._game.field.physics, Random(world_seed(self.seed, self.episode)))
-        self._move(self._game.field.places())
+        self._move(places_of(self._game.field.physics))
         self._game.begin()
 
     def _move(self, places: Mapping[str, Place]) -> None:
@@ -160,10 +160,7 @@ class RcssWorld:
 
     def result(self) -> EpisodeResult:
         """Return the result of the current episode so far; its measure is the number of passes."""
-        return self._result or self._result_with(self._game.passes)
-
-    def _result_with(self, passes: int) -> EpisodeResult:
-        return EpisodeResult.of(self, {"passes": float(passes)})
+        return self._result or EpisodeResult.of(self, {"passes": float(self._game.passes)})
 
     # -- cycles -----------------------------------------------------------------------------
 
@@ -191,21 +188,26 @@ class RcssWorld:
         refused: dict[str, str] = {}
         self.refused = refused
         self._held = {}
-        given, self._said = commands_of(actions, self.agents, self.parameters, refused)
-        self._exchange(given | self._takers_commands())
+        self._said = {}
+        given = self._takers_commands()
+        orders = orders_of(actions, self.agents, self.parameters.say_length, refused)
+        for name, order, message in orders:
+            given[name] = command_of(order)
+            try:
+                if message:
+                    given[name] += (say(message),)
+                    self._said[name] = message
+            except ValueError as error:
+                refused[name] = f"{name}: {error}"
+        self._exchange(given)
         return self.ended or None
 
-    def _takers_commands(self) -> dict[str, list[str]]:
-        if not self.server.our_takers:
-            return {}
-        physics = self._game.field.physics
-        orders = self._takers.decide(physics)
-        return {
-            taker.name: [command_of_order(order)]
-            for taker, order in zip(physics.takers, orders, strict=True)
-        }
+    def _takers_commands(self) -> dict[str, tuple[str, ...]]:
+        takers = self._game.field.physics.takers if self.server.our_takers else []
+        orders = self._takers.decide() if takers else []
+        return {taker.name: command_of(order) for taker, order in zip(takers, orders, strict=True)}
 
-    def _exchange(self, given: Mapping[str, list[str]]) -> bool:
+    def _exchange(self, given: Mapping[str, tuple[str, ...]]) -> bool:
         """Send commands and take in the next cycle; return whether an episode began with it."""
         assert self._link is not None
         try:
@@ -227,7 +229,7 @@ class RcssWorld:
             self.episode_cycle = turn.episode_cycle
             self.ended = turn.ended
             if turn.ended:
-                self._result = self._result_with(turn.passes)
+                self._result = EpisodeResult.of(self, {"passes": float(turn.passes)})
         self._see_to_waiting(turn)
         return turn.began
 
@@ -236,8 +238,11 @@ class RcssWorld:
         missing = "" if turn.state is None else self._game.field.missing(turn.state)
         if self._game.mode == BEFORE_KICK_OFF:
             self.waiting = missing or sentences.BEFORE_PLAY.format(self.server.where)
-            if self.server.kick_off and turn.state is not None and not missing:
-                self._kick_off()
+            now = time.monotonic()
+            ready = self.server.kick_off and turn.state is not None and not missing
+            if ready and now >= self._next_try:
+                self._next_try = now + RETRY_SECONDS
+                kick_off(self.server.host, self.server.port)
         elif self._game.mode != PLAYING:
             self.waiting = sentences.STOPPED.format(self.server.where, self._game.mode)
         elif missing:
@@ -246,12 +251,6 @@ class RcssWorld:
             self.waiting = ""
         elif self.waiting:
             self.waiting = sentences.PLAYING_ON.format(self.server.where)
-
-    def _kick_off(self) -> None:
-        now = time.monotonic()
-        if now >= self._next_try:
-            self._next_try = now + RETRY_SECONDS
-            kick_off(self.server.host, self.server.port)
 
     # -- a server does not wait -------------------------------------------------------------
 
@@ -274,7 +273,7 @@ class RcssWorld:
         """Let the server advance as little as possible, and put everything back."""
         link = self._link
         assert link is not None
-        self._held = self._held or self._game.field.places()
+        self._held = self._held or places_of(self._game.field.physics)
         try:
             link.poll()
         except ServerError as error:
@@ -329,7 +328,7 @@ class RcssWorld:
 
     def entities(self) -> list[Entity]:
         """Return the ball and the players as last reported by the server, in SI units."""
-        return self._game.field.entities(self._said)
+        return entities_of(self._game.field.physics, self._said)
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
         """Make the trainer put players or the ball somewhere else.

@@ -1,6 +1,7 @@
 """Interprets what the server lets one player see, or several together.
 
-All figures are the server's: m and m/cycle, y points down, degrees clockwise.
+All figures are the server's: m and m/cycle, y points down, degrees clockwise. Places and
+velocities are complex numbers.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TypeAlias
 
-from keepaway_world.rcss.landmarks import Point, Pose, locate
+from keepaway_world.rcss.landmarks import Pose, away, locate
 from keepaway_world.rcss.messages import FullState, PlayerState, See, SeenObject, SenseBody
 
 _LOST = 5.0  # m; an unnumbered player farther from a known player's last position is another one
@@ -32,35 +33,27 @@ class Sighting:
     Attributes:
         time: of the cycle in which it last saw something; -1: never.
         ball_seen_from: distance at which the ball was seen in this cycle; infinite if it was not.
-        kicked: whether it kicked in the last cycle.
     """
 
     def __init__(
         self, me: Who, teams: Mapping[str, str], ball_decay: float, ball_speed_max: float
     ) -> None:
-        self.me = me
         self.time = -1
         self.ball_seen_from = math.inf
-        self.kicked = False
-        self._teams = teams
-        self._decay = ball_decay
-        self._speed_max = ball_speed_max
-        self._kicks = -1
-        self._speed = 0.0, 0.0  # and in which direction off the neck
-        self._head = 0.0
+        self._me, self._teams = me, teams
+        self._decay, self._speed_max = ball_decay, ball_speed_max
+        self._body = SenseBody(-1, 0.0, 0.0, 0.0, -1)
+        self._kicked = False
         self._pose: Pose | None = None
-        self._velocity: Point = 0.0, 0.0
-        self._ball = 0.0, 0.0, 0.0, 0.0
-        self._players: dict[Who, Point] = {}
+        self._velocity = self._ball = self._ball_velocity = 0j
+        self._players: dict[Who, complex] = {}
 
     def feel(self, body: SenseBody) -> None:
         """Begin a cycle with what the player feels."""
-        self.kicked = 0 <= self._kicks < body.kicks
-        self._kicks = body.kicks
-        self._speed = body.speed, body.speed_direction
-        self._head = body.head_angle
-        x, y, vx, vy = self._ball
-        self._ball = x + vx, y + vy, vx * self._decay, vy * self._decay
+        self._kicked = 0 <= self._body.kicks < body.kicks
+        self._body = body
+        self._ball += self._ball_velocity
+        self._ball_velocity *= self._decay
         self.ball_seen_from = math.inf
 
     def see(self, see: See) -> None:
@@ -69,57 +62,45 @@ class Sighting:
         if pose is None:
             return
         self.time = see.time
-        self._pose = pose
-        amount, direction = self._speed
-        along = math.radians(pose[2] + direction)
-        self._velocity = amount * math.cos(along), amount * math.sin(along)
-        unknown: list[tuple[str, Point]] = []
+        self._pose = place, neck = pose
+        self._velocity = away(self._body.speed, neck + self._body.speed_direction)
+        unknown: list[tuple[str, complex]] = []
         known: set[Who] = set()
         for seen in see.objects:
             if math.isnan(seen.distance):
                 continue
+            there = place + away(seen.distance, neck + seen.direction)
             match seen.name:
                 case ("b",) | ("B",):
-                    self._see_ball(seen)
+                    self._see_ball(seen, there, neck)
                 case ("p", team, number, *_) if number.isdigit() and team in self._teams:
                     who = self._teams[team], int(number)
                     known.add(who)
-                    self._players[who] = self._place(seen)
+                    self._players[who] = there
                 case ("p", *rest) | ("P", *rest):
-                    side = self._teams.get(rest[0], "") if rest else ""
-                    unknown.append((side, self._place(seen)))
+                    unknown.append((self._teams.get(rest[0], "") if rest else "", there))
         self._recognise(unknown, known)
 
-    def _place(self, seen: SeenObject) -> Point:
-        assert self._pose is not None
-        x, y, neck = self._pose
-        angle = math.radians(neck + seen.direction)
-        return x + seen.distance * math.cos(angle), y + seen.distance * math.sin(angle)
-
-    def _see_ball(self, seen: SeenObject) -> None:
-        assert self._pose is not None
-        x, y = self._place(seen)
-        expected = self._ball
+    def _see_ball(self, seen: SeenObject, there: complex, neck: float) -> None:
         if math.isnan(seen.distance_change):
             # Its distance from the expected position is its extra speed.
-            vx = expected[2] + (x - expected[0]) * self._decay
-            vy = expected[3] + (y - expected[1]) * self._decay
+            velocity = self._ball_velocity + (there - self._ball) * self._decay
         else:
-            angle = math.radians(self._pose[2] + seen.direction)
-            across = seen.distance * math.radians(seen.direction_change)
-            c, s = math.cos(angle), math.sin(angle)
-            vx = self._velocity[0] + seen.distance_change * c - across * s
-            vy = self._velocity[1] + seen.distance_change * s + across * c
-        if math.hypot(vx, vy) > self._speed_max:  # it was placed there
-            vx = vy = 0.0
-        self._ball = x, y, vx, vy
+            turning = seen.distance * math.radians(seen.direction_change)
+            relative = complex(seen.distance_change, turning)
+            velocity = self._velocity + relative * away(1.0, neck + seen.direction)
+        # A ball that is too fast was placed there.
+        self._ball, self._ball_velocity = (
+            there,
+            0j if abs(velocity) > self._speed_max else velocity,
+        )
         self.ball_seen_from = seen.distance
 
-    def _recognise(self, unknown: Iterable[tuple[str, Point]], known: set[Who]) -> None:
+    def _recognise(self, unknown: Iterable[tuple[str, complex]], known: set[Who]) -> None:
         """Identify players with unreadable numbers by earlier positions."""
         for side, place in unknown:
             candidates = [
-                (math.dist(place, was), who)
+                (abs(place - was), who)
                 for who, was in self._players.items()
                 if who not in known and side in ("", who[0])
             ]
@@ -127,25 +108,22 @@ class Sighting:
                 known.add(nearest[1])
                 self._players[nearest[1]] = place
 
-    def myself(self) -> PlayerState | None:
-        """Return the player's own state; None if not known yet."""
+    def state(self, mode: str) -> FullState | None:
+        """Return the field as the player knows it, itself first; None if it is lost itself."""
         if self._pose is None:
             return None
-        x, y, neck = self._pose
-        side, number = self.me
-        return PlayerState(side, number, x, y, *self._velocity, neck - self._head, self.kicked)
+        place, neck = self._pose
+        turned = neck - self._body.head_angle
+        states = [PlayerState(*self._me, *_xy(place), *_xy(self._velocity), turned, self._kicked)]
+        for who, there in self._players.items():
+            if who != self._me:
+                states.append(PlayerState(*who, *_xy(there), 0.0, 0.0, 0.0))
+        ball = *_xy(self._ball), *_xy(self._ball_velocity)
+        return FullState(self.time, mode, ball, tuple(states))
 
-    def state(self, mode: str) -> FullState | None:
-        """Return the field as the player knows it; None if it does not know where it is."""
-        myself = self.myself()
-        if myself is None:
-            return None
-        others = (
-            PlayerState(*who, *place, 0.0, 0.0, 0.0)
-            for who, place in self._players.items()
-            if who != self.me
-        )
-        return FullState(self.time, mode, self._ball, (myself, *others))
+
+def _xy(value: complex) -> tuple[float, float]:
+    return value.real, value.imag
 
 
 def together(sightings: Iterable[Sighting], mode: str) -> FullState | None:

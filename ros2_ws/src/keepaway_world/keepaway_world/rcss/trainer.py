@@ -6,12 +6,17 @@ import math
 import time
 from collections.abc import Mapping
 
-from keepaway_world.rcss.connection import Connection, NoAnswer, ServerError, connect, readable
-from keepaway_world.rcss.field import Place
+from keepaway_world.arranging import Place
+from keepaway_world.rcss.connection import (
+    ANSWER_SECONDS,
+    NoAnswer,
+    ServerError,
+    connect,
+    parsed,
+    readable,
+)
 from keepaway_world.rcss.messages import Ok, Refusal
 from keepaway_world.rcss.server_settings import ServerSettings
-
-ANSWER_SECONDS = 0.5
 
 
 class Trainer:
@@ -27,6 +32,7 @@ class Trainer:
     def __init__(self, server: ServerSettings) -> None:
         self._connection = connect(server.host, server.trainer_port)
         self._teams = {"keeper": server.team, "taker": server.taker_team}
+        self.close = self._connection.close
 
     def put(self, places: Mapping[str, Place]) -> None:
         """Put the ball and players somewhere, by our names; wait until it is done.
@@ -36,33 +42,21 @@ class Trainer:
         """
         self._connection.receive()
         for name, (x, y, heading, vx, vy) in places.items():
-            angle = 0.0 if name == "ball" else -math.degrees(heading)
+            thing, angle = "(ball)", 0.0
+            if name != "ball":
+                kind, number = name.split("_")
+                thing, angle = f"(player {self._teams[kind]} {number})", -math.degrees(heading)
             self._connection.send(
-                f"(move {self._object(name)} {x:.6f} {-y:.6f} {angle:.6f} {vx:.6f} {-vy:.6f})"
+                f"(move {thing} {x:.6f} {-y:.6f} {angle:.6f} {vx:.6f} {-vy:.6f})"
             )
-        _await_oks(self._connection, len(places))
-
-    def _object(self, name: str) -> str:
-        if name == "ball":
-            return "(ball)"
-        kind, number = name.split("_")
-        return f"(player {self._teams[kind]} {number})"
-
-    def close(self) -> None:
-        """Leave the server."""
-        self._connection.close()
-
-
-def _await_oks(connection: Connection, count: int) -> None:
-    deadline = time.monotonic() + ANSWER_SECONDS
-    while count:
-        left = deadline - time.monotonic()
-        if left <= 0.0:
-            raise NoAnswer(f"the trainer's commands got no answer from {connection.where}")
-        readable([connection], left)
-        for text in connection.receive():
-            message = connection.parse(text)
-            if isinstance(message, Ok) and message.command == "move":
-                count -= 1
-            elif isinstance(message, Refusal) and message.kind == "error":
-                raise ServerError(f"the server refuses to move something: {message.reason}")
+        count, deadline = len(places), time.monotonic() + ANSWER_SECONDS
+        while count:
+            left = deadline - time.monotonic()
+            if left <= 0.0:
+                where = self._connection.where
+                raise NoAnswer(f"the trainer's commands got no answer from {where}")
+            readable([self._connection], left)
+            for message in map(parsed, self._connection.receive()):
+                count -= message == Ok("move")
+                if isinstance(message, Refusal):
+                    raise ServerError(f"the server refuses to move something: {message.reason}")

@@ -25,8 +25,8 @@ Library = Annotated[
 Keepers = Annotated[
     str,
     typer.Option(
-        help="trained; or, for comparison, UT Austin's, by their policy for the ball: "
-        "hand (hand-coded), rand (random) or hold."
+        help="trained; or others, for comparison: UT Austin's are called hand (hand-coded), "
+        "rand (random passes) and hold, and come with research/src/keepaway_research."
     ),
 ]
 Collisions = Annotated[
@@ -99,37 +99,28 @@ def evaluate(
       hitab keepaway evaluate --keepers hand --taker-speed 1.0 --set kick_noise=0
     """
     from hitab_client.shipped import shipped
-    from keepaway_world.verbs.evaluation import (
-        PACES,
-        RCSSSERVER,
-        TRAINED,
-        WORLDS,
-        evaluate_reference,
-    )
+    from keepaway_world.verbs.evaluation import PACES, RCSSSERVER, TRAINED, WORLDS
     from keepaway_world.verbs.evaluation import evaluate as play
+    from keepaway_world.verbs.evaluation import evaluate_offered as play_offered
 
-    _check_keepers(keepers)
-    if pace is None:
-        pace = "lockstep" if keepers == TRAINED else "inprocess"
-    if pace not in PACES:
-        raise typer.BadParameter(f'pace "{pace}" is not one of {", ".join(PACES)}')
-    if world not in WORLDS:
-        raise typer.BadParameter(f'world "{world}" is not one of {", ".join(WORLDS)}')
-    folder = library or shipped("libraries", "keepaway")
-    parameters = _game(taker_speed, collisions, parameter)
-    if kickable_margin is not None:
-        parameters["kickable_margin"] = kickable_margin
+    pace = pace or (PACES[0] if keepers == TRAINED else PACES[1])
+    for what, given, known in (("pace", pace, PACES), ("world", world, WORLDS)):
+        if given not in known:
+            raise typer.BadParameter(f'{what} "{given}" is not one of {", ".join(known)}')
     if keepers != TRAINED and (pace != "inprocess" or world == RCSSSERVER):
         raise typer.BadParameter(
             f"{keepers} keepers read the simulated field directly and have no node: they "
             "play in-process in the world keepaway; leave out --pace and --world"
         )
+    parameters = _game(taker_speed, collisions, parameter)
+    if kickable_margin is not None:
+        parameters["kickable_margin"] = kickable_margin
     if world == RCSSSERVER:
         parameters |= {"host": host, "port": port}
     with console.progress("evaluating", "episodes") as advance:
         if keepers == TRAINED:
             evaluation = play(
-                folder,
+                library or shipped("libraries", "keepaway"),
                 behavior=behavior,
                 episodes=episodes,
                 seed=seed,
@@ -139,7 +130,7 @@ def evaluate(
                 world=world,
             )
         else:
-            evaluation = evaluate_reference(
+            evaluation = play_offered(
                 keepers, episodes=episodes, seed=seed, parameters=parameters, advance=advance
             )
     figures = evaluation.to_json()
@@ -153,32 +144,19 @@ def evaluate(
     console.write_json(json, figures)
 
 
-def _check_keepers(keepers: str) -> None:
-    from keepaway_world.verbs.evaluation import KEEPERS
-
-    if keepers not in KEEPERS:
-        raise typer.BadParameter(f'keepers "{keepers}" are not one of {", ".join(KEEPERS)}')
-
-
 def _game(taker_speed: float, collisions: bool | None, texts: list[str] | None) -> dict[str, Any]:
-    """Return the parameters of a game that these options are about."""
-    parameters: dict[str, Any] = {"taker_speed": taker_speed, **_figures(texts or [])}
+    """Return the parameters of a game that these options are about; values as YAML reads them."""
+    from hitab_core.library.yaml_places import read_yaml
+
+    parameters: dict[str, Any] = {"taker_speed": taker_speed}
+    for text in texts or []:
+        name, _, value = text.partition("=")
+        if not (name and value):
+            raise typer.BadParameter(f'"{text}" is not NAME=VALUE, such as takers=3')
+        parameters[name] = read_yaml(value, "--parameter").value
     if collisions is not None:
         parameters |= {"ball_collides": collisions, "players_collide": collisions}
     return parameters
-
-
-def _figures(texts: list[str]) -> dict[str, Any]:
-    """Read ``NAME=VALUE`` options; values as YAML reads them."""
-    found: dict[str, Any] = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise typer.BadParameter(f'"{text}" is not NAME=VALUE, such as takers=3')
-        from hitab_core.library.yaml_places import read_yaml
-
-        found[name] = read_yaml(value, "--parameter").value
-    return found
 
 
 def summary(figures: dict[str, Any]) -> str:
@@ -247,16 +225,10 @@ def film(
       hitab keepaway film hand.webp --keepers hand --seed 3 --episode 7
     """
     from hitab_client.shipped import shipped
-    from keepaway_world.verbs.evaluation import (
-        TRAINED,
-        read_trained,
-        reference_game,
-        trained_game,
-    )
+    from keepaway_world.verbs.evaluation import TRAINED, offered_game, read_trained, trained_game
     from keepaway_world.verbs.field_film import check_film, draw_film
     from keepaway_world.verbs.field_film import film as play
 
-    _check_keepers(keepers)
     check_film(path)
     parameters = _game(taker_speed, collisions, parameter)
     with console.progress("filming", "pictures") as advance, contextlib.ExitStack() as stack:
@@ -264,7 +236,7 @@ def film(
             trained = read_trained(library or shipped("libraries", "keepaway"), behavior)
             world, players = stack.enter_context(trained_game(trained, parameters, seed))
         else:
-            world, players = reference_game(keepers, parameters, seed)
+            world, players = offered_game(keepers, parameters, seed)
         filmed = play(world, players, episode, begin, seconds)
         draw_film(filmed, *world.size, path, advance, pixels=pixels, speed=speed)
     how = f"; the episode ended: {filmed.ended}" if filmed.ended else ""

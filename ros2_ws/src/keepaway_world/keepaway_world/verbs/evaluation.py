@@ -1,4 +1,4 @@
-"""Plays episodes with trained or reference keepers and sums up how long they keep the ball.
+"""Plays episodes with trained or other keepers and sums up how long they keep the ball.
 
 In lockstep each keeper has its own process and uses DDS, as in training; in-process the same
 automata play the same episodes without ROS, many times faster.
@@ -10,7 +10,7 @@ import contextlib
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean, stdev
@@ -25,31 +25,19 @@ from hitab_bringup import (
     temporary_swarm,
     world_module,
 )
-from hitab_core import HitabError, LibraryError, Repertoire, has
+from hitab_core import LibraryError, Repertoire, has
 
 if TYPE_CHECKING:
     from hitab_client.console import Advance
-    from hitab_world import World
+    from hitab_world import EpisodeResult, World
     from hitab_world.inprocess import Player
     from keepaway_world.world import KeepawayWorld
 
 PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
-KEEPERS = (TRAINED, "hand", "rand", "hold")  # the others are reference policies
 KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
 PATIENCE_SECONDS = 30.0  # for a server to start to play
 CHUNK = 5  # episodes between progress updates, in-process
-
-
-@dataclass(frozen=True)
-class Played:
-    """The result of one episode."""
-
-    number: int
-    cycles: int
-    seconds: float
-    ended: str
-    passes: float
 
 
 @dataclass(frozen=True)
@@ -62,7 +50,7 @@ class Evaluation:
     pace: str
     seed: int
     parameters: Mapping[str, Any]
-    played: Sequence[Played]
+    played: Sequence[EpisodeResult]
     wall_s: float
     missed_deadlines: int = 0
     world: str = KEEPAWAY
@@ -75,7 +63,7 @@ class Evaluation:
         return {
             "episodes": len(self.played),
             "hold_time_s": mean_and_error([p.seconds for p in self.played]),
-            "passes": mean_and_error([p.passes for p in self.played]),
+            "passes": mean_and_error([p.measures.get("passes", 0.0) for p in self.played]),
             "ended": {"out": ended.pop("out", 0), "taken": ended.pop("taken", 0), **ended},
             "cycles": cycles,
             "wall_s": round(self.wall_s, 3),
@@ -168,54 +156,40 @@ def evaluate(
     )
 
 
-def evaluate_reference(
-    policy: str, *, episodes: int, seed: int, parameters: Mapping[str, Any], advance: Advance
+def evaluate_offered(
+    keepers: str, *, episodes: int, seed: int, parameters: Mapping[str, Any], advance: Advance
 ) -> Evaluation:
-    """Play episodes with reference keepers, in this process.
+    """Play episodes with keepers that a package offers, in this process.
 
     Args:
-        policy: for the ball: ``hand``, ``rand`` or ``hold``.
-        episodes: number of episodes.
-        seed: of the run; the same seed gives the same episodes.
+        keepers: their name; see `keepaway_world.players`.
+        episodes, seed, advance: as in `evaluate`.
         parameters: of the game; the defaults are those of the measurements on the real simulator:
             UT's takers and quantised sight.
-        advance: called with the number of episodes played.
     """
     began = time.monotonic()
-    world, players = reference_game(policy, parameters, seed)
+    world, players = offered_game(keepers, parameters, seed)
     played = _play_inprocess(world, players, episodes, advance)
-    return Evaluation(
-        "",
-        "",
-        "",
-        "inprocess",
-        seed,
-        world.parameters.as_dict(),
-        played,
-        time.monotonic() - began,
-        keepers=policy,
-    )
+    figures, wall = world.parameters.as_dict(), time.monotonic() - began
+    return Evaluation("", "", "", "inprocess", seed, figures, played, wall, keepers=keepers)
 
 
-def reference_game(
-    policy: str, parameters: Mapping[str, Any], seed: int
+def offered_game(
+    keepers: str, parameters: Mapping[str, Any], seed: int
 ) -> tuple[KeepawayWorld, Mapping[str, Player]]:
-    """Return a world in this process and reference keepers; see `evaluate_reference`.
+    """Return a world in this process, and the keepers of `evaluate_offered`.
 
     Raises:
         HitabError: if there is no such game.
     """
     from keepaway_world.parameters import variant
-    from keepaway_world.reference_keepers import reference_players
+    from keepaway_world.players import KEEPERS, offered
     from keepaway_world.world import KeepawayWorld
 
+    players = offered(KEEPERS, keepers)
     defaults = {"taker_policy": "reference", "sight": "quantised"}
-    try:
-        figures = variant("standard", **{**defaults, **parameters})
-    except ValueError as error:
-        raise HitabError(str(error)) from None
-    world = KeepawayWorld(figures, seed)
-    return world, reference_players(world, policy)
+    world = KeepawayWorld(variant("standard", **{**defaults, **parameters}), seed)
+    return world, players(world)
 
 
 @dataclass(frozen=True)
@@ -266,12 +240,14 @@ def trained_game(
 
 def play_lockstep(
     running: RunningSwarm, episodes: int, seed: int, advance: Advance
-) -> tuple[list[Played], float, int]:
+) -> tuple[list[EpisodeResult], float, int]:
     """Play episodes with a running swarm.
 
     Returns:
         The episodes, the elapsed seconds, and the number of late answers of agents.
     """
+    from hitab_world import EpisodeResult
+
     world = running.world
     began = time.monotonic()
     messages = world.play(
@@ -284,67 +260,36 @@ def play_lockstep(
     )
     missed = world.wait().missed_deadlines
     played = []
-    for message in messages:
-        measures = dict(zip(message.measure_names, message.measures, strict=True))
-        played.append(
-            Played(
-                message.number,
-                message.cycles,
-                message.seconds,
-                message.ended,
-                measures.get("passes", 0.0),
-            )
-        )
+    for m in messages:
+        measures = dict(zip(m.measure_names, m.measures, strict=True))
+        played.append(EpisodeResult(m.number, m.seed, m.cycles, m.seconds, m.ended, measures))
     return played, wall, missed
 
 
 @contextlib.contextmanager
 def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World]:
-    """Create a world in this process; report its refusals as user errors."""
-    from hitab_world import WorldError
+    """Create a world in this process."""
     from keepaway_world.parameters import KeepawayParameters
     from keepaway_world.rcss.rcss_world import RcssWorld
     from keepaway_world.rcss.server_settings import settings_from_dict
     from keepaway_world.world import KeepawayWorld
 
-    try:
-        if kind == RCSSSERVER:
-            server, figures = settings_from_dict(parameters)
-        else:
-            figures = KeepawayParameters.from_dict(parameters)
-    except ValueError as error:
-        raise HitabError(str(error)) from None
     if kind != RCSSSERVER:
-        yield KeepawayWorld(figures, seed)
+        yield KeepawayWorld(KeepawayParameters.from_dict(parameters), seed)
         return
+    server, figures = settings_from_dict(parameters)
     with contextlib.closing(RcssWorld(server, figures, seed, patience=PATIENCE_SECONDS)) as world:
-        try:
-            yield world
-        except WorldError as error:
-            raise HitabError(str(error)) from None
+        yield world
 
 
 def _play_inprocess(
-    world: World,
-    players: Mapping[str, Player],
-    episodes: int,
-    advance: Callable[[int, int, str], None],
-) -> list[Played]:
+    world: World, players: Mapping[str, Player], episodes: int, advance: Advance
+) -> list[EpisodeResult]:
     from hitab_world.inprocess import play
 
-    played: list[Played] = []
+    played: list[EpisodeResult] = []
     while len(played) < episodes:
         advance(len(played), episodes, "playing episodes")
-        some = min(CHUNK, episodes - len(played))
-        for result in play(world, players, some, first=len(played)):
-            played.append(
-                Played(
-                    result.number,
-                    result.cycles,
-                    result.seconds,
-                    result.ended,
-                    result.measures.get("passes", 0.0),
-                )
-            )
+        played += play(world, players, min(CHUNK, episodes - len(played)), first=len(played))
     advance(episodes, episodes, "")
     return played

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
 
 COLORS = {"keeper": "#1f5fb4", "taker": "#c43c2b", "ball": "#f5f5f0"}
 GRASS = "#5d9150"
-JUMP = 2.5  # m; a longer move in one cycle means that the thing was placed there
 
 
 def draw_field(
@@ -79,31 +79,22 @@ def _rectangle(left: float, low: float, **style: Any) -> Any:
 
 
 def _draw_path(axes: Axes, name: str, moments: Sequence[Sequence[Thing]]) -> None:
-    points: list[tuple[float, float]] = []
-    kind = ""
-    for moment in moments:
-        for thing in moment:
-            if thing.name != name:
-                continue
-            kind = thing.kind
-            if points and max(abs(thing.x - points[-1][0]), abs(thing.y - points[-1][1])) > JUMP:
-                points = []
-            points.append((thing.x, thing.y))
-    if len(points) > 1:
-        xs, ys = zip(*points, strict=True)
-        axes.plot(xs, ys, color=COLORS.get(kind, "#333333"), linewidth=1.2, alpha=0.6)
+    things = [thing for moment in moments for thing in moment if thing.name == name]
+    xs, ys = [thing.x for thing in things], [thing.y for thing in things]
+    axes.plot(xs, ys, color=_color(things[0]), linewidth=1.2, alpha=0.6)
+
+
+def _color(thing: Thing) -> str:
+    return COLORS.get(thing.kind, "#333333")
 
 
 def _draw_thing(axes: Axes, thing: Any) -> None:
-    import math
-
     from matplotlib.patches import Circle
 
-    color = COLORS.get(thing.kind, "#333333")
     # Drawn larger than life, to be visible.
     radius = max(2.0 * thing.radius, 0.22)
     axes.add_patch(
-        Circle((thing.x, thing.y), radius, facecolor=color, edgecolor="black", zorder=3)
+        Circle((thing.x, thing.y), radius, facecolor=_color(thing), edgecolor="black", zorder=3)
     )
     if thing.kind == "ball":
         return

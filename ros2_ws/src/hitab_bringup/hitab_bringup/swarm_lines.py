@@ -1,0 +1,245 @@
+"""The lines of a swarm file and their keys; `hitab_bringup.swarm_description` shows a file.
+
+    remap: {cmd_vel: /base/cmd_vel}     # names that the nodes of a line use: other names
+    parameters: {max_speed: 0.5}        # of the nodes
+    use_sim_time: true                  # the nodes' clock is the topic /clock
+    commanders:
+      captain: {kind: Company, commands: [scout_1, scout_2, corporal]}   # one, over all of these
+      corporal: {kind: Squad, commands: {scout: 1, carrier: 4}}          # as many as it takes
+    kinds:
+      Squad: {orders: ...}              # see hitab_commander.kind_reader
+      Company: company.yaml             # or a file that describes the kind
+    processes:
+      relay: {module: hitab_robots.velocity_relay, for: robot, parameters: {cmd_vel_timeout: 0.5}}
+      lidar: {command: ros2 run ldlidar node, namespace: robot_1, remap: {scan: front/scan}}
+      clock: {command: [my_clock, "10"]}
+
+Processes are started, restarted and stopped with the agents, and each has a log. ``for`` names a
+line of `agents:` and starts one for each of its agents, in the agent's namespace.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, Field, PlainValidator
+
+from hitab_bringup.swarm_description import AGENT, PACES, SIM_TIME
+from hitab_commander import KindRecord
+from hitab_core import NAME, NAME_RULE
+from hitab_core.library.yaml_models import (
+    NONE_IS_EMPTY,
+    Format,
+    MappingOr,
+    Record,
+    Texts,
+    among,
+)
+from hitab_core.library.yaml_places import kind_of
+from hitab_ros.names import WORLD
+
+RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
+SET = ("commander", "roles", "state_dir", "subordinates", "asks_position", "swarm", "world")
+"""Parameters of agents and worlds that a swarm sets by itself."""
+
+OWN_LINES = ("domain", "library", "behavior", "seed", "without", "role", SIM_TIME)
+"""Parameters of agents that a line has keys for."""
+
+_PART = r"[A-Za-z_][A-Za-z0-9_]*"
+_ROS_NAME = re.compile(rf"(~/|/)?{_PART}(/{_PART})*")
+
+
+def _name(text: str) -> str:
+    if NAME.match(text) is None:
+        raise ValueError(f'"{text}" is not a name; {NAME_RULE}')
+    return text
+
+
+def _free(text: str) -> str:
+    if text in RESERVED:
+        raise ValueError("an agent cannot be called this; rename it")
+    return text
+
+
+def _ros_name(text: str) -> str:
+    if text in ("__ns", "__node", "__name"):
+        raise ValueError(
+            "cannot be remapped, since the swarm finds its nodes by name; leave it out, or write "
+            "`namespace:`"
+        )
+    if _ROS_NAME.fullmatch(text.replace(AGENT, "agent")) is None:
+        raise ValueError(f'"{text}" is not a name in ROS, such as cmd_vel or /base/scan')
+    return text
+
+
+def _namespace(text: str) -> str:
+    return _ros_name(text.rstrip("/")) if text else ""
+
+
+def _own(lines: tuple[str, ...], taken: tuple[str, ...]) -> AfterValidator:
+    """Return a check that a parameter is neither set elsewhere nor by the swarm."""
+
+    def check(name: str) -> str:
+        if name in lines:
+            raise ValueError("has a line of its own; move it out of the parameters")
+        if name in taken:
+            raise ValueError("is set by the swarm itself; leave it out")
+        return name
+
+    return AfterValidator(check)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, list | dict) or value is None:
+        raise ValueError(f"must be a number, a text, true or false, not {kind_of(value)}")
+    return value
+
+
+def _leaves(value: Any) -> dict[str, Any]:
+    """Return the parameters in a value, by what they add to its name."""
+    if isinstance(value, dict):
+        inner = ((name, _leaves(part)) for name, part in value.items())
+        return {f".{name}{rest}": v for name, leaves in inner for rest, v in leaves.items()}
+    if isinstance(value, bool | int | float | str):
+        return {"": value}
+    kinds = {type(item) for item in value or ()}
+    if kinds == {int, float}:  # ROS has no lists of both
+        return {"": tuple(map(float, value))}
+    if len(kinds) != 1 or not kinds <= {bool, int, float, str}:
+        raise ValueError(
+            "must be a number, a text, true, false, or a list of equal kinds of these; leave it "
+            "out to have the node's own default"
+        )
+    return {"": tuple(value)}
+
+
+def _flat(found: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    return {f"{name}{rest}": v for name, leaves in found.items() for rest, v in leaves.items()}
+
+
+def _words(value: Any) -> tuple[str, ...]:
+    if isinstance(value, list) and all(isinstance(word, str) for word in value):
+        return tuple(value)
+    if not isinstance(value, str):
+        raise ValueError(f"must be a text or a list of texts, not {kind_of(value)}")
+    try:
+        return tuple(shlex.split(value))
+    except ValueError as error:
+        raise ValueError(f"{error}; write it as a list of words") from None
+
+
+def _no_clock(value: bool | None) -> bool | None:
+    if value:
+        raise ValueError(
+            "the world makes the clock and cannot wait for it; write it at the top of the file, "
+            "for all others"
+        )
+    return value
+
+
+Leaves = Annotated[dict[str, Any], PlainValidator(_leaves)]
+Name = Annotated[str, AfterValidator(_name)]
+AgentKey = Annotated[Name, AfterValidator(_free)]
+RosName = Annotated[str, AfterValidator(_ros_name)]
+Namespace = Annotated[str, AfterValidator(_namespace)]
+Seed = Annotated[int, Field(ge=0)]
+Count = Annotated[int, Field(ge=1)]
+FLAT = AfterValidator(_flat)
+Parameters = Annotated[dict[Annotated[str, _own(OWN_LINES, SET)], Leaves], NONE_IS_EMPTY, FLAT]
+
+
+class Nodes(Record):
+    """What any line says of its nodes in words of ROS."""
+
+    remap: Annotated[dict[RosName, RosName], NONE_IS_EMPTY] = Field(default_factory=dict)
+    use_sim_time: bool | None = None
+
+
+class WorldLine(Nodes):
+    """The world."""
+
+    use_sim_time: Annotated[bool | None, AfterValidator(_no_clock)] = None
+    kind: str
+    module: str = ""
+    pace: Annotated[str, among(PACES)] = "realtime"
+    factor: float = Field(default=1.0, gt=0.0)
+    seed: Seed = 1
+    paused: bool = False
+    parameters: Annotated[dict[str, Annotated[Any, AfterValidator(_plain)]], NONE_IS_EMPTY] = (
+        Field(default_factory=dict)
+    )
+    node_parameters: Annotated[
+        dict[Annotated[str, _own(("pace", "factor", "seed", "paused", SIM_TIME), SET)], Leaves],
+        NONE_IS_EMPTY,
+        FLAT,
+    ] = Field(default_factory=dict)
+
+
+class MemberSettings(Nodes):
+    """What agents and commanders have in common."""
+
+    library: str = ""
+    start_from: str = ""
+    behavior: str = ""
+    seed: Seed = 1
+    parameters: Parameters = Field(default_factory=dict)
+
+
+class AgentSettings(MemberSettings):
+    """What a file says of all its agents."""
+
+    domain: str = ""
+    without: Texts = ()
+
+
+class AgentLine(AgentSettings):
+    """One agent, or many."""
+
+    count: Count | None = None
+    per_process: Count | None = None
+    host: str = ""
+    role: str | None = None
+
+
+class CommanderLine(MemberSettings):
+    """One commander, or as many as it takes: then `commands` has counts."""
+
+    kind: str
+    commands: Annotated[dict[str, int] | tuple[str, ...], MappingOr(dict[str, Count], Texts)]
+    host: str = ""
+    role: str | None = None
+
+
+class ProcessLine(Nodes):
+    """One further process, or one for each agent of a line."""
+
+    module: str = ""
+    command: Annotated[tuple[str, ...], PlainValidator(_words)] = ()
+    arguments: Texts = ()
+    namespace: Namespace = ""
+    parameters: Annotated[
+        dict[Annotated[str, _own((SIM_TIME, "namespace"), ("swarm",))], Leaves],
+        NONE_IS_EMPTY,
+        FLAT,
+    ] = Field(default_factory=dict)
+    agents: str | None = Field(default=None, alias="for")
+
+
+class SwarmLines(AgentSettings):
+    """The whole file."""
+
+    format: Format = 1
+    swarm: Name = ""
+    namespace: Namespace = ""
+    world: WorldLine | None = None
+    agents: Annotated[dict[AgentKey, AgentLine], NONE_IS_EMPTY] = Field(default_factory=dict)
+    hosts: Count | None = None
+    kinds: Annotated[
+        dict[Name, Annotated[KindRecord | str, MappingOr(KindRecord, str)]], NONE_IS_EMPTY
+    ] = Field(default_factory=dict)
+    commanders: Annotated[dict[AgentKey, CommanderLine], NONE_IS_EMPTY] = Field(
+        default_factory=dict
+    )
+    processes: Annotated[dict[Name, ProcessLine], NONE_IS_EMPTY] = Field(default_factory=dict)

@@ -1,0 +1,92 @@
+"""One topic of a robot: what its newest message says, and how old it is."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from rclpy.qos import qos_profile_sensor_data
+from rclpy.serialization import deserialize_message
+
+from hitab_client import RosLink, SwarmError
+from hitab_client.recording import message_class
+from hitab_ros import qos
+from hitab_studio.robots.messages import (
+    BYTES_MAX,
+    Refused,
+    map_of,
+    odometry_of,
+    picture_of,
+    scan_of,
+)
+from hitab_studio.robots.topics import CAMERA, MAP, ODOMETRY, SCAN
+
+SILENT_SECONDS = 2.0
+"""After that, nobody knows where a robot is, and what it has scanned is not drawn any more."""
+
+READERS = {ODOMETRY: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
+
+
+class Reading:
+    """Keeps the newest message of a topic.
+
+    Attributes:
+        value: what it says; None: nothing, or it was refused.
+        trouble: why it was refused; "": it was not.
+    """
+
+    def __init__(self, link: RosLink, topic: str, kind: str) -> None:
+        """Listen from now on, unless the type is not installed."""
+        self.value: Any = None
+        self.trouble = ""
+        self._node = link.node
+        self._read = READERS.get(kind)
+        self._heard: float | None = None
+        self._new: bytes | None = None
+        self._subscription: Any = None
+        try:
+            self._class = message_class(kind)
+        except SwarmError as error:
+            self.trouble = str(error)
+            return
+        quality = qos.LATCHED if kind == MAP else qos_profile_sensor_data
+        self._subscription = link.node.create_subscription(
+            self._class, topic, self._take, quality, raw=True, temporary=True
+        )
+
+    def _take(self, data: bytes) -> None:
+        self._heard, self._new = time.monotonic(), data
+
+    def look(self) -> None:
+        """Read the newest message; of several that came since the last look, no other one."""
+        data, self._new = self._new, None
+        if data is None or self._read is None:
+            return
+        try:
+            self.value, self.trouble = self._read(self._message(data)), ""
+        except Refused as error:
+            self.value, self.trouble = None, str(error)
+
+    def _message(self, data: bytes) -> Any:
+        if len(data) > BYTES_MAX:
+            raise Refused(f"sends {len(data) / 1e6:.0f} MB in one message, too many to show")
+        try:
+            return deserialize_message(data, self._class)
+        except Exception as error:  # of the middleware, whichever it is
+            why = " ".join(str(error).split())[:100]
+            raise Refused(f"sends what is no {self._class.__name__}: {why}") from None
+
+    @property
+    def age(self) -> float | None:
+        """How long ago the last message came, s; None: none came."""
+        return None if self._heard is None else time.monotonic() - self._heard
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether what it said last does not hold any more."""
+        return self.age is None or self.age > SILENT_SECONDS
+
+    def close(self) -> None:
+        """Stop listening."""
+        if self._subscription is not None:
+            self._node.destroy_subscription(self._subscription)

@@ -1,0 +1,280 @@
+"""Watches the robots of a swarm without a world, while a page is open; in the link's thread."""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+from hitab_client import RosLink
+from hitab_core import natural
+from hitab_studio.robots.frames import Frames, Matrix, applied, in_plane
+from hitab_studio.robots.messages import SCANS, Grid, Placed
+from hitab_studio.robots.mounts import Mounts
+from hitab_studio.robots.reading import Reading
+from hitab_studio.robots.topics import (
+    CAMERA,
+    MAP,
+    Options,
+    RobotTopics,
+    map_topic,
+    robots_topics,
+)
+from hitab_studio.scene import Look, Scene
+
+LOOK_SECONDS = 0.1
+"""Between two looks: no page shows more."""
+
+MAP_FRAME = "map"  # as in REP 105
+TF_QUEUE = 200
+
+RADIUS = 0.2
+"""m; how large robots are drawn, since no message says how large they are."""
+
+STEP = 5.0
+"""m; the ground grows by so much at a time, lest the page move all the time."""
+
+LEAST = 2.0
+"""m; from a robot to the edge of the ground."""
+
+Place = tuple[float, float, float]
+"""x, y in m and heading in rad."""
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A sensor for people: its topic and type, the age of its last message, and what is wrong."""
+
+    topic: str
+    kind: str
+    age: str
+    trouble: str = ""
+
+
+@dataclass(frozen=True)
+class Robots:
+    """What is known of the robots at one moment.
+
+    Attributes:
+        scene: where they are; None: of none that is known.
+        lost: names of robots whose odometry is silent: they were there.
+        sensors: of each robot, by the name of its agent; with its camera and the map.
+        notes: what has to be known to read what is drawn of each.
+        layers: what pages draw beside the scene, each as it is sent: "scans", "map", and
+            "camera robot_1" for each camera.
+    """
+
+    scene: Scene | None = None
+    lost: frozenset[str] = frozenset()
+    sensors: Mapping[str, tuple[Sensor, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    layers: Mapping[str, bytes] = field(default_factory=lambda: MappingProxyType({}))
+
+
+class RobotWatch:
+    """Finds the robots' topics and listens to them.
+
+    Args:
+        link: the node to use.
+        options: what a person has chosen.
+    """
+
+    def __init__(self, link: RosLink, options: Options) -> None:
+        self._link = link
+        self._options = options
+        self._topics: dict[str, RobotTopics] = {}
+        self._map_topic = ""
+        self._readings: dict[str, Reading] = {}
+        self._mounts: dict[str, Mounts] = {}
+        self._frames = Frames()
+        self._tf: list[Any] = []
+        self._next_look = 0.0
+        self._known = Robots()
+
+    def find(self, agents: Collection[str], prefix: str) -> None:
+        """Find the topics that there are now.
+
+        A robot whose agent has ended has those that it had: one may look where it stands.
+        """
+        node = self._link.node
+        for agent, topics in robots_topics(node, agents, prefix, self._options).items():
+            if topics.node or agent not in self._topics:
+                self._topics[agent] = topics
+        self._map_topic = map_topic(node.get_topic_names_and_types(), self._options)
+
+    def look(self, agents: Collection[str], *, viewed: bool) -> Robots:
+        """Return what is known now.
+
+        Args:
+            agents: those whose cameras pages show.
+            viewed: whether a page is open; without one, nothing is listened to.
+        """
+        now = time.monotonic()
+        if not viewed:
+            self.close()
+        elif now >= self._next_look:
+            self._next_look = now + LOOK_SECONDS
+            self._listen(agents)
+            self._known = self._look()
+        return self._known
+
+    def close(self) -> None:
+        """Listen no more."""
+        for open_one in self._open():
+            open_one.close()
+        for subscription in self._tf:
+            self._link.node.destroy_subscription(subscription)
+        self._readings.clear()
+        self._mounts.clear()
+        self._tf.clear()
+
+    def _open(self) -> list[Reading | Mounts]:
+        return [*self._readings.values(), *self._mounts.values()]
+
+    def _listen(self, agents: Collection[str]) -> None:
+        """Listen to what pages show, and to nothing else."""
+        wanted = {self._map_topic: MAP}
+        for agent, robot in self._topics.items():
+            wanted |= robot.sensors
+            if agent in agents:
+                wanted[robot.camera] = CAMERA
+            if agent not in self._mounts and robot.node:
+                self._mounts[agent] = Mounts(self._link, robot.node, robot.scans)
+        wanted.pop("", None)
+        for topic in self._readings.keys() - wanted.keys():
+            self._readings.pop(topic).close()
+        for topic, kind in wanted.items():
+            if topic not in self._readings:
+                self._readings[topic] = Reading(self._link, topic, kind)
+        self._listen_to_tf()
+        for open_one in self._open():
+            open_one.look()
+
+    def _listen_to_tf(self) -> None:
+        """Listen to tf, if its messages are installed: they come with ROS 2 only."""
+        if self._tf:
+            return
+        try:
+            kind = import_module("tf2_msgs.msg").TFMessage
+        except ImportError:
+            return
+        kept = QoSProfile(depth=TF_QUEUE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        for topic, quality in (("/tf", QoSProfile(depth=TF_QUEUE)), ("/tf_static", kept)):
+            take = self._frames.take
+            self._tf.append(self._link.subscribe(kind, topic, take, quality, temporary=True))
+
+    # -- what is known ----------------------------------------------------------------------
+
+    def _value(self, topic: str) -> Any:
+        reading = self._readings.get(topic)
+        return None if reading is None else reading.value
+
+    def _look(self) -> Robots:
+        grid: Grid | None = self._value(self._map_topic)
+        fixed = grid.frame if grid is not None else MAP_FRAME
+        places: dict[str, Place] = {}
+        clouds: list[Matrix] = []
+        lost = set()
+        notes: dict[str, tuple[str, ...]] = {}
+        layers = {"map": grid.drawn} if grid is not None else {}
+        for agent, robot in self._topics.items():
+            told: list[str] = []
+            pose, base = self._pose(agent, fixed, told)
+            if pose is not None:
+                places[agent] = in_plane(pose)
+                clouds += self._clouds(agent, pose, base, told)
+            if robot.odometry in self._readings and self._readings[robot.odometry].is_silent:
+                lost.add(agent)
+            if (picture := self._value(robot.camera)) is not None:
+                layers[f"camera {agent}"] = picture
+            notes[agent] = tuple(told)
+        scan = np.concatenate([np.empty((0, 2)), *clouds])
+        layers["scans"] = struct.pack("<I", SCANS) + scan.astype("<f4").tobytes()
+        return Robots(
+            robot_scene(places, [*clouds, *([grid.corners] if grid is not None else [])]),
+            frozenset(lost),
+            MappingProxyType({agent: self._sensors(agent) for agent in self._topics}),
+            MappingProxyType(notes),
+            MappingProxyType(layers),
+        )
+
+    def _pose(self, agent: str, fixed: str, notes: list[str]) -> tuple[Matrix | None, str]:
+        """Return where a robot is, by its odometry or tf; None if unknown; and its own frame."""
+        placed: Placed | None = self._value(self._topics[agent].odometry)
+        if placed is None:
+            base = f"{agent}/base_link"
+            return self._frames.way(fixed, base), base
+        way = self._frames.way(fixed, placed.frame)
+        if way is not None:
+            return way @ placed.pose, placed.child
+        if len(self._topics) > 1 or self._value(self._map_topic) is not None:
+            notes.append(
+                f"Nobody says by tf where {placed.frame or 'the frame of its odometry'} lies in "
+                f"{fixed}: it is drawn as if both were the same."
+            )
+        return placed.pose, placed.child
+
+    def _clouds(self, agent: str, pose: Matrix, base: str, notes: list[str]) -> list[Matrix]:
+        """Return what a robot's scanners see, in the frame in which all is drawn."""
+        found = []
+        for topic in self._topics[agent].scans:
+            reading = self._readings[topic]
+            if reading.value is None or reading.is_silent:
+                continue
+            scan, mounts = reading.value, self._mounts.get(agent)
+            mount = self._frames.way(base, scan.frame)
+            if mount is None and mounts is not None:
+                mount = mounts.of.get(topic)
+            if mount is None:
+                mount = np.eye(4)
+                notes.append(
+                    f"Nobody says where {scan.frame or 'the scanner'} sits on the robot: {topic} "
+                    "is drawn as if it sat in the middle and faced ahead."
+                )
+            found.append(applied(pose @ mount, scan.points))
+        return found
+
+    def _sensors(self, agent: str) -> tuple[Sensor, ...]:
+        robot = self._topics[agent]
+        found = []
+        for topic, kind in {**robot.sensors, robot.camera: CAMERA, self._map_topic: MAP}.items():
+            reading = self._readings.get(topic)
+            if reading is not None:
+                age = "no message yet" if reading.age is None else f"{reading.age:.1f} s ago"
+                found.append(Sensor(topic, kind, age, reading.trouble))
+        return tuple(found)
+
+
+def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scene | None:
+    """Return the field with the robots; None: nobody knows where any is.
+
+    It has no cycles, so that no command is taken to mean a moment of a world.
+
+    Args:
+        places: of robots.
+        around: points that the field has to hold, too, m, each of shape (n, 2).
+    """
+    if not places:
+        return None
+    names = sorted(places, key=natural)
+    rows = np.array([(*places[name], 0.0, 0.0) for name in names], dtype=np.float64)
+    rows.setflags(write=False)
+    drawn = np.concatenate([rows[:, :2] - LEAST, rows[:, :2] + LEAST, *around])
+    low, high = np.floor(drawn.min(0) / STEP) * STEP, np.ceil(drawn.max(0) / STEP) * STEP
+    return Scene(
+        size=tuple((high - low).tolist()),
+        names=tuple(names),
+        kinds=("robot",) * len(names),
+        radii=(RADIUS,) * len(names),
+        places=rows,
+        looks=MappingProxyType({"robot": Look()}),
+        center=tuple(((low + high) / 2).tolist()),
+        real=True,
+    )

@@ -1,0 +1,59 @@
+"""Players that other packages offer: takers for the world, and keepers for comparison.
+
+Entry points of the group ``keepaway.takers`` are called with the world's `Physics` and return
+`Takers`. Those of ``keepaway.keepers`` are called with a `KeepawayWorld` in this process and
+return a `hitab_world.inprocess.Player` for each keeper, by name.
+"""
+
+from __future__ import annotations
+
+from importlib.metadata import entry_points
+from typing import Any, Protocol
+
+from hitab_core import has
+from hitab_world.parameters import ParameterError
+from keepaway_world.action import Order
+from keepaway_world.physics import Physics
+from keepaway_world.takers import TakerTeam
+
+TAKERS, KEEPERS = "keepaway.takers", "keepaway.keepers"
+INTERCEPT = "intercept"
+"""The takers of this package."""
+
+
+class Takers(Protocol):
+    """Decide for all takers of a world."""
+
+    def begin(self) -> None:
+        """Begin an episode."""
+
+    def decide(self) -> list[Order]:
+        """Return the order of each taker for this cycle; its dash power is already slowed."""
+
+
+def takers_of(physics: Physics) -> Takers:
+    """Return the takers that the world's parameters name.
+
+    Raises:
+        ParameterError: if no installed package offers them.
+    """
+    policy = physics.parameters.taker_policy
+    takers: Takers
+    takers = TakerTeam(physics) if policy == INTERCEPT else offered(TAKERS, policy)(physics)
+    return takers
+
+
+def offered(group: str, name: str) -> Any:
+    """Return what an installed package offers.
+
+    Raises:
+        ParameterError: if none offers this.
+    """
+    there = {point.name: point for point in entry_points(group=group)}
+    if name not in there:
+        known = [*there, *[INTERCEPT] * (group == TAKERS)]
+        raise ParameterError(
+            f'no installed package offers "{name}" as {group} {has(known, name)}; UT Austin\'s '
+            "players are in research/src/keepaway_research, which scripts/setup installs"
+        )
+    return there[name].load()
