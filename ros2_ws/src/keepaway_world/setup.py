@@ -32,7 +32,7 @@ setup(
         (f"share/{NAME}", ["LICENSE", "package.xml"]),
         *[entry for folder in DATA for entry in shipped(folder)],
     ],
-    install_requires=["setuptools", "matplotlib", "numpy", "pymunk", "rich", "typer"],
+    install_requires=["setuptools", "matplotlib", "pymunk", "rich", "typer"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={

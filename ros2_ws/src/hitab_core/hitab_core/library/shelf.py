@@ -36,9 +36,11 @@ class Shelf:
                 path = self.folder.file(name)
                 readable[name] = self.editions.read(self.folder.text(path), path.name)
             except LibraryError as error:
-                command = "hitab library accept "
-                there = shlex.quote(str(self.folder.path / file_name(name)))
-                unreadable[name] = str(error).replace(command + file_name(name), command + there)
+                told, there = file_name(name), str(self.folder.path / file_name(name))
+                # Whoever is told what to type is elsewhere.
+                unreadable[name] = str(error).replace(
+                    f" accept {told}", f" accept {shlex.quote(there)}"
+                )
         return self.contents_of(readable, unreadable)
 
     def contents_of(
