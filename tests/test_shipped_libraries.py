@@ -92,7 +92,7 @@ def figures(library: str, episodes: int, seed: int = 3, behavior: str = "Keepawa
     )
     played = done.played
     seconds = [one.seconds for one in played]
-    return sum(seconds) / episodes, sum(one.passes for one in played) / episodes
+    return sum(seconds) / episodes, sum(one.measures["passes"] for one in played) / episodes
 
 
 def test_trained_keepers_keep_the_ball_at_least_as_long_as_the_papers():
