@@ -3,16 +3,15 @@
 import os
 import signal
 
-from hitab_client.run_processes import process_states
+from waiting import pid_of
 
 AGENT = "keeper_1"
 FIRST = 1_000_000  # number of a command
 RESTART_SECONDS = 60
 
 
-def pid_of(swarm, name: str) -> int:
-    """Return the process of an agent, 0 while it has none."""
-    return next(state["pid"] for state in process_states(swarm.record) if state["name"] == name)
+def told(example):
+    return (example.number, example.state, example.next_state, example.kind, list(example.values))
 
 
 def test_no_acknowledged_example_is_lost_by_kill_9(keepers):

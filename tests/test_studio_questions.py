@@ -81,28 +81,6 @@ def test_who_corrects_is_offered_to_remove_the_mistake_that_caused_it(swarm, per
 
 
 @needs_browser
-def test_an_ambiguity_is_told_with_both_explanations_and_answered(swarm, person):
-    begin(person, "Unclear", "BallIsKickable", "DistanceTo(closest_taker)")
-    # Kickable, and no taker near: there it keeps standing, but shall it come to stand there?
-    for distance, taker, behavior, examples in (
-        (6.0, 4.0, "GoFast", 2),
-        (0.8, 5.0, "Stop", 4),
-        (0.8, 9.0, "Stop", 5),
-    ):
-        away_from_everybody(swarm, distance)
-        swarm.world.shown(swarm.world.place({"taker_1": {"x": taker, "y": 9.0 * (taker > 8)}}))
-        person.click(f"do-{behavior}")
-        person.sees("counts", f"{examples} examples")
-    person.sees("questions", "because BallIsKickable")
-    assert "because DistanceTo(closest_taker) > 6 m" in person.text("questions")
-    person.page.click('[data-test="questions"] button:has-text("GoFast")')
-    person.sees("counts", "6 examples")
-    person.does_not_see("questions")
-    function = swarm.agents.training(ONE).tree("GoFast")
-    assert "DistanceTo(closest_taker)" in str(function.rules(swarm.agents.training(ONE).features))
-
-
-@needs_browser
 def test_an_unsure_agent_says_why_and_does_what_was_chosen_for_that(swarm, person):
     begin(person, "Careful")
     for distance, behavior, examples in ((3.0, "GoFast", 2), (1.5, "Stop", 4)):

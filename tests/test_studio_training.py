@@ -21,14 +21,6 @@ def nothing_is_trained(swarm):
 
 
 @needs_browser
-def test_a_training_begun_by_mistake_is_left_by_esc(swarm, person):
-    begin(person, "Mistake")
-    person.page.keyboard.press("Escape")
-    person.sees("mode", "Idle")
-    person.sees("message", "discarded")
-
-
-@needs_browser
 def test_who_would_lose_examples_is_asked_once(swarm, person):
     away_from_everybody(swarm, 5.0)
     begin(person, "Dear")

@@ -7,20 +7,8 @@ import pytest
 from hitab_msgs.msg import WorldStatus
 
 from hitab_client.errors import SwarmError
-from hitab_client.lessons.lesson_file import parse_lesson
-from hitab_client.lessons.lesson_player import LessonPlayer
 from hitab_client.world_as_it_was import as_it_was
-from hitab_client.world_client import WorldClient
 from hitab_ros import qos
-
-LESSON = "lesson: Stand\nagent: keeper_1\nsteps:\n  - begin: Stand\n    features: [Done]\n"
-
-
-class Unlucky(WorldClient):
-    """The world, seen by a client that never sees it change."""
-
-    def shown(self, answer, seconds: float = 10.0):
-        raise SwarmError("the world did not show itself")
 
 
 @pytest.fixture
@@ -53,28 +41,6 @@ def changed(keepers, then: Callable[[], object]) -> None:
         world.control("pause")
         assert world.link.spin_until(lambda: world.status.mode == "paused", 10)
         then()
-
-
-def test_a_lesson_that_fails_before_its_first_step_leaves_the_world_as_it_was(running, tmp_path):
-    # The world was left in lockstep and paused if this failed before the first step.
-    lesson = parse_lesson(LESSON, tmp_path / "stand.yaml")
-    with pytest.raises(SwarmError, match="did not show itself"):
-        LessonPlayer(lesson, running.agents, Unlucky(running.link)).play()
-    assert is_as_it_was(running)
-
-
-@pytest.mark.parametrize(
-    ("then", "told"),
-    [
-        (lambda: signal.raise_signal(signal.SIGINT), KeyboardInterrupt),
-        (lambda: 1 / 0, ZeroDivisionError),
-    ],
-    ids=["Ctrl-C", "an error"],
-)
-def test_what_went_wrong_leaves_the_world_as_it_was_and_is_told(running, then, told):
-    with pytest.raises(told):
-        changed(running, then)
-    assert is_as_it_was(running)
 
 
 def test_ctrl_c_while_it_is_handed_back_is_obeyed_afterwards(running):
