@@ -141,7 +141,7 @@ class _Member(_Node):
     def __init__(self, agent: Agent, behavior: str, cycle_seconds: float) -> None:
         super().__init__(agent, behavior)
         self.body = self
-        self.tick, self.act = agent.tick, agent.act
+        self.tick, self.act = agent.tick, agent.body.act
         self._cycle_seconds = cycle_seconds
         self._cycle = 0
 

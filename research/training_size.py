@@ -53,7 +53,7 @@ def measure(size: int) -> dict[str, float]:
                 world.reset()
             keeper.sense(*world.percept("keeper_1"), cycle, cycle * world.cycle_seconds)
             keeper.tick()
-            world.step({"keeper_1": keeper.act()})
+            world.step({"keeper_1": keeper.body.act()})
             began = time.process_time()
             keeper.command(next(labels))
             session.asked.count(session.log)

@@ -48,7 +48,6 @@ from hitab_core.advice.proposals import Correction, ProposalKind
 from hitab_core.advice.unlearning import propose
 from hitab_core.domain import BOOLEAN_SCALE
 from hitab_core.learning import learn_transitions
-from hitab_core.library.behavior_file import scale_of
 from hitab_core.transition_function import Decide, Values
 from hitab_world.inprocess import AutomatonPlayer, perform, play
 from keepaway_world.parameters import PAPER
@@ -94,7 +93,7 @@ class Taught:
     def __init__(self, automaton: Automaton, examples: Sequence[Example], domain: Domain) -> None:
         self._automaton = automaton
         self.scales: list[Scale] = [
-            BOOLEAN_SCALE if feature.name in FLAGS else scale_of(feature, domain)
+            BOOLEAN_SCALE if feature.name in FLAGS else domain.scale_of(feature)
             for feature in automaton.features
         ]
         self.names = [str(feature) for feature in automaton.features]

@@ -130,8 +130,8 @@ WORLD_ERRORS = [
     (lambda w: w.place({"ball": {"x": float("inf")}}), "ball"),
     (lambda w: w.control("dance"), 'unknown action "dance"'),
     (lambda w: w.control("step", cycles=0), "step needs a number of cycles"),
-    (lambda w: w.control("pace", pace="slow"), 'unknown pace "slow"'),
-    (lambda w: w.control("pace", factor=float("inf")), "factor inf is out of range"),
+    (lambda w: w.control("pace", pace="slow"), "it must be one of: lockstep, realtime"),
+    (lambda w: w.control("pace", factor=float("inf")), "factor is inf; it must be finite"),
     (lambda w: w.snapshot("restore", "nothing"), 'no snapshot "nothing"'),
     (lambda w: w.snapshot("save"), "a snapshot needs a name"),
 ]

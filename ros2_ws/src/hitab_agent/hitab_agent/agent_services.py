@@ -304,7 +304,7 @@ class AgentServices:
                 )
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
-        response.digest = self._agent.library_digest
+        response.digest = self._agent.edition.digest
         known = quantity(len(response.behaviors), "trained behavior")
         return "; ".join((known, *self._agent.edition.losses.faults))
 

@@ -32,7 +32,7 @@ def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
             "active states": "/".join(agent.active_path),
             "cycle": agent.cycle,
             "domain": agent.domain.name,
-            "library": agent.library_digest,
+            "library": agent.edition.digest,
         }
         return f"{agent.mode}{behavior}", values
 

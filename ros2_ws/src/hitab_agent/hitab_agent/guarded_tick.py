@@ -55,7 +55,7 @@ class GuardedTick:
         agent = self._agent
         try:
             agent.tick()
-            action = _action(*agent.act())
+            action = _action(*agent.body.act())
         except Exception as error:
             self.fail(error)
             return NO_ACTION

@@ -18,7 +18,7 @@ from hitab_core import (
     quantity,
     to_be_saved,
 )
-from hitab_core.library import difference, scale_of
+from hitab_core.library import difference
 from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
 from hitab_ros.conversions import example_message, feature_message
@@ -146,7 +146,7 @@ def _fill_in(answer: srv.GetBehavior.Response, automaton: Automaton, domain: Dom
     answer.parameters = list(automaton.parameters)
     answer.states = list(automaton.labels)
     answer.features = [
-        feature_message(str(feature), domain.feature(feature.name), scale_of(feature, domain))
+        feature_message(str(feature), domain.feature(feature.name), domain.scale_of(feature))
         for feature in automaton.features
     ]
     answer.examples = [example_message(example) for example in automaton.examples]

@@ -73,7 +73,7 @@ class OfflineAgent:
             there = BehaviorLibrary(library, self._node.agent.domain)
             there.install({file.name: file.text for file in known.files})
             self._node.agent.reload()
-            found = self._node.agent.library_digest
+            found = self._node.agent.edition.digest
             if found != known.digest:
                 raise LibraryError(
                     f"the behaviors that {name} had when the recording began read differently "

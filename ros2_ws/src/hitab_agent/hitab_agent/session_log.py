@@ -80,6 +80,6 @@ class SessionLog:
         texts = self._node.agent.edition.texts
         return msg.Distribution(
             source=self._node.agent.name,
-            digest=self._node.agent.library_digest,
+            digest=self._node.agent.edition.digest,
             files=[msg.BehaviorFile(name=name, text=texts[name]) for name in sorted(texts)],
         )

@@ -152,7 +152,7 @@ class StatusPublisher:
         status.unsure_distance = agent.monitor.caution.distance
         status.cycle = agent.cycle
         status.perceived = agent.context.senses.perceived
-        status.library_digest = agent.library_digest
+        status.library_digest = agent.edition.digest
         faults = self.faults
         status.faults = faults
         note = session.note if session and agent.mode is Mode.TRAINING else ""

@@ -205,7 +205,7 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
         # As a process would that is started now.
         if BehaviorLibrary(agent.library.folder, DOMAIN).texts() != dict(low.files):
             wrong.append(f"{ack.agent}: not in its library")
-        if (agent.name, ack.sequence, agent.library_digest) not in statuses:
+        if (agent.name, ack.sequence, agent.edition.digest) not in statuses:
             wrong.append(f"{ack.agent}: not in its status")
         real(ack)
 

@@ -34,7 +34,7 @@ def test_one_who_records_gets_what_the_agent_knows_and_then_all_that_it_takes_in
         )
     process.until(lambda: len(told) == 2)
     said = dict(told)
-    assert said[session_topics.KNOWN].digest == one.agent.library_digest
+    assert said[session_topics.KNOWN].digest == one.agent.edition.digest
     assert said[session_topics.PERCEIVED].cycle == 2
 
     told.clear()

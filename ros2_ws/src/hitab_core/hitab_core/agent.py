@@ -131,14 +131,6 @@ class Agent:
         return self.context.repertoire
 
     @property
-    def library_digest(self) -> str:
-        """Digest of what this agent has learned, as far as it has loaded it.
-
-        Other agents in the process may have added to a shared library since.
-        """
-        return self.edition.digest
-
-    @property
     def faults(self) -> tuple[str, ...]:
         """What it has lost, each with the way out: behaviors, and an interrupted training."""
         damage = self.journal.damage
@@ -172,12 +164,6 @@ class Agent:
         """The flags that the top-level behavior has raised and that are still up."""
         running = self.running
         return frozenset() if running is None else frozenset(running.raised)
-
-    def lower_flags(self) -> None:
-        """Lower the flags of the top-level behavior, as a commander's new order does."""
-        running = self.running
-        if running is not None:
-            running.raised.clear()
 
     @property
     def running(self) -> Running | None:
@@ -258,11 +244,6 @@ class Agent:
         else:
             self.perform(None)
         return False
-
-    def act(self) -> tuple[Sequence[float], str]:
-        """Return what the body does now, and what it says."""
-        values, say = self.body.act()
-        return values, say
 
     # -- performing -------------------------------------------------------------------------
 

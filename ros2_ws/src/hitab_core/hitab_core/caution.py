@@ -137,7 +137,7 @@ class CautionMonitor:
         features, state = running.automaton.features, running.active
         rated = self._rated.get((id(function), state))
         if rated is None or rated[0] is not function:
-            scales = [context.repertoire.scale_of(use) for use in features]
+            scales = [context.repertoire.domain.scale_of(use) for use in features]
             evidence = Evidence.of(state, examples, scales, [str(use) for use in features])
             rated = function, Confidences(function, evidence)
             self._rated[id(function), state] = rated

@@ -179,7 +179,7 @@ class LearningAgent:
             )
         agent.tick()
         self._size = len(percept)  # not before: what it has not could be what is wrong with it
-        return tuple(map(float, agent.act()[0]))
+        return tuple(map(float, agent.body.act()[0]))
 
     def learn(self) -> Automaton:
         """Learn from the examples; what was learned decides from now on, beginning at Start.

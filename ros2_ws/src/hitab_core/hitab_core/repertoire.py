@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NoReturn
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
-from hitab_core.domain import BasicBehavior, Domain, Scale
+from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.use import Use
@@ -115,10 +115,6 @@ class Repertoire:
         behavior = self.domain.behaviors.get(use.name)
         return behavior is not None and behavior.stands_still
 
-    def scale_of(self, feature: Use) -> Scale:
-        """Return how the values of a feature compare."""
-        return self.domain.feature(feature.name).scale
-
     def check_state(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
         """Check that ``use`` can be a state of an automaton with these parameters.
 
@@ -142,14 +138,6 @@ class Repertoire:
         """
         self.get(use.name)
         self.check_state(use)
-
-    def check_feature(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
-        """Check that ``use`` can be a feature of an automaton with these parameters.
-
-        Raises:
-            VocabularyError: naming what is unknown or wrongly bound.
-        """
-        self.domain.check_feature(use, parameters)
 
     def check_new(self, automaton: Automaton) -> None:
         """Check an automaton, including its name, before training it.
@@ -186,7 +174,7 @@ class Repertoire:
             for state in automaton.states:
                 self.check_state(state, automaton.parameters)
             for feature in automaton.features:
-                self.check_feature(feature, automaton.parameters)
+                self.domain.check_feature(feature, automaton.parameters)
         except VocabularyError as error:
             raise VocabularyError(f'automaton "{automaton.name}": {error}') from None
 

@@ -62,7 +62,7 @@ def see(agent, x, cycle=1):
 def do(agent, x):
     see(agent, x)
     agent.tick()
-    return agent.act()[1]
+    return agent.body.act()[1]
 
 
 def teach_home(agent):

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import signal
@@ -21,6 +22,7 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.commit import COMMIT, commit
 from hitab_core.library.differences import difference
 from hitab_core.library.durable_files import locked
+from hitab_core.library.provenance import Provenance
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]
@@ -348,6 +350,23 @@ def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
     assert again(other).load().keys() == {"Approach", "Control", "Keepaway"}
     assert again(other).digest == library.digest
     assert not (other.folder / COMMIT).exists()
+
+
+def test_whoever_reads_is_told_if_an_interrupted_change_cannot_be_finished(
+    library: BehaviorLibrary, teach: Teach, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with library.change() as change:
+        change.save(teach("New", [], [("Start", [], "GoSlow")]), "tree", Provenance())
+        change.announce()
+
+    def read_only(*args: object) -> None:
+        raise OSError(errno.EROFS, "read-only")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("hitab_core.library.durable_files.os.replace", read_only)
+        with pytest.raises(LibraryError, match="the disk is read-only; copy it to a writable one"):
+            again(library).load()
+    assert "New" in again(library).load()
 
 
 def test_a_note_of_changes_that_leads_out_of_the_folder_is_refused(

@@ -80,7 +80,7 @@ def known(agent):
     """What an agent can do and is being taught, as far as it survives."""
     session = agent.session
     return (
-        agent.library_digest,
+        agent.edition.digest,
         {n: f.text for n, f in agent.edition.files.items()},
         sorted(agent.repertoire.automata),
         session and (session.curriculum, session.examples),

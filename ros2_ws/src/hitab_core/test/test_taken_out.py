@@ -70,7 +70,7 @@ def agent_of(domain: Domain, folder: Path, name: str = "ann") -> Agent:
 def does(agent: Agent, x: float = 0.0) -> str:
     agent.sense([x], [])
     agent.tick()
-    return agent.act()[1]
+    return agent.body.act()[1]
 
 
 def teach(agent: Agent) -> None:

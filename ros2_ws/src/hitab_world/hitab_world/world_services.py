@@ -11,7 +11,7 @@ from hitab_core import HitabError, has, quantity, unknown
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_world.course import Course
-from hitab_world.settings import check_factor, check_pace
+from hitab_world.settings import WorldSettings
 from hitab_world.world import Placement
 from hitab_world.world_memory import WorldMemory
 from hitab_world.world_topics import WorldTopics
@@ -84,12 +84,11 @@ class WorldServices:
                 course.begin_episode()
                 done = f"episode {course.world.episode}"
             case actions.PACE:
-                check_factor(request.factor or control.factor)
+                pace = request.pace or control.pace
+                checked = WorldSettings(pace=pace, factor=request.factor or control.factor)
                 if request.pace:
-                    check_pace(request.pace)
-                    control.pace = request.pace
                     course.disturbed = True  # the agents must know whether the world waits
-                control.factor = request.factor or control.factor
+                control.pace, control.factor = checked.pace, checked.factor
                 done = f"pace {control.pace}, factor {control.factor:g}"
             case action:
                 known = (actions.PAUSE, actions.RESUME, actions.STEP, actions.RESET, actions.PACE)

@@ -19,7 +19,6 @@ from hitab_core.library.behavior_file import (
     feature_record,
     file_name,
     meaning_of,
-    scale_of,
 )
 from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.provenance import Provenance
@@ -212,7 +211,7 @@ class _Reader:
         for i, (use, record) in enumerate(zip(features, records, strict=True)):
             try:
                 self._domain.check_feature(use, self._content["parameters"])
-                scales.append(scale_of(use, self._domain))
+                scales.append(self._domain.scale_of(use))
             except VocabularyError as error:
                 way = "correct it, or give the behavior up and train it again"
                 self._complain(f"{error}; {way}", "features", i)

@@ -5,7 +5,7 @@ have answered, with the keepaway world and three keeper processes that perform t
 automaton. Both run all the time and are measured in short alternating turns, so that changes of
 the machine's speed affect both. The ratio is the median of the turns' ratios.
 
-    scripts/python research/lockstep.py --turns 15 --json lockstep.json
+    scripts/python research/lockstep_speed.py --turns 15 --json lockstep.json
 """
 
 from __future__ import annotations
