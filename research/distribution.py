@@ -21,7 +21,7 @@ from pathlib import Path
 from statistics import median
 from typing import Annotated, Any
 
-import psutil
+import psutil  # type: ignore[import-untyped]
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -75,7 +75,7 @@ def teach(folder: Path, version: int) -> None:
 
     from hitab_core.agent import Agent
     from hitab_core.library.behavior_library import BehaviorLibrary
-    from hitab_core.training.training_session import Curriculum
+    from hitab_core.training import Curriculum
     from hitab_core.use import Use
 
     teacher = Agent("teacher", DOMAIN, BehaviorLibrary(folder, DOMAIN))

@@ -28,7 +28,6 @@ from hitab_client.shipped import shipped
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, Domain
 from hitab_core.learning.transition_learning import learn_transitions
-from hitab_core.library.behavior_file import scale_of
 from hitab_core.repertoire import Repertoire
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import PAPER
@@ -69,7 +68,7 @@ def learned(automaton: Automaton, domain: Domain, count: int) -> Automaton:
     """Return an automaton as it is learned from its first examples."""
     examples = automaton.examples[:count]
     scales = [
-        BOOLEAN_SCALE if feature.name in FLAGS else scale_of(feature, domain)
+        BOOLEAN_SCALE if feature.name in FLAGS else domain.scale_of(feature)
         for feature in automaton.features
     ]
     return replace(automaton, examples=examples, transitions=learn_transitions(examples, scales))

@@ -7,8 +7,6 @@ from collections.abc import Mapping, Sequence
 from statistics import fmean, stdev
 from typing import Any
 
-from peers import OPTIONS, TITLES
-
 OBJECTION = 0.1
 """A kind of decision counts as learned otherwise if more than this part of it was not intended."""
 
@@ -45,18 +43,6 @@ def row(title: str, people: Sequence[Mapping[str, Any]]) -> str:
         f"of {fmean(p['given'] for p in people):4.1f}  "
         f"commands {counts['commands'] / len(people):4.1f}"
     )
-
-
-def peers_rows(title: str, people: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return lines on what other learners have made of the same commands."""
-    nothing = {"hold_s": 0.0, "success": False}
-    return [
-        row(
-            f"{title}, {TITLES[name]}",
-            [{**p, **p.get("peers", {}).get(name, nothing)} for p in people],
-        )
-        for name in OPTIONS
-    ]
 
 
 def diagnosis(people: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -203,7 +203,7 @@ class InProcessPupil:
         self._perceive()
         for name, agent in self._agents.items():
             agent.tick()
-            actions[name] = agent.act()
+            actions[name] = agent.body.act()
         ended = bool(self._world.step(actions))
         if ended:
             self._world.reset()

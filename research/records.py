@@ -28,7 +28,7 @@ from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
 from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Use, has
 from hitab_world.inprocess import perform, play
-from keepaway_world.parameters import SIGHTS, TAKER_POLICIES, KeepawayParameters, variant
+from keepaway_world.parameters import SIGHTS, KeepawayParameters, variant
 from keepaway_world.verbs.evaluation import mean_and_error
 from keepaway_world.world import KeepawayWorld
 
@@ -111,7 +111,8 @@ def measure(
     """Play episodes; none longer than ``longest`` seconds, if that is not 0."""
     players = perform(world, repertoire, "Keepaway")
     cut = round(longest / world.cycle_seconds) or None
-    began, played = time.process_time(), []
+    played: list[Any] = []
+    began = time.process_time()
     while len(played) < episodes:
         some = min(CHUNK, episodes - len(played))
         played += play(world, players, some, first=len(played), cycles_max=cut)
@@ -186,7 +187,7 @@ def main(
 ) -> None:
     """Measure hold times against takers at full speed."""
     _one_of(sight, (*SIGHTS, "both"), "--sight")
-    _one_of(takers, TAKER_POLICIES, "--takers")
+    _one_of(takers, ("intercept", "reference"), "--takers")
     _one_of(keepers, KEEPERS, "--keepers")
     seen = SIGHTS if sight == "both" else (sight,)
     games = {eyes: _game(game, side, eyes, takers) for eyes in seen}

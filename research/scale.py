@@ -21,7 +21,7 @@ from pathlib import Path
 from statistics import median
 from typing import Annotated, Any
 
-import psutil
+import psutil  # type: ignore[import-untyped]
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -191,7 +191,7 @@ def measure(agents: int, hosts: int, seconds: float, *, preferred: bool) -> Figu
                 cpu = _cpu(world), _cpu(host_processes)
                 began = time.perf_counter()
                 orders.seen.clear()
-                taken = []
+                taken: list[float] = []
                 while time.perf_counter() - began < seconds:
                     taken.append(orders.give(ORDERS[len(taken) % len(ORDERS)]))
                     due = began + len(taken) * ORDER_PERIOD_S - time.perf_counter()

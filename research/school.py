@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from hierarchy_players import HierarchyPlayers
 from peers import Command as Shown
 
 from hitab_client.errors import LessonError
@@ -36,11 +37,10 @@ from hitab_client.lessons.lesson import (
     Until,
 )
 from hitab_client.world_view import WorldView, speakers
-from hitab_commander.hierarchy_players import HierarchyPlayers
 from hitab_core import START, Agent, Automaton, HitabError, Use
 from hitab_core.running import RunningAutomaton
 from hitab_core.running.senses import value_or_nan
-from hitab_core.training.training_session import Curriculum
+from hitab_core.training import Curriculum
 from hitab_world import Placement, World
 from hitab_world.inprocess import AutomatonPlayer, cycle
 
@@ -131,16 +131,19 @@ class School:
         ended = cycle(world, self.hierarchy.players, self.hierarchy.confer)
         now = basic_behavior(agent.session.running if agent.session is not None else None)
         self._doing = now if now != START else self._doing
-        self._said |= speakers(world.entities())
+        self._said |= speakers(self._things())
         if ended:
             self._ended += (ended,)
             world.reset()
         self._look()
 
+    def _things(self) -> list[Any]:
+        return list(self.world.entities())
+
     def _view(self) -> WorldView:
         world = self.world
         return WorldView(
-            world.entities(),
+            self._things(),
             (world.cycle - self._begun_at) * world.cycle_seconds,
             {name: agent.active_path for name, agent in self.hierarchy.agents.items()},
             self._said,

@@ -17,13 +17,13 @@ from random import Random
 from types import MappingProxyType
 from typing import Any
 
+from hierarchy_players import Commander
 from peers import Command, Learner, Policy
 from school import School, basic_behavior
 from takeovers import Takeovers
 
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
-from hitab_commander.hierarchy_players import Commander
 from hitab_commander.kind import CommanderKind
 from hitab_core import (
     START,
@@ -37,7 +37,6 @@ from hitab_core import (
     Use,
 )
 from hitab_core.learning import learn_transitions
-from hitab_core.library import scale_of
 from hitab_world import World
 from hitab_world.inprocess import AutomatonPlayer, Player, play_on
 
@@ -319,5 +318,5 @@ def lesson_file(name: str) -> Path:
 def without_defaults(automaton: Automaton, domain: Domain) -> Automaton:
     """Return an automaton as it is learned without its default examples."""
     examples = tuple(example for example in automaton.examples if not example.is_default)
-    scales = [scale_of(feature, domain) for feature in automaton.features]
+    scales = [domain.scale_of(feature) for feature in automaton.features]
     return replace(automaton, examples=examples, transitions=learn_transitions(examples, scales))

@@ -10,7 +10,6 @@ research/teachers.md describes the method.
     scripts/python research/teachers.py --people 100 --json teachers.json
     scripts/python research/teachers.py --people 20 --causes
     scripts/python research/teachers.py --people 20 --each-aid
-    scripts/python research/teachers.py --people 20 --peers           # other learners
     scripts/python research/teachers.py --people 20 --wrong 0.1 --without reaction --diagnose
 """
 
@@ -31,11 +30,9 @@ from agreement import decisions, objections
 from finished_runs import FinishedRuns, Resume
 from habits import Habits
 from intentions import INTENTIONS, Intention
-from peers_of_people import TASK, teams_of_peers
-from people_tables import diagnosis, peers_rows, row
+from people_tables import diagnosis, row
 from pupils import InProcessPupil
 from simulated_people import Person
-from tasks import TRIED_SEED, Team
 from topic_pupil import TopicPupil
 
 from hitab_core import Automaton, HitabError, Repertoire, has
@@ -55,9 +52,6 @@ and so many since all people with this intention are compared with the result.""
 
 HOPELESS = (20, 0.4)
 """A team that after so many episodes holds for less than this part of what it needs has failed."""
-
-TRIES = 10
-"""Episodes in which the settings of a peer are tried."""
 
 AIDS = (
     "reaction",
@@ -91,7 +85,6 @@ class Setting:
         budget: the most examples.
         diagnose: whether to compare what was learned with what was intended.
         own_episodes: that each intention plays itself.
-        peers: whether other learners learn from the same commands, and play, too.
         over_topics: whether people train nodes; with all aids only.
     """
 
@@ -102,7 +95,6 @@ class Setting:
     budget: int = 60
     diagnose: bool = False
     own_episodes: int = OWN[0]
-    peers: bool = False
     over_topics: bool = False
 
     def seed_of(self, number: int) -> int:
@@ -194,11 +186,6 @@ def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
     figures |= {**diary.figures(), "given": pupil.given, "held": pupil.held}
     games = setting.seed + 7
     figures |= result(hold_times(playing(trained, top, games), setting.episodes, needed), needed)
-    if setting.peers:
-        figures["peers"] = {
-            name: result(hold_times(best_of(teams, games), setting.episodes, needed), needed)
-            for name, teams in teams_of_peers(trained)
-        }
     if setting.diagnose:
         records = decisions(intention.name, setting.seed)
         figures["objections"] = {
@@ -213,12 +200,6 @@ def result(times: Sequence[float], needed: float) -> dict[str, Any]:
     """Return the figures of a team that has played."""
     hold = fmean(times)
     return {"hold_s": hold, "se": stdev(times) / len(times) ** 0.5, "success": hold >= needed}
-
-
-def best_of(teams: Sequence[Team], seed: int) -> Play:
-    """Return how the team plays that does best in a few other episodes."""
-    best = max(teams, key=lambda team: fmean(TASK.play(team, TRIES, TRIED_SEED)))
-    return lambda count, first: TASK.play(best, count, seed, first)
 
 
 def _no_team(failure: str, pupil: InProcessPupil | TopicPupil) -> dict[str, Any]:
@@ -324,9 +305,6 @@ def main(
     causes: Annotated[bool, typer.Option(help="Measure each cause by itself.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="Only these causes.")] = None,
     diagnose: Annotated[bool, typer.Option(help="Say what was learned otherwise.")] = False,
-    peers: Annotated[
-        bool, typer.Option(help="Have other learners learn from the same commands, too.")
-    ] = False,
     over_topics: Annotated[
         bool, typer.Option(help="Train nodes over topics and services, not in one process.")
     ] = False,
@@ -348,9 +326,7 @@ def main(
     aids = frozenset(AIDS) - off
     if over_topics and (off or each_aid):
         raise typer.BadParameter("nodes have all aids; leave out --over-topics, or the others")
-    setting = Setting(
-        habits, aids, episodes, seed, budget, diagnose, own_episodes, peers, over_topics
-    )
+    setting = Setting(habits, aids, episodes, seed, budget, diagnose, own_episodes, over_topics)
     given = {**asdict(setting), "aids": sorted(setting.aids)}
     finished = FinishedRuns(resume, given)
     measured: dict[str, list[dict[str, Any]]] = {}
@@ -366,8 +342,6 @@ def main(
             break  # interrupted
     for title, found in measured.items():
         print(row(title, found))
-        if peers:
-            print("\n".join(peers_rows(title, found)))
         if diagnose:
             print("\n".join(diagnosis(found)))
 

@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from itertools import pairwise
-from typing import Any
 
 from hitab_msgs.msg import TransitionEvent
 from hitab_msgs.srv import ReadFeatures
@@ -21,7 +20,7 @@ from pupils import VISIBLE, Sight, learner
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_bringup.opened_library import open_library
 from hitab_client import SwarmError
-from hitab_core import START, Example, ExampleKind, Repertoire, some
+from hitab_core import START, Example, Repertoire, some
 from hitab_core.training import Question
 from hitab_core.training.question import Choice, QuestionKind
 from hitab_ros import names, qos
@@ -140,7 +139,7 @@ class TopicPupil:
     def undo(self) -> None:
         """Undo the last command."""
         before = self.examples()
-        self._edit("undo")
+        self._agents.undo(PUPIL)
         kept = {example.number for example in self.examples()}
         gone = [example for example in before if example.number not in kept]
         if gone:
@@ -148,32 +147,16 @@ class TopicPupil:
 
     def delete(self, numbers: Iterable[int]) -> None:
         """Delete examples."""
-        self._edit("delete", list(numbers))
+        self._agents.delete(PUPIL, list(numbers))
         self.examples()
 
     def retime(self, numbers: Iterable[int], ago: float) -> None:
         """Have commands been due so many seconds before they came."""
-        self._edit("retime", list(numbers), ago=ago)
-
-    def _edit(self, action: str, numbers: Sequence[int] = (), **fields: Any) -> None:
-        self._agents.edit_examples(PUPIL, action, numbers, **fields)
+        self._agents.retime(PUPIL, list(numbers), ago)
 
     def examples(self) -> Sequence[Example]:
         """Return what has been recorded in this training, and note how much it holds."""
-        found = [
-            Example(
-                e.state,
-                tuple(e.values),
-                e.next_state,
-                ExampleKind(e.kind),
-                e.number,
-                e.command,
-                e.cycle,
-                e.ago,
-                tuple(e.readings),
-            )
-            for e in self._agents.list_examples(PUPIL).examples
-        ]
+        found = self._agents.training(PUPIL).examples
         self._held_before[self._plan] = len(found)
         return found
 
@@ -192,10 +175,10 @@ class TopicPupil:
                 q.text,
                 q.state,
                 tuple(q.examples),
-                tuple(Choice(name, "", None) for name in q.choices),
-                tuple(q.situation),
+                tuple(Choice(c.name, "", None) for c in q.choices),
+                tuple(read.value for read in q.situation),
             )
-            for q in self._agents.questions(PUPIL).questions
+            for q in self._agents.training(PUPIL, searched=True).questions
         ]
 
     def answer(self, number: int, choice: str) -> None:

@@ -1,26 +1,27 @@
 """Swarms for the tests: real nodes in processes of their own, in a ROS domain nobody else uses."""
 
+import contextlib
 import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 import warm_hitab
 from browsing import Person, browser, studio
+from robot_desk import Desk, desk_with
 
+from hitab_bringup import supervision
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.libraries import copy_library
-from hitab_client.lessons.lesson_file import read_lesson
-from hitab_client.lessons.lesson_player import LessonPlayer, LessonReport
-from hitab_client.shipped import find_file
+from hitab_bringup.libraries import libraries_of
+from hitab_client import SwarmError, domain_ids
+from hitab_client.run_folder import running_swarms
 from keepaway_world.verbs.evaluation import trained_keepers
 
-LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 PARAMETERS = {"taker_speed": 0.25}
+SECONDS = 60.0
 
 
 @pytest.fixture(scope="session")
@@ -35,24 +36,62 @@ def hitab(home: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
     return run
 
 
-@pytest.fixture(scope="module")
-def keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
-    """Three keepers that know nothing yet, in a paused world; the command finds them too."""
+@pytest.fixture
+def apart(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Return a folder to write into, in a ROS domain apart; swarms that are left are stopped."""
+    monkeypatch.chdir(tmp_path)
+    with domain_ids.reserved() as number:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+        yield tmp_path
+        monkeypatch.setenv("HITAB_HOME", str(home))
+        for folder, _ in list(running_swarms()):
+            supervision.stop(folder)
+
+
+@pytest.fixture(scope="session")
+def three_keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
+    """Three keepers in a paused world, which the files that a worker tests share."""
     folder = tmp_path_factory.mktemp("keepers")
     with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
-        running.folder.write(running.record, register=True)
         yield running
+
+
+def begin_anew(running: RunningSwarm) -> None:
+    """Have nothing trained, learned or performed, and the world paused, in lockstep."""
+    agents, world = running.agents, running.world
+    shutil.rmtree(running.folder.path / "generations", ignore_errors=True)
+    for name, library in libraries_of(running.folder.path).items():
+        agents.await_agent(name, SECONDS)
+        with contextlib.suppress(SwarmError):  # it trains nothing
+            agents.discard(name)
+        agents.perform(name, "")
+        shutil.rmtree(library)
+        library.mkdir()
+        agents.load_library(name)
+    world.control("pace", pace="lockstep", factor=1.0)
+    world.control("pause")
+    for name in world.snapshot("list").names:
+        world.snapshot("delete", name)
+    assert running.link.spin_until(lambda: world.status.mode == "paused", SECONDS)
 
 
 @pytest.fixture(scope="module")
-def swarm(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
-    """Three keepers for the studio, with empty libraries of their own, in a paused world."""
-    folder = tmp_path_factory.mktemp("studio_swarm")
-    with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
-        running.folder.write(running.record, register=True)
-        running.world.control("pace", pace="realtime", factor=1.0)
-        running.world.control("pause")
-        yield running
+def keepers(home: Path, three_keepers: RunningSwarm) -> Iterator[RunningSwarm]:
+    """Three keepers that know nothing yet, in a paused world; the command finds them too."""
+    folder = three_keepers.folder
+    begin_anew(three_keepers)
+    folder.write(three_keepers.record, register=True)
+    yield three_keepers
+    for link in home.rglob("*"):  # other files have swarms of their own
+        if link.is_symlink() and link.resolve() == folder.path:
+            link.unlink()
+
+
+@pytest.fixture(scope="module")
+def swarm(keepers: RunningSwarm) -> RunningSwarm:
+    """Three keepers for the studio, in a paused world that will run in real time."""
+    keepers.world.control("pace", pace="realtime", factor=1.0)
+    return keepers
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +101,7 @@ def url(swarm: RunningSwarm, tmp_path_factory: pytest.TempPathFactory) -> Iterat
         yield address
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def chrome() -> Iterator[Any]:
     """Return a browser."""
     with browser() as started:
@@ -88,37 +127,17 @@ def person(window: Any, url: str) -> Iterator[Person]:
     assert someone.complaints == []
 
 
-@dataclass
-class Taught:
-    """What the lessons have given: reports, what the agents have, and a library."""
-
-    reports: list[LessonReport]
-    digests: set[str]
-    library: Path
+@pytest.fixture(scope="module")
+def shared_desk(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk_with(tmp_path_factory.mktemp("desk")) as there:
+        yield there
 
 
-def teach(folder: Path) -> Taught:
-    """Play all lessons with three new keepers."""
-    reports = []
-    with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder / "run") as running:
-        for name in LESSONS:
-            lesson = read_lesson(find_file(name, "lessons", "lesson"))
-            reports.append(LessonPlayer(lesson, running.agents, running.world).play())
-        digests = {status.library_digest for status in running.agents.statuses.values()}
-        copy_library(Path(reports[-1].path).parent, folder / "library")
-    return Taught(reports, digests, folder / "library")
-
-
-@pytest.fixture(scope="session")
-def taught(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Taught:
-    """Return what comes of playing all lessons with three new keepers."""
-    return teach(tmp_path_factory.mktemp("taught"))
-
-
-@pytest.fixture(scope="session")
-def teach_again(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Taught]:
-    """Return a function that does the same once more."""
-    return lambda: teach(tmp_path_factory.mktemp("again"))
+@pytest.fixture
+def desk(shared_desk: Desk) -> Desk:
+    """Return a simulated robot of examples/diff_drive and its agent, as they are at first."""
+    shared_desk.rest()
+    return shared_desk
 
 
 @pytest.fixture

@@ -21,7 +21,6 @@ SCRIPTS = ("setup", "test", "hitab", "env.sh", "lock", "python", "docs")
 _STARTS = r"(?:scripts/)?hitab|scripts/(?:setup|test|lock|python|docs)|python -m"
 _QUOTED = re.compile(rf"(?<!`)`(?:\$ )?((?:{_STARTS}) [^`]+)`(?!`)")
 _LINE = re.compile(rf"^\s*(?:[#>]\s*)*(?:\$ )?((?:{_STARTS}) [a-z-].*)$")
-_REMEDY = re.compile(r"\b(?:run|with|start it with): (hitab [^;\n]+)")
 
 
 @dataclass(frozen=True)
@@ -52,8 +51,6 @@ def mentions() -> Iterator[Mention]:
         for line in joined.splitlines():
             if (match := _LINE.match(line)) and "`" not in line:
                 yield from _mention(place, match[1], in_passing=False)
-        for match in _REMEDY.finditer(joined):
-            yield from _mention(place, match[1], in_passing=False)
 
 
 def _mention(place: str, text: str, *, in_passing: bool) -> Iterator[Mention]:

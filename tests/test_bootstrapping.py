@@ -1,19 +1,13 @@
 """Behavior bootstrapping with real nodes: generations, scores, back, and what may go wrong."""
 
-import json
-import os
 import shutil
-import signal
-from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from waiting import hanging
 
 from hitab_bringup.libraries import libraries_of
-from hitab_bringup.verbs import bootstrap
 from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping, Configuration, Evaluation, with_condition
-from hitab_client.run_processes import process_states
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 QUICK = Evaluation(episodes=2, seed=5)
@@ -59,7 +53,7 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
     assert [statuses[n].mode for n in (ONE, TWO, THREE)] == ["training", *2 * ["performing"]]
     assert statuses[TWO].behavior == statuses[THREE].behavior == "Run"
     assert len(digests(team)) == 1
-    training = team.agents.behavior(ONE)
+    training = team.agents.training(ONE)
     assert len(training.examples) == 2
     assert training.features == ("DistanceTo(ball)", "BallIsKickable"), "kept, though unused"
     status = team.world.wait()
@@ -92,7 +86,7 @@ def test_one_goes_back_to_a_generation_with_the_team(team):
     assert saved.version == last.version + 1
     assert f"generation {first.number} restored" in saved.note
     assert digests(team) == rules
-    assert len(team.agents.behavior(ONE).examples) == 2
+    assert len(team.agents.training(ONE).examples) == 2
     assert {team.agents.statuses[n].behavior for n in (TWO, THREE)} == {"Run"}
 
     assert work.back(ONE, "Run", first.number).restored == there.restored, "it is there already"
@@ -100,51 +94,6 @@ def test_one_goes_back_to_a_generation_with_the_team(team):
     assert work.next(ONE, evaluation=NONE).parent == first.number
     with pytest.raises(SwarmError, match=r"has no generation 99 \(known: 1, 2"):
         work.back(ONE, "Run", 99)
-
-
-def test_the_world_goes_on_in_the_configuration_that_was_named(team):
-    world = team.world
-    corner = {ONE: {"x": -5.0, "y": 2.0, "heading": 0.0, "vx": 0.0, "vy": 0.0}}
-    world.shown(world.place(corner))
-    world.snapshot("save", "corner")
-    world.shown(world.place({ONE: {"x": 0.0, "y": 0.0}}))
-    there = with_condition(Configuration(snapshot="corner"), "seconds: 0.3", ONE)
-    said = []
-    steps(team, say=said.append).next(ONE, evaluation=NONE, configuration=there)
-    x, _ = places(team)[ONE]
-    assert -5.0 < x < 0.0, "it has run from there for a moment, as it has learned"
-    assert world.wait().mode == "paused"
-    assert team.agents.statuses[ONE].mode == "training"
-    assert "waiting until 0.3 s have passed ..." in said
-
-    steps(team).next(ONE, evaluation=NONE)
-    assert places(team)[ONE][0] == x, "named once, it holds for the next generations"
-    steps(team).next(ONE, evaluation=NONE, configuration=Configuration())
-    assert places(team)[ONE][0] == x
-    with pytest.raises(SwarmError, match=r'no snapshot "cornr" .*Did you mean "corner"'):
-        steps(team).next(ONE, configuration=Configuration(snapshot="cornr"))
-
-
-def test_robots_without_a_world_are_waited_for(team):
-    work = steps(team, world=None)
-    here = with_condition(
-        Configuration(), "all: [{seconds: 0.2}, {feature: DistanceTo(ball), above: 0}]", ONE
-    )
-    made = work.next(ONE, configuration=here)
-    assert (made.score, made.unscored) == (None, "there is no world to play in")
-    assert team.agents.statuses[ONE].mode == "training"
-
-    never = with_condition(Configuration(within=0.3), "feature: DistanceTo(ball), below: 0", ONE)
-    with pytest.raises(
-        SwarmError, match=r"in vain until DistanceTo\(ball\) of keeper_1 below 0 \(is "
-    ):
-        work.next(ONE, configuration=never)
-    assert team.agents.statuses[ONE].mode == "training"
-    unseen = with_condition(Configuration(), "distance: [keeper_1, ball], below: 3", ONE)
-    with pytest.raises(SwarmError, match=r"nobody knows where .* is, since there is no world"):
-        work.next(ONE, configuration=unseen)
-    with pytest.raises(SwarmError, match="there is no world into which anything could be placed"):
-        work.next(ONE, configuration=Configuration(snapshot="corner"))
 
 
 def test_ctrl_c_leaves_everything_sound(team):
@@ -158,7 +107,7 @@ def test_ctrl_c_leaves_everything_sound(team):
     work = interrupted_at("evaluating")
     with pytest.raises(KeyboardInterrupt):
         work.next(ONE, evaluation=Evaluation(episodes=1000))
-    assert "has no score; `hitab bootstrap back keeper_1 Run" in work.left
+    assert "has no score; go back to generation" in work.left
     assert team.agents.statuses[ONE].mode == "training"
     cycle = team.world.step().cycle
     assert team.world.step().cycle == cycle + 1, "the world stands still"
@@ -170,7 +119,7 @@ def test_ctrl_c_leaves_everything_sound(team):
         work.next(ONE, evaluation=NONE, configuration=waiting)
     assert "is complete and keeper_1 is in training mode" in work.left
     assert team.agents.statuses[ONE].mode == "training"
-    assert len(team.agents.behavior(ONE).examples) == 2
+    assert len(team.agents.training(ONE).examples) == 2
 
 
 def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):
@@ -178,19 +127,14 @@ def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):
     aside = folder.with_name("aside")
     folder.rename(aside)
     folder.write_text("not a folder")
-    pids = {state["name"]: state["pid"] for state in process_states(team.record)}
     work = steps(team, patience=1.0)
-    os.kill(pids[THREE], signal.SIGSTOP)
-    try:
-        with pytest.raises(SwarmError) as wrong:
-            work.next(ONE, evaluation=QUICK)
-    finally:
-        os.kill(pids[THREE], signal.SIGCONT)
-        folder.unlink()
-        aside.rename(folder)
+    with pytest.raises(SwarmError) as wrong, hanging(team, THREE):
+        work.next(ONE, evaluation=QUICK)
+    folder.unlink()
+    aside.rename(folder)
     assert "keeper_2 refuses: " in str(wrong.value)
     assert "keeper_3 does not answer" in str(wrong.value)
-    assert "gives it to them and goes on" in str(wrong.value)
+    assert 'go back to generation 1 of "Run" with keeper_1' in str(wrong.value)
     assert team.agents.statuses[ONE].mode == "training"
 
     number = int(str(wrong.value).split("generation ")[1].split()[0])
@@ -198,20 +142,3 @@ def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):
     assert made.team == (TWO, THREE)
     assert made.score is not None
     assert not made.missing
-
-
-def test_the_command_makes_and_lists_generations(team, hitab, tmp_path: Path):
-    made = hitab("bootstrap", "next", ONE, "--episodes", "1", "--note", "by hand", "--as-it-is")
-    assert made.returncode == 0, made.stderr
-    assert "keeper_1 is in training mode, with generation " in made.stdout
-    assert "s an episode (1 episode, seed 1)" in made.stdout
-
-    listed = hitab("bootstrap", "list", ONE, "--json", str(tmp_path / "list.json"))
-    assert listed.returncode == 0, listed.stderr
-    assert "* the best by seconds" in listed.stdout
-    (run,) = json.loads((tmp_path / "list.json").read_text())
-    assert run["best"] == run["current"] == run["generations"][-1]["number"]
-    assert run["generations"][-1]["note"] == "by hand"
-
-    wrong = CliRunner().invoke(bootstrap.app, ["list", ONE, "Rum"])
-    assert 'Did you mean "Run"' in str(wrong.exception)

@@ -6,12 +6,9 @@ from pathlib import Path
 import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.opened_library import open_library
 from hitab_bringup.swarm_file import read_swarm
 from hitab_client.command_view import CommandView
-from hitab_client.lessons.lesson_file import read_lesson
-from hitab_client.lessons.lesson_player import LessonPlayer
-from hitab_client.shipped import find_file, shipped
+from hitab_client.shipped import find_file
 
 KEEPERS = {"keeper_1": (-7.0, 6.0), "keeper_2": (-3.0, 7.0), "keeper_3": (-5.0, 3.0)}
 SECONDS = 60.0
@@ -87,39 +84,3 @@ def test_a_person_orders_by_the_command_line_and_sees_who_obeys(team, view, hita
     assert "keeper_1 is not a commander (known: captain)" in refused.stderr
     checked = hitab("library", "check", "--agent", "captain")
     assert checked.returncode == 0, checked.stderr
-
-
-def test_a_behavior_goes_to_agents_of_its_domain_and_not_to_their_commander(team, hitab):
-    given = hitab("distribute", "keeper_1", "Freeze")
-    assert given.returncode == 0, given.stderr
-    assert given.stdout == "keeper_2: has it\nkeeper_3: has it\n"
-    refused = hitab("distribute", "captain", "Captain")
-    assert refused.returncode == 1
-    assert "there is no other agent of the domain of captain to send it to" in refused.stderr
-
-
-def test_the_lessons_teach_again_what_is_shipped_to_the_last_digit(home, tmp_path):
-    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
-    swarm = swarm.with_world(paused=True, pace="lockstep")
-    with temporary_swarm(swarm, tmp_path) as team:
-        teach(team)
-
-
-def teach(team: RunningSwarm) -> None:
-    for name in ("freeze", "regroup", "captain"):
-        lesson = read_lesson(find_file(f"captain/{name}", "lessons", "lesson"))
-        LessonPlayer(lesson, team.agents, team.world).play()
-    for agent, folder, behavior in (
-        ("captain", "captain", "Captain"),
-        ("keeper_1", "keepaway_captained", "Freeze"),
-        ("keeper_1", "keepaway_captained", "Regroup"),
-    ):
-        taught = team.agents.list_examples(agent, behavior).examples
-        there = open_library(shipped("libraries", folder)).load()[behavior].examples
-        assert [seen(e.state, e.values, e.next_state) for e in taught] == [
-            seen(e.state, e.features, e.next_state) for e in there
-        ]
-
-
-def seen(state: str, values, next_state: str) -> tuple[str, list[float], str]:
-    return state, [float(value) for value in values], next_state

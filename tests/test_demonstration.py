@@ -1,16 +1,10 @@
 """A demonstrator trains an agent over the public topics and services, while it runs."""
 
-import json
-import os
-import re
-import signal
-import time
-
 import pytest
 from hitab_msgs.msg import Example
+from waiting import hanging
 
 from hitab_client.errors import SwarmError
-from hitab_client.run_processes import RunProcesses, process_states
 from hitab_client.world_client import by_name
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -41,52 +35,6 @@ def begun(keepers):
     return keepers
 
 
-def test_a_command_is_obeyed_and_acknowledged_with_its_examples(begun):
-    put(begun, 8.0)
-    status = begun.agents.command(ONE, "GoFast")
-    assert (status.mode, status.behavior, list(status.active_path)) == (
-        "training",
-        "Near",
-        ["GoFast"],
-    )
-    assert (status.examples, status.default_examples) == (2, 1)
-    assert by_name(begun.world.step(5).entities)[ONE].x > -6.0
-
-
-def test_examples_can_be_taken_back_deleted_and_relabeled(begun):
-    put(begun, 8.0)
-    begun.agents.command(ONE, "GoFast")
-    begun.agents.command(ONE, "Stop")
-    begun.agents.edit_examples(ONE, "undo")
-    assert [e.next_state for e in begun.agents.list_examples(ONE).examples] == ["GoFast"] * 2
-    begun.agents.edit_examples(ONE, "relabel", [1], "GoSlow")
-    assert begun.agents.list_examples(ONE).examples[0].next_state == "GoSlow"
-    begun.agents.edit_examples(ONE, "delete", [2])
-    assert [e.number for e in begun.agents.list_examples(ONE).examples] == [1]
-
-
-def test_undo_and_redo_restore_what_the_agent_performs_as_well(begun):
-    """Left where the undone command led, the agent would record the next one as leaving it."""
-    agents = begun.agents
-    put(begun, 8.0)
-    agents.command(ONE, "GoFast")
-
-    def performs(*path: str) -> bool:
-        return begun.link.spin_until(lambda: list(agents.statuses[ONE].active_path) == [*path], 5)
-
-    agents.edit_examples(ONE, "undo")
-    assert performs("Start")
-    agents.edit_examples(ONE, "redo")
-    assert performs("GoFast")
-    assert [e.state for e in agents.list_examples(ONE).examples] == ["Start", "GoFast"]
-    agents.edit_examples(ONE, "undo")
-    agents.command(ONE, "GoSlow")
-    assert [e.state for e in agents.list_examples(ONE).examples] == ["Start", "GoSlow"]
-    with pytest.raises(SwarmError, match="nothing to redo"):
-        agents.edit_examples(ONE, "redo")
-    agents.set_mode(ONE, "testing")
-
-
 def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun):
     """The robot runs at the ball; a person who wanted it to stop at once is 0.5 s late."""
     agents, world = begun.agents, begun.world
@@ -94,16 +42,16 @@ def test_a_command_that_comes_late_is_recorded_with_what_it_was_meant_for(begun)
     agents.command(ONE, "GoFast")
     state = world.step(20)
     agents.command(ONE, "Stop", ago=0.5, seen=state.cycle)
-    listed = agents.list_examples(ONE)
+    listed = agents.training(ONE)
     late = {e.number: e for e in listed.examples}
     assert late[3].cycle == state.cycle - 5
     assert late[3].ago == pytest.approx(0.5)
-    agents.edit_examples(ONE, "retime", [3], ago=1.0)
-    later = agents.list_examples(ONE)
+    agents.retime(ONE, [3], 1.0)
+    later = agents.training(ONE)
     assert {e.cycle for e in later.examples if e.number in (3, 4)} == {state.cycle - 10}
     assert later.done[-1] == "example 3 due 1 s before its command"
     with pytest.raises(SwarmError, match=r"is too long ago: .*; give a number from 0 to"):
-        agents.edit_examples(ONE, "retime", [3], ago=20.0)
+        agents.retime(ONE, [3], 20.0)
     with pytest.raises(SwarmError, match="cannot have been due -1 s ago"):
         agents.command(ONE, "Stop", ago=-1.0)
 
@@ -121,7 +69,7 @@ def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
     agents.set_mode(ONE, "training")
     put(begun, 4.0)
     agents.command(ONE, "GoSlow")
-    kinds = [e.kind for e in agents.list_examples(ONE).examples]
+    kinds = [e.kind for e in agents.training(ONE).examples]
     assert kinds.count(Example.CORRECTION) == 1
 
     saved = agents.save(ONE, description="stop near the ball")
@@ -133,40 +81,6 @@ def test_what_was_trained_is_tested_taken_over_saved_and_distributed(begun):
         assert begun.link.spin_until(lambda a=agent: agents.statuses[a].behavior == "Near", 5)
     digests = {agents.statuses[name].library_digest for name in (ONE, TWO, THREE)}
     assert len(digests) == 1
-
-
-def test_a_parameter_is_bound_to_a_target_while_training(begun):
-    agents = begun.agents
-    agents.begin(
-        ONE,
-        "Toward",
-        features=["DistanceTo(A)"],
-        parameters=["A"],
-        arguments=["ball"],
-        discard=True,
-    )
-    put(begun, 8.0)
-    agents.command(ONE, "GoFast")
-    put(begun, 2.0)
-    agents.command(ONE, "Stop")
-    agents.save(ONE)
-    assert "Toward(A)" in [b.name for b in agents.vocabulary(ONE).behaviors]
-    agents.perform(ONE, "Toward", ["closest_taker"])
-    assert agents.await_agent(ONE).behavior == "Toward(closest_taker)"
-    agents.perform(ONE, "")
-
-
-def test_a_receiver_that_does_not_answer_is_told(begun):
-    begun.agents.command(ONE, "GoSlow")
-    begun.agents.save(ONE, name="Slow")
-    pids = {state["name"]: state["pid"] for state in process_states(begun.record)}
-    os.kill(pids[THREE], signal.SIGSTOP)
-    try:
-        report = begun.agents.distribute(ONE, "Slow", seconds=1.0)
-    finally:
-        os.kill(pids[THREE], signal.SIGCONT)
-    assert (report.accepted, report.refused, report.silent) == ([TWO], {}, [THREE])
-    assert not report.complete
 
 
 def test_the_command_line_trains_too(keepers, hitab, tmp_path):
@@ -208,71 +122,11 @@ def test_what_is_not_saved_yet_is_neither_sent_nor_performed(begun, hitab):
 
 
 def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):
-    pid = RunProcesses(begun.record).pid(TWO)
-    os.kill(pid, signal.SIGSTOP)
-    try:
+    with hanging(begun, TWO):
         done = hitab("world", "step")
-    finally:
-        os.kill(pid, signal.SIGCONT)
     assert done.stdout == "stepped 1 cycle\n"
     assert f"but: {TWO}'s process is suspended" in done.stderr
     assert begun.link.spin_until(lambda: not begun.world.wait().missing, 30)
-
-
-def test_contradicting_commands_end_in_a_question_that_is_answered_once(begun, hitab):
-    agents = begun.agents
-    put(begun, 8.0)
-    agents.command(ONE, "GoFast")
-    agents.command(ONE, "Stop")
-    agents.command(ONE, "GoFast")
-    assert hitab("questions", ONE).stdout.startswith(f"{ONE} has no question")
-    said = hitab("demonstrate", ONE, "GoSlow").stdout
-    assert f"1 question: `hitab questions {ONE}`" in said
-    told = json.loads(hitab("questions", ONE, "--json", "-").stdout)["questions"]
-    assert [(q["kind"], q["proposed"]) for q in told] == [("contradiction", "GoSlow")]
-    number = str(told[0]["number"])
-    assert hitab("questions", ONE, "--answer", number, "--choice", "Stop").returncode == 0
-    assert {e.next_state for e in agents.list_examples(ONE).examples} == {"GoFast", "Stop"}
-    again = hitab("questions", ONE, "--answer", number)
-    assert again.returncode == 1
-    assert f"question {number} is no longer open" in again.stderr
-    assert begun.link.spin_until(lambda: not agents.statuses[ONE].questions, 5)
-
-
-def test_features_are_exchanged_and_what_it_cost_is_told(begun, hitab):
-    agents = begun.agents
-    teach_to_stop(begun)
-    assert "BallIsKickable" in agents.list_examples(ONE).readable
-    before = agents.behavior(ONE)
-    shown = hitab("examples", "features", ONE, "-f", "DirectionTo(ball)", "--show")
-    assert "features: DirectionTo(ball)" in shown.stdout, shown.stderr
-    assert agents.behavior(ONE).features == before.features, "only shown"
-    assert hitab("examples", "features", ONE, "-f", "DirectionTo(ball)").returncode == 0
-    under_way = json.loads(hitab("examples", ONE, "--cost", "--json", "-").stdout)["trainings"]
-    assert [(t["automaton"], t["finished"]) for t in under_way][-1] == ("Near", False)
-    agents.save(ONE, name="Turned")
-    resumed = hitab("train", ONE, "Turned", "--resume", "-f", "DistanceTo(ball)")
-    assert resumed.returncode == 0, resumed.stderr
-    agents.save(ONE)
-    assert agents.behavior(ONE, "Turned").features == before.features
-    told = json.loads(hitab("examples", ONE, "Turned", "--cost", "--json", "-").stdout)[
-        "trainings"
-    ]
-    assert [(t["commands"], t["examples"], t["structures"]) for t in told] == [
-        (2, 4, 2),
-        (0, 4, 1),
-    ]
-    assert told[0]["simulated_seconds"] == pytest.approx(2.0, abs=0.2)
-    refused = hitab("train", ONE, "Turned", "--resume", "-f", "Lucky")
-    assert refused.returncode == 1
-    assert 'unknown feature "Lucky"' in refused.stderr
-    told = re.search(r"last refusal at (\d\d:\d\d:\d\d): ", hitab("status").stdout)
-    assert told is not None
-    begun.link.spin_until(lambda: agents.statuses[ONE].refused_at.sec > 0, 60.0)
-    refused_at = agents.statuses[ONE].refused_at.sec
-    assert abs(refused_at - time.time()) < 600.0
-    assert told[1] == time.strftime("%T", time.localtime(refused_at))
-    assert agents.statuses[ONE].mode != "training"
 
 
 def test_an_agent_that_is_unsure_halts_says_why_and_goes_on_when_it_is_sure(begun, hitab):

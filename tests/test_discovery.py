@@ -16,14 +16,10 @@ from hitab_bringup.bringing_up import temporary_swarm
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_client import domain_ids
 from hitab_client.dds_profile import (
-    LOOPBACK,
-    NETWORK,
     RANGE,
     VARIABLES,
-    choose_profile,
 )
 from hitab_client.run_processes import process_states
-from hitab_client.swarm_choice import LOOK_SECONDS
 
 ROOT = Path(__file__).parents[1]
 CHATTER = Path(__file__).with_name("chatter.py")
@@ -107,46 +103,9 @@ def test_other_ros_programs_on_this_machine_hear_ours_and_are_heard() -> None:
             assert heard(2, ours) == 2
 
 
-def test_programs_started_from_a_prepared_shell_listen_to_this_machine_only() -> None:
-    """With ROS's own LOCALHOST their sockets are open to the network."""
-    with domain_ids.reserved() as domain, talkers(1, environment(domain)) as pids:
-        assert addresses(pids) == {"127.0.0.1"}
-
-
 def test_a_swarm_listens_to_this_machine_only(home: Path, tmp_path: Path, monkeypatch) -> None:
     for name in (RANGE, *VARIABLES):
         monkeypatch.delenv(name, raising=False)
     with temporary_swarm(parse_swarm(ONE, tmp_path / "one.yaml"), tmp_path / "run") as running:
         pids = [state["pid"] for state in process_states(running.record)]
         assert addresses([running.record.supervisor, *pids, os.getpid()]) == {"127.0.0.1"}
-
-
-def test_the_network_is_reached_only_if_the_user_says_so() -> None:
-    """What is chosen stays when a process that was started so starts others."""
-    for said, profile, found in [
-        ({}, LOOPBACK, "SYSTEM_DEFAULT"),
-        ({RANGE: "LOCALHOST"}, LOOPBACK, "SYSTEM_DEFAULT"),
-        ({RANGE: "SUBNET"}, NETWORK, "SUBNET"),
-        ({RANGE: "SYSTEM_DEFAULT"}, NETWORK, "SYSTEM_DEFAULT"),
-        ({RANGE: "SUBNET", VARIABLES[0]: str(LOOPBACK)}, NETWORK, "SUBNET"),
-        ({VARIABLES[1]: "/home/me/mine.xml"}, Path("/home/me/mine.xml"), "LOCALHOST"),
-        ({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, NETWORK, "LOCALHOST"),
-    ]:
-        chosen = dict(said)
-        for _ in range(2):
-            choose_profile(chosen)
-            assert {chosen[name] for name in VARIABLES if name in chosen} == {str(profile)}
-            assert chosen[RANGE] == found
-
-
-def seconds_between_announcements(profile: Path) -> float:
-    text = profile.read_text()
-    unit = text.split("<leaseAnnouncement>")[1].split("</leaseAnnouncement>")[0]
-    sec = unit.split("<sec>")[1].split("<")[0]
-    nanosec = unit.split("<nanosec>")[1].split("<")[0]
-    return int(sec) + int(nanosec) / 1e9
-
-
-def test_who_was_started_by_hand_is_found_while_it_is_looked_for() -> None:
-    """A new process hears of the others when they announce themselves next."""
-    assert seconds_between_announcements(LOOPBACK) <= LOOK_SECONDS / 3

@@ -11,106 +11,36 @@ import sys
 import termios
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import pytest
-from arming import arm
-from geometry_msgs.msg import Twist
+from robot_desk import ROBOT, Desk
 from sensor_msgs.msg import Joy
 
-from hitab_client.domain_ids import reserved
-from hitab_client.ros_link import RosLink
-from hitab_client.swarm_client import SwarmClient
-from hitab_ros import EmergencySwitch, qos
-
-EXAMPLE = Path(__file__).parents[1] / "examples/diff_drive"
-ROBOT = "robot_1"
-SECONDS = 60.0
 UP, LEFT = b"\x1b[A", b"\x1b[D"
 KEYS = {"Forward": b"1", "Stop": b"2", "TurnLeft": b"3"}
 LB, A, RB, GUIDE = 4, 0, 5, 8  # of the mapping xbox
 PRESS_S = 0.3
 
 
-@dataclass
-class Desk:
-    """A simulated robot with its agent, and somebody who looks on."""
-
-    link: RosLink
-    agents: SwarmClient
-    switch: EmergencySwitch
-    environment: dict[str, str]
-    velocities: list[Twist] = field(default_factory=list)
-
-    @property
-    def status(self) -> Any:
-        return self.agents.statuses[ROBOT]
-
-    def until(self, condition: Callable[[], Any], each: Callable[[], Any] = lambda: None) -> None:
-        deadline = time.monotonic() + SECONDS
-        while not condition():
-            assert time.monotonic() < deadline, "it did not happen in time"
-            each()
-            self.link.spin(0.02)
-
-    def moves(self, ahead: float = 0.0, turn: float = 0.0) -> bool:
-        """Whether the robot was last sent about this velocity."""
-        if not self.velocities:
-            return ahead == turn == 0.0
-        last = self.velocities[-1]
-        return abs(last.linear.x - ahead) < 1e-6 and abs(last.angular.z - turn) < 1e-6
-
-    def goes(self) -> bool:
-        """Whether the robot was last sent ahead."""
-        return bool(self.velocities) and self.velocities[-1].linear.x > 0.05
-
-    def is_halted(self) -> bool:
-        """Whether the agent does nothing that could drive the robot."""
-        return list(self.status.active_path) in ([], ["Start"])
-
-    def train(self) -> None:
-        """Begin a training anew, with the robot at rest."""
-        self.agents.perform(ROBOT, "")
-        self.agents.begin(ROBOT, "Wander", features=["RangeAhead"], discard=True)
-        self.until(self.moves)
+def is_halted(desk: Desk) -> bool:
+    """Whether the agent does nothing that could drive the robot."""
+    return list(desk.status.active_path) in ([], ["Start"])
 
 
-@pytest.fixture(scope="module")
-def desk(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    """The robot, its agent and its relay, shared by the tests of this file."""
-    with ExitStack() as stack:
-        domain_id = stack.enter_context(reserved())
-        environment = {
-            **os.environ,
-            "ROS_DOMAIN_ID": str(domain_id),
-            "PYTHONPATH": f"{EXAMPLE}{os.pathsep}{os.environ.get('PYTHONPATH', '')}",
-            "COLUMNS": "200",
-            "LINES": "50",
-            "TERM": "xterm",
-        }
+def goes(desk: Desk) -> bool:
+    """Whether the robot was last sent ahead."""
+    return bool(desk.velocities) and desk.velocities[-1].linear.x > 0.05
 
-        def start(module: str, *arguments: str) -> None:
-            named = ("--ros-args", "-r", f"__ns:=/{ROBOT}", *arguments)
-            process = subprocess.Popen([sys.executable, "-m", module, *named], env=environment)
-            stack.callback(process.wait)
-            stack.callback(process.terminate)
 
-        start("diff_drive.simulated_robot")
-        state = tmp_path_factory.mktemp("state")
-        domain = ("-p", "domain:=diff_drive.domain:DOMAIN", "-p", f"state_dir:={state}")
-        start("hitab_agent.agent_main", *domain)
-        link = stack.enter_context(RosLink(domain_id))
-        desk = Desk(link, SwarmClient(link), EmergencySwitch(link.node), environment)
-        link.subscribe(Twist, f"/{ROBOT}/cmd_vel", desk.velocities.append, qos.EVENTS)
-        desk.agents.await_agent(ROBOT, SECONDS)
-        relay = f"/{ROBOT}/cmd_vel_teleop"
-        desk.until(lambda: link.node.count_subscribers(relay) > 0)
-        arm(link, ROBOT)
-        desk.until(lambda: not desk.status.faults)
-        yield desk
+@pytest.fixture
+def training(desk: Desk) -> Desk:
+    """The robot at rest, in a new training."""
+    relay = f"/{ROBOT}/cmd_vel_teleop"
+    desk.until(lambda: desk.link.node.count_subscribers(relay) > 0)
+    desk.agents.begin(ROBOT, "Wander", features=["RangeAhead"])
+    return desk
 
 
 class Terminal:
@@ -177,12 +107,10 @@ class Terminal:
 
 
 @pytest.fixture
-def terminal(desk: Desk) -> Iterator[Terminal]:
-    desk.train()
-    terminal = Terminal(desk)
+def terminal(training: Desk) -> Iterator[Terminal]:
+    terminal = Terminal(training)
     terminal.sees("3 TurnLeft")
     yield terminal
-    desk.switch.set(False, "the test")
     terminal.close()
 
 
@@ -202,7 +130,7 @@ def test_keys_train_a_robot_and_drive_it_and_stop_it(desk, terminal):
     # Driving by hand halts the agent first, so that nothing drives the robot on afterwards.
     desk.until(lambda: desk.moves(0.2), lambda: terminal.press(UP))
     desk.until(lambda: desk.status.mode == "training")
-    assert desk.is_halted()
+    assert is_halted(desk)
     terminal.sees("driven by hand: +0.20 m/s ahead")
     desk.until(desk.moves)
     desk.until(lambda: desk.moves(0.0, 0.8), lambda: terminal.press(LEFT))
@@ -283,16 +211,14 @@ class Gamepad:
 
 
 @pytest.fixture
-def gamepad(desk: Desk, tmp_path: Path) -> Iterator[Gamepad]:
-    desk.train()
-    gamepad = Gamepad(desk, tmp_path / "log")
+def gamepad(training: Desk, tmp_path: Path) -> Iterator[Gamepad]:
+    gamepad = Gamepad(training, tmp_path / "log")
     gamepad.until_there_again()
     yield gamepad
-    desk.switch.set(False, "the test")
     gamepad.process.terminate()
     gamepad.process.wait()
     print(gamepad.log.read_text())
-    desk.link.node.destroy_publisher(gamepad.topic)
+    training.link.node.destroy_publisher(gamepad.topic)
 
 
 def test_a_gamepad_trains_a_robot_and_drives_it_while_its_switch_is_held(desk, gamepad):
@@ -300,18 +226,18 @@ def test_a_gamepad_trains_a_robot_and_drives_it_while_its_switch_is_held(desk, g
     gamepad.until(lambda: desk.moves(0.5))
 
     gamepad.joy.axes[1] = 0.5
-    gamepad.press_until(lambda: desk.goes() and not desk.moves(0.5) and desk.is_halted())
+    gamepad.press_until(lambda: goes(desk) and not desk.moves(0.5) and is_halted(desk))
     gamepad.hold()
     gamepad.until(desk.moves)
 
-    gamepad.press_until(desk.goes)
+    gamepad.press_until(lambda: goes(desk))
     desk.until(desk.moves)  # the gamepad is lost
     desk.until(lambda: gamepad.says("the joystick is silent: driving by hand has stopped"))
     gamepad.hold(LB)
     gamepad.until_there_again()
     assert desk.moves(), "its switch has to be let go first"
 
-    gamepad.press_until(desk.goes)
+    gamepad.press_until(lambda: goes(desk))
     gamepad.joy.axes = gamepad.joy.axes[:2]
     gamepad.until(lambda: gamepad.says("the joystick has 2 axes, but the mapping xbox uses 8"))
     gamepad.until(desk.moves)

@@ -57,12 +57,3 @@ def test_no_module_makes_a_node_without_the_guard() -> None:
     assert found == {}, "make it of hitab_ros.guarded_node.GuardedNode"
     found = {name: lines for name, lines in spun.items() if lines}
     assert found == {}, "spin with hitab_ros.spinning.Spinner"
-
-
-def test_the_check_finds_bare_nodes() -> None:
-    bare = ast.parse(
-        "import rclpy\nfrom rclpy.node import Node\nclass A(Node): pass\n"
-        "rclpy.node.Node('a')\nrclpy.create_node('b')\nself.executor.spin_once(0.1)\n"
-    )
-    assert list(makes_bare_node(bare)) == [3, 4, 5]
-    assert list(spins_bare(bare)) == [6]

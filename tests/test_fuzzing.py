@@ -1,6 +1,6 @@
 """Whatever is sent, no process ends, nothing is written elsewhere, and the swarm obeys afterwards.
 
-``--long`` sends for a minute with each of three seeds.
+``--long`` sends for a minute.
 """
 
 from __future__ import annotations
@@ -31,13 +31,6 @@ SECONDS = 60.0
 LOG_MAX = 300_000  # bytes of one process
 MEMORY_MAX = 300_000_000  # bytes that one process may have grown by
 
-KEEPAWAY = """\
-swarm: fuzzed_keepers
-domain: keepaway
-behavior: GoFast
-world: {kind: keepaway, pace: realtime, seed: 1}
-agents: {keeper: {count: 3}}
-"""
 CHAIN = """\
 swarm: crammed_foragers
 domain: foraging
@@ -197,30 +190,11 @@ def doing(running: RunningSwarm) -> str:
     )
 
 
-def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    if "seed" in metafunc.fixturenames:
-        is_long = metafunc.config.getoption("long")
-        metafunc.parametrize("seed", (1, 2, 3) if is_long else (1,))
-        metafunc.parametrize("seconds", (60.0 if is_long else 8.0,), ids=str)
-
-
-@pytest.mark.long
-def test_keepers_go_on_whatever_is_sent(home: Path, tmp_path: Path, seed: int, seconds: float):
-    with fuzzed(KEEPAWAY, tmp_path, seed, seconds) as running:
-        for behavior in ("GoFast", "Stop"):
-            for number in (1, 2, 3):
-                running.agents.perform(f"keeper_{number}", behavior)
-            assert running.link.spin_until(
-                lambda behavior=behavior: behaviors(running, "keeper") == {behavior}, SECONDS
-            )
-            assert goes_on(running)
-        assert not running.world.status.missing
-
-
 def test_two_levels_of_commanders_are_obeyed_whatever_was_sent(
-    home: Path, tmp_path: Path, seed: int, seconds: float
+    home: Path, tmp_path: Path, request: pytest.FixtureRequest
 ):
-    with fuzzed(FORAGING, tmp_path, seed, seconds) as running:
+    seconds = 60.0 if request.config.getoption("long") else 8.0
+    with fuzzed(FORAGING, tmp_path, 1, seconds) as running:
         # What is in force already is not ordered again: first something else on each level.
         for order in ("Rest", "Explore"):
             running.agents.perform("chief", order)

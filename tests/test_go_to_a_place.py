@@ -50,7 +50,7 @@ class Moving:
     def step(self) -> None:
         self.perceive()
         self.agent.tick()
-        action, _ = self.agent.act()
+        action, _ = self.agent.body.act()
         ahead, _, turn = action or (0.0, 0.0, 0.0)
         self.heading += turn * PERIOD
         self.x += ahead * math.cos(self.heading) * PERIOD

@@ -3,16 +3,11 @@
 import os
 import signal
 
-from hitab_client.run_processes import process_states
+from waiting import pid_of
 
 AGENT = "keeper_1"
 FIRST = 1_000_000  # number of a command
 RESTART_SECONDS = 60
-
-
-def pid_of(swarm, name: str) -> int:
-    """Return the process of an agent, 0 while it has none."""
-    return next(state["pid"] for state in process_states(swarm.record) if state["name"] == name)
 
 
 def told(example):
@@ -26,8 +21,8 @@ def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
         status = agents.command(AGENT, behavior, sequence=number)
         keepers.world.step()
     assert status.examples == 7
-    agents.edit_examples(AGENT, "undo")
-    before = [told(e) for e in agents.list_examples(AGENT).examples]
+    agents.undo(AGENT)
+    before = agents.training(AGENT).examples
     assert len(before) == 6
 
     killed = pid_of(keepers, AGENT)
@@ -37,7 +32,7 @@ def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
     assert pid_of(keepers, AGENT) not in (0, killed)
     assert agents.statuses[AGENT].mode == "training"
     assert agents.statuses[AGENT].behavior == "Near"
-    assert [told(e) for e in agents.list_examples(AGENT).examples] == before
+    assert agents.training(AGENT).examples == before
 
     # A command whose acknowledgement was lost in the crash is not obeyed twice.
     again = agents.command(AGENT, "GoFast", sequence=FIRST)

@@ -11,23 +11,12 @@ import pytest
 from hitab_msgs.msg import WorldState
 from hitab_msgs.srv import Control
 
-from foraging_world.parameters import ForagingParameters
-from foraging_world.world import ForagingWorld
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import read_swarm
 from hitab_client.command_view import CommandView
 from hitab_client.run_processes import process_states
 from hitab_client.shipped import find_file, shipped
-from hitab_commander.commander_domain import commander_domain
-from hitab_commander.hierarchy_players import Commander, HierarchyPlayers, Member
-from hitab_commander.kind_reader import KIND_FILE, read_kind
-from hitab_core.domain import load_domain
-from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_world.inprocess import play
-from hitab_world.world import World
-from keepaway_world.parameters import KeepawayParameters
-from keepaway_world.world import KeepawayWorld
 
 SEED = 11
 EPISODES = 2
@@ -81,13 +70,9 @@ def places(entities) -> tuple[tuple[object, ...], ...]:
 def over_topics(swarm: SwarmDescription, folder: Path) -> Run:
     """Play two whole episodes and the beginning of a third."""
     with temporary_swarm(swarm.with_world(paused=True), folder) as running:
-        return played(running)
-
-
-def played(running: RunningSwarm) -> Run:
-    episodes = running.world.play(EPISODES, seed=SEED)
-    state = running.world.step(30, seconds=60.0)
-    status = running.world.status
+        episodes = running.world.play(EPISODES, seed=SEED)
+        state = running.world.step(30, seconds=60.0)
+        status = running.world.status
     assert status is not None
     assert status.missed_deadlines == 0
     assert status.reproducible
@@ -95,15 +80,6 @@ def played(running: RunningSwarm) -> Run:
     return Run(
         tuple((e.number, e.seed, e.cycles, e.ended, *e.measures) for e in episodes),
         places(state.entities),
-    )
-
-
-def in_process(world: World, hierarchy: HierarchyPlayers) -> Run:
-    results = play(world, hierarchy.players, EPISODES, between=hierarchy.confer)
-    play(world, hierarchy.players, cycles_max=30, between=hierarchy.confer)
-    return Run(
-        tuple((r.number, r.seed, r.cycles, r.ended, *r.measures.values()) for r in results),
-        places(world.entities()),
     )
 
 
@@ -115,47 +91,21 @@ def foragers(folder: Path, where: str) -> SwarmDescription:
     return read_swarm(file)
 
 
-def trained(library: str) -> BehaviorLibrary:
-    folder = shipped("libraries", library)
-    return BehaviorLibrary(folder, commander_domain(read_kind(folder / KIND_FILE)))
-
-
-def commander(name: str, library: str, behavior: str, subordinates) -> Commander:
-    kind = read_kind(shipped("libraries", library) / KIND_FILE)
-    return Commander(name, kind, trained(library), behavior, tuple(subordinates))
-
-
-@pytest.fixture(scope="module")
-def foragers_in_process() -> Run:
-    figures = {"foragers": 8, "small_boxes": 6, "large_boxes": 2, "duration": 20.0}
-    world = ForagingWorld(ForagingParameters.from_dict(figures), SEED)
-    library = BehaviorLibrary(shipped("libraries", "foraging"), load_domain("foraging"))
-    squads = [
-        commander(f"squad_{i + 1}", "foraging_squad", "", world.agents[4 * i : 4 * i + 4])
-        for i in range(2)
-    ]
-    names = [squad.name for squad in squads]
-    company = commander("company", "foraging_company", "CompanyForage", names)
-    members = [Member(name, library) for name in world.agents]
-    return in_process(world, HierarchyPlayers(members, [*squads, company]))
-
-
-@pytest.mark.parametrize("where", [pytest.param("processes", marks=pytest.mark.long), "hosts"])
-def test_three_levels_play_over_topics_as_in_one_process(
-    home, tmp_path, foragers_in_process, where
-):
-    assert over_topics(foragers(tmp_path, where), tmp_path / "run") == foragers_in_process
-
-
-@pytest.fixture(scope="module")
-def keepers_in_process() -> Run:
-    world = KeepawayWorld(KeepawayParameters(taker_speed=0.25), SEED)
-    folder = shipped("libraries", "keepaway_captained")
-    library = BehaviorLibrary(folder, load_domain("keepaway"))
-    captain = commander("captain", "captain", "Captain", world.agents)
-    return in_process(
-        world, HierarchyPlayers([Member(name, library) for name in world.agents], [captain])
+@pytest.mark.long
+def test_three_levels_play_the_same_in_processes_of_their_own_and_in_hosts(home, tmp_path):
+    alone, together = (
+        over_topics(foragers(tmp_path, where), tmp_path / where) for where in HOSTED
     )
+    assert alone == together
+
+
+@pytest.fixture(scope="module")
+def captained(home, tmp_path_factory) -> Run:
+    return over_topics(keepers_with_captain(), tmp_path_factory.mktemp("captained"))
+
+
+def keepers_with_captain() -> SwarmDescription:
+    return read_swarm(find_file("keepaway_captain", "swarms", "swarm")).with_world(pace="lockstep")
 
 
 @pytest.fixture
@@ -176,29 +126,15 @@ def _keep_busy() -> None:
         pass
 
 
-@pytest.mark.parametrize("load", ["idle", pytest.param("busy", marks=pytest.mark.long)])
-def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(
-    home, tmp_path, keepers_in_process, load, request
-):
-    if load == "busy":
-        request.getfixturevalue("busy")
-    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
-    assert over_topics(swarm.with_world(pace="lockstep"), tmp_path) == keepers_in_process
+@pytest.mark.long
+def test_a_busy_machine_changes_nothing(tmp_path, captained, busy):
+    assert over_topics(keepers_with_captain(), tmp_path) == captained
 
 
 @pytest.mark.parametrize("lossy", [100], indirect=True)
-def test_lost_datagrams_cost_no_deadlines(home, tmp_path, keepers_in_process, lossy):
+def test_lost_datagrams_cost_no_deadlines(tmp_path, captained, lossy):
     """Two that were lost in one cycle cost one: each was sent again only after 3 s."""
-    swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
-    assert over_topics(swarm.with_world(pace="lockstep"), tmp_path / "run") == keepers_in_process
-
-
-def test_without_its_captain_the_keepers_play_another_game(keepers_in_process):
-    world = KeepawayWorld(KeepawayParameters(taker_speed=0.25), SEED)
-    folder = shipped("libraries", "keepaway_captained")
-    library = BehaviorLibrary(folder, load_domain("keepaway"))
-    alone = HierarchyPlayers([Member(name, library, "Keepaway") for name in world.agents])
-    assert in_process(world, alone) != keepers_in_process
+    assert over_topics(keepers_with_captain(), tmp_path / "run") == captained
 
 
 @pytest.mark.parametrize("comes", ["at once", "late"])

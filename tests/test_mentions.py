@@ -1,13 +1,10 @@
 """Every command and option that an error, a help text or a page names is there."""
 
-import importlib.util
-import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import typer
-from mentions import ROOT, Mention, mentions, strings
+from mentions import Mention, mentions
 
 from hitab_bringup.main import make_app
 
@@ -93,16 +90,6 @@ def test_every_command_that_is_mentioned_is_there():
     assert {mention: what for mention, what in wrong.items() if what} == {}
 
 
-def test_what_is_not_there_is_found_out():
-    assert complaint(["library", "check", "--accept", "A.hfa.yaml"], in_passing=False)
-    assert complaint(["downn"], in_passing=True)
-    assert complaint(["--versoin"], in_passing=False)
-    assert complaint(["save"], in_passing=False)
-    assert complaint(["save", "keeper_1", "two"], in_passing=False)
-    assert not complaint(["save", "keeper_1"], in_passing=False)
-    assert len([m for m in FOUND if of_hitab(m)]) > 100
-
-
 def test_every_command_that_talks_to_a_swarm_can_be_told_which():
     # "Several swarms are up; choose one with --swarm NAME" must hold for each of them.
     talking = {"connection", "_control", "_open", "to_take_down", "Finder"}
@@ -112,78 +99,3 @@ def test_every_command_that_talks_to_a_swarm_can_be_told_which():
         if talking & {*code.co_names, *code.co_consts} and "--swarm" not in options_of(command):
             wrong.append(path)
     assert wrong == []
-
-
-def test_options_that_errors_name_are_those_of_a_command():
-    wrong = []
-    for path in sorted((ROOT / "ros2_ws/src").glob("hitab_*/hitab_*/**/*.py")):
-        for place, text in strings(path):
-            for option in re.findall(r"(?<![\w/-])--[a-z][a-z-]+", text):
-                if option not in ALL_OPTIONS | OF_OTHERS:
-                    wrong.append(f"{place}: {option}")
-    assert wrong == []
-
-
-def of_scripts(mention: Mention) -> bool:
-    return mention.words[0].startswith("scripts/") and not of_hitab(mention)
-
-
-def fits_script(script: str, *words: str) -> bool:
-    """Whether a script is there and takes these words."""
-    if script == "scripts/test":  # what follows is for pytest
-        return all((ROOT / word).exists() for word in words if "/" in word)
-    if script == "scripts/python":
-        script, *words = words
-        if not re.match(r"(research|examples)/.*\.py$", script):
-            return True  # one of the reader's own
-    if not (ROOT / script).is_file():
-        return False
-    text = (ROOT / script).read_text(encoding="utf-8")
-    # Typer makes an option of a parameter's name.
-    options = [word.partition("=")[0] for word in words if word.startswith("--")]
-    return all(
-        option in (*re.findall(r"--[a-z-]+", text), "--help")
-        or f"{option[2:].replace('-', '_')}:" in text
-        for option in options
-    )
-
-
-def test_every_script_that_is_mentioned_takes_its_options():
-    wrong = [str(m) for m in filter(of_scripts, FOUND) if not fits_script(*m.words)]
-    assert wrong == []
-
-
-def of_python(mention: Mention) -> bool:
-    return mention.words[:2] == ("python", "-m")
-
-
-def fits_module(mention: Mention) -> bool:
-    """Whether `python -m` can run the module with these parameters."""
-    from hitab_agent.settings import DESCRIPTIONS as OF_AGENTS
-    from hitab_robots.settings import DESCRIPTIONS as OF_ROBOTS
-    from hitab_world.settings import DESCRIPTIONS as OF_WORLDS
-
-    module = mention.words[2]
-    if module.startswith("my_"):
-        return True  # the reader's own
-    if (example := ROOT / "examples" / module.split(".")[0]).is_dir():
-        return (example / f"{module.replace('.', '/')}.py").is_file()
-    spec = importlib.util.find_spec(module)
-    if spec is None or spec.origin is None:
-        return False
-    if not module.startswith(("hitab_", "keepaway_", "foraging_")):
-        return True
-    if '__name__ == "__main__"' not in Path(spec.origin).read_text(encoding="utf-8"):
-        return False
-    known = {*OF_AGENTS, *OF_WORLDS, *OF_ROBOTS}
-    known |= {"agents", "roster", "subordinates", "roles", "asks_position"}
-    given = [
-        re.match(r"(\w+)(\.\w+)?:=", word)
-        for flag, word in zip(mention.words, mention.words[1:], strict=False)
-        if flag == "-p"
-    ]
-    return all(match[2] or match[1] in known for match in given if match)
-
-
-def test_every_module_that_is_mentioned_can_be_run():
-    assert [str(m) for m in filter(of_python, FOUND) if not fits_module(m)] == []

@@ -16,9 +16,8 @@ from std_msgs.msg import String
 from hitab_bringup.libraries import prepare
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
-from hitab_client import RosLink, RunFolder, domain_ids
+from hitab_client import RosLink, RunFolder
 from hitab_client.identity import new_identity
-from hitab_client.run_folder import running_swarms
 from hitab_ros import qos
 
 SECONDS = 60.0
@@ -98,14 +97,10 @@ sys.exit(run(start))
 
 
 @pytest.fixture
-def link(home: Path, hitab, monkeypatch) -> Iterator[RosLink]:
-    """Yield a link in the domain of the test's swarms, which are taken down at the end."""
-    with domain_ids.reserved() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        with RosLink(number) as there:
-            yield there
-        for _, record in list(running_swarms()):
-            hitab("down", record.swarm)
+def link(apart: Path) -> Iterator[RosLink]:
+    """Yield a link in the domain of the test's swarms."""
+    with RosLink(int(os.environ["ROS_DOMAIN_ID"])) as there:
+        yield there
 
 
 def bring_up(hitab, folder: Path, name: str, text: str, *options: str) -> None:

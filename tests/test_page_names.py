@@ -4,7 +4,6 @@ import re
 from functools import cache
 
 from mentions import PAGES, ROOT
-from test_mentions import ALL_OPTIONS, OF_OTHERS
 
 TEXTS = {
     path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
@@ -19,16 +18,6 @@ PYTHON = {
     path.name
     for folder in ("ros2_ws/src", "tests", "research", "examples", "docs")
     for path in (ROOT / folder).rglob("*.py")
-}
-OF_SCRIPTS = {"--check", "--quiet", "--long", "--upgrade", "--research"}
-OF_RESEARCH = {
-    option
-    for path in (ROOT / "research").glob("*.py")
-    for option in re.findall(r'"(--[a-z][a-z-]*)"', path.read_text())
-} | {
-    f"--{name.replace('_', '-')}"  # typer derives it from the parameter
-    for path in (ROOT / "research").glob("*.py")
-    for name in re.findall(r"^ +(\w+): Annotated\[", path.read_text(), re.MULTILINE)
 }
 
 
@@ -89,23 +78,3 @@ def test_every_file_that_is_named_is_there():
             elif re.fullmatch(r"\w+\.py", name) and name not in PYTHON:
                 missing.append(f"{page}: {name}")
     assert missing == []
-
-
-def test_every_option_that_is_named_is_one():
-    known = ALL_OPTIONS | OF_OTHERS | OF_SCRIPTS | OF_RESEARCH
-    wrong = [
-        f"{page}: {option}"
-        for page in TEXTS
-        for option in re.findall(r"(?<![\w-])--[a-z][a-z-]*", "\n".join(sorted(quoted(page))))
-        if option not in known
-    ]
-    assert wrong == []
-
-
-def test_what_is_not_there_is_found_out():
-    here = "docs/tutorial.md"
-    assert not wrong_with_link(here, "#start")
-    assert wrong_with_link(here, "concepts.md#where-a-threshold-lies")
-    assert wrong_with_link(here, "concept.md")
-    assert not is_there("hitab_ros/guarded.py")
-    assert len(TEXTS) > 15

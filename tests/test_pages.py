@@ -6,10 +6,7 @@ import shutil
 
 import pytest
 from mentions import ROOT
-from pages import Reader, Step, matches, steps_of
-
-from hitab_client import domain_ids
-from hitab_client.run_folder import running_swarms
+from pages import Reader, Step, steps_of
 
 LIBRARY = ROOT / "ros2_ws/src/keepaway_world/libraries/keepaway"
 ELSEWHERE = {
@@ -34,14 +31,10 @@ def to_be_run(page: str):
 
 
 @pytest.fixture
-def reader(tmp_path, home, hitab, monkeypatch):
+def reader(apart, monkeypatch):
     """Someone who begins with a page, knows nothing of other swarms and has none."""
-    (checkout := tmp_path / "checkout").mkdir()
-    monkeypatch.setenv("HITAB_HOME", str(tmp_path / "home"))
-    with domain_ids.reserved() as number:
-        yield Reader(checkout, {**os.environ, "ROS_DOMAIN_ID": str(number), "COLUMNS": "80"})
-        for _, record in list(running_swarms()):
-            hitab("down", record.swarm)
+    (checkout := apart / "checkout").mkdir()
+    return Reader(checkout, {**os.environ, "COLUMNS": "80"})
 
 
 @pytest.mark.parametrize(
@@ -92,18 +85,3 @@ def test_the_library_page_shows_what_its_commands_print(reader):
             break  # what follows is about another library
     assert len(wrong) == 8
     assert not any(wrong), "\n\n".join(filter(None, wrong))
-
-
-def test_what_a_page_shows_wrongly_is_found_out():
-    shown = ["is up (3.5 s)", "files in [...]/x", "agent  value", "a      1.8"]
-    assert matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\na 1.8\n", shown)
-    assert not matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\na 1.9\n", shown)
-    assert not matches("is up (12.0 s)\nfiles in /home/me/y\nagent value\na 1.8\n", shown)
-    assert not matches("is up (12.0 s)\nfiles in /home/me/x\nagent value\n", shown)
-
-
-def test_the_commands_of_a_page_are_found():
-    steps = steps_of("docs/tutorial.md")
-    assert steps[0].command.startswith("scripts/hitab up keepaway")
-    assert "taker_1 x=-9" in next(s.command for s in steps if "world place" in s.command)
-    assert any("error: " in line for step in steps for line in step.shown)

@@ -1,16 +1,8 @@
 """Keepers as processes of their own play on an rcssserver: on a stand-in, and on a real one."""
 
-import contextlib
-import dataclasses
 import importlib.util
 import json
-import os
-import shutil
-import socket
-import subprocess
 from pathlib import Path
-
-import pytest
 
 import keepaway_world
 
@@ -19,82 +11,7 @@ _spec = importlib.util.spec_from_file_location("rcss_stand_in", _path)
 stand_in = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(stand_in)
 
-RCSSSERVER = shutil.which("rcssserver")
-OPTIONS = {
-    "keepaway": 1,
-    "keepaway_length": 20,
-    "keepaway_width": 20,
-    "half_time": -1,
-    "use_offside": 0,
-    "forbid_kick_off_offside": 0,
-    "stamina_inc_max": 3500,
-    "stamina_capacity": -1,
-    "min_dash_power": -100,
-    "visible_angle": 541,
-    "fullstate_l": 1,
-    "fullstate_r": 1,
-    "synch_mode": 1,
-    "synch_offset": 80,
-    "game_logging": 0,
-    "text_logging": 0,
-    "keepaway_log_fixed": 1,
-    "keepaway_log_fixed_name": "episodes",
-}
 """How docs/rcssserver.md says to start a server, and a log of its episodes."""
-
-
-@dataclasses.dataclass
-class Server:
-    """A server that is up, and what it knows of its own episodes."""
-
-    port: int
-    trainer_port: int
-    log: Path
-
-    def episodes(self) -> list[tuple[int, str]]:
-        """Return how many cycles each of its episodes had, and why it ended."""
-        lines = [line.split() for line in self.log.read_text().splitlines()]
-        why = {"o": "out", "t": "taken"}
-        return [(int(f[3]), why[f[4]]) for f in lines if len(f) == 5 and f[0] != "#"]
-
-
-def free_ports(count: int) -> list[int]:
-    with contextlib.ExitStack() as stack:
-        socks = [
-            stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
-            for _ in range(count)
-        ]
-        for sock in socks:
-            sock.bind(("127.0.0.1", 0))
-        return [sock.getsockname()[1] for sock in socks]
-
-
-@pytest.fixture
-def server(tmp_path):
-    """A real server, on ports of its own and with a home of its own."""
-    if RCSSSERVER is None:
-        pytest.skip("there is no rcssserver on PATH; docs/rcssserver.md tells how to install it")
-    port, trainer_port, coach_port = free_ports(3)
-    options = OPTIONS | {
-        "port": port,
-        "coach_port": trainer_port,
-        "olcoach_port": coach_port,
-        "coach_w_referee": 1,
-        "keepaway_log_dir": tmp_path,
-    }
-    with (tmp_path / "server.log").open("wb") as log:
-        process = subprocess.Popen(
-            [RCSSSERVER, *(f"server::{name}={value}" for name, value in options.items())],
-            cwd=tmp_path,
-            env=os.environ | {"HOME": str(tmp_path)},
-            stdout=log,
-            stderr=log,
-        )
-    try:
-        yield Server(port, trainer_port, tmp_path / "episodes.kwy")
-    finally:
-        process.terminate()
-        process.wait(10.0)
 
 
 def evaluate(hitab, port: int, episodes: int, folder: Path, *options: str) -> dict:
@@ -125,38 +42,3 @@ def test_keepers_over_topics_play_what_the_stand_in_replays(hitab, tmp_path):
     sorts = {text.split()[0] for number in (0, 1, 2) for text in server.commands(number)}
     assert {"(dash", "(turn"} <= sorts
     assert {text.split()[0] for text in server.commands(3)} & {"(dash", "(turn", "(kick"}
-
-
-def test_keepers_over_topics_play_twenty_episodes_on_a_real_server(server, hitab, tmp_path):
-    figures = evaluate(hitab, server.port, 20, tmp_path)
-    told = server.episodes()[-20:]  # it may have played one before the keepers were there
-    assert episodes_of(figures)[1:] == [cycles for cycles, _ in told][1:]
-    assert episodes_of(figures)[0] == pytest.approx(told[0][0], abs=1)  # began to play unseen
-    assert figures["ended"]["out"] == sum(why == "out" for _, why in told)
-    assert figures["missed_deadlines"] == 0
-    assert figures["passes"]["mean"] > 0
-
-
-def test_keepers_play_on_a_real_server_by_what_it_lets_them_see(server, hitab, tmp_path):
-    options = "--parameter", "percepts=see", "--pace", "inprocess"
-    figures = evaluate(hitab, server.port, 5, tmp_path, *options)
-    assert episodes_of(figures)[1:] == [cycles for cycles, _ in server.episodes()][-4:]
-    assert figures["passes"]["mean"] > 0
-
-
-def test_a_behavior_is_trained_on_a_real_server_that_takes_a_trainer(server, hitab, tmp_path):
-    swarm = tmp_path / "swarm.yaml"
-    swarm.write_text(
-        "swarm: on_a_server\ndomain: keepaway\n"
-        "world:\n  kind: rcssserver\n  pace: lockstep\n"
-        f"  parameters: {{port: {server.port}, trainer_port: {server.trainer_port}}}\n"
-        "agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}\n"
-    )
-    try:
-        up = hitab("up", str(swarm))
-        assert up.returncode == 0, up.stderr
-        lesson = hitab("lesson", "run", "approach_ball", timeout=120.0)
-        assert lesson.returncode == 0, lesson.stdout + lesson.stderr
-        assert "ApproachBall: 18 examples of at most 18" in lesson.stdout
-    finally:
-        hitab("down")

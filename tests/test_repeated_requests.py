@@ -6,13 +6,12 @@ from collections.abc import Iterator
 
 import pytest
 import rclpy
-from hitab_msgs.srv import EditExamples, ListExamples
+from hitab_msgs.srv import EditExamples
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from hitab_client import domain_ids
-from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_ros.answering import answering
 
@@ -79,43 +78,6 @@ def test_an_answer_that_is_lost_is_asked_for_again_and_nothing_is_done_twice(dom
         assert call(link, EditExamples).message == "done 2"  # another request is another one
 
 
-def test_what_changes_nothing_is_just_asked_again(domain):
-    with server(domain, ListExamples, lost=1) as there, RosLink(domain) as link:
-        assert call(link, ListExamples).message == "done 2"
-        assert there.asked == 2
-
-
-def test_two_clients_at_once_are_both_served_though_they_count_alike(domain):
-    with (
-        server(domain, EditExamples, lost=1) as there,
-        RosLink(domain) as one,
-        RosLink(domain) as other,
-    ):
-        told: list[str] = []
-        threads = [
-            threading.Thread(
-                target=lambda link=link: told.append(call(link, EditExamples).message)
-            )
-            for link in (one, other)
-        ]
-        for thread in threads:
-            thread.start()
-        for thread in threads:
-            thread.join()
-        assert sorted(told) == ["done 1", "done 2"]
-        assert len(set(there.done)) == 2
-
-
-def test_a_service_that_never_answers_is_told(domain):
-    with (
-        server(domain, EditExamples, lost=1000) as there,
-        RosLink(domain) as link,
-        pytest.raises(SwarmError, match="/it did not answer within 2 s"),
-    ):
-        call(link, EditExamples, seconds=2.0)
-    assert len(there.done) == 1
-
-
 def sent_twice(link: RosLink, kind: type, service: str, **fields):
     """Send one numbered request twice, as after a lost answer, and return both answers."""
     request = kind.Request(request=77, client="a test", **fields)
@@ -126,24 +88,11 @@ def test_an_agent_undoes_once_what_it_is_asked_twice_to_undo(keepers):
     keepers.agents.begin("keeper_1", "Twice", features=["Done"], discard=True)
     for behavior in ("GoFast", "GoSlow", "Stop"):
         keepers.agents.command("keeper_1", behavior)
-    before = len(keepers.agents.list_examples("keeper_1").examples)
+    before = len(keepers.agents.training("keeper_1").examples)
     answers = sent_twice(
         keepers.link, EditExamples, "/keeper_1/edit_examples", action=EditExamples.Request.UNDO
     )
     assert answers[0].success
     assert answers[0] == answers[1]
-    undone = before - len(keepers.agents.list_examples("keeper_1").examples)
+    undone = before - len(keepers.agents.training("keeper_1").examples)
     assert undone == 2  # one command: its example and the default one
-
-
-def test_a_world_goes_as_far_as_it_is_asked_to_go_though_it_is_asked_twice(keepers):
-    from hitab_msgs.srv import Control
-
-    keepers.world.control("pause")
-    cycle = keepers.world.step(1).cycle
-    answers = sent_twice(
-        keepers.link, Control, "/world/control", action=Control.Request.STEP, cycles=5
-    )
-    assert [answer.cycle for answer in answers] == [cycle + 5] * 2
-    assert keepers.world.state_at(cycle + 5).cycle == cycle + 5
-    assert keepers.world.step(1).cycle == cycle + 6

@@ -8,20 +8,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from hitab_msgs.msg import Episode
+from waiting import pid_of
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_client.run_processes import process_states
-from hitab_ros import qos
 from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
 AGENT = "keeper_1"
-
-
-def pid_of(swarm: RunningSwarm, name: str) -> int:
-    """Return the process of an agent or the world, 0 while it has none."""
-    return next(state["pid"] for state in process_states(swarm.record) if state["name"] == name)
 
 
 def kill(swarm: RunningSwarm, name: str) -> None:
@@ -113,25 +106,6 @@ def test_each_episode_is_played_and_told_once_though_the_world_is_killed(
     assert not played[-1].reproducible
 
 
-def test_a_result_that_comes_late_does_not_count_for_the_next_run(swarm: RunningSwarm) -> None:
-    """The next run was marked as that one was, or had an episode that nobody had played in it."""
-    world = swarm.world
-    world.control("pace", pace="realtime", factor=100.0)
-    *_, earlier = world.play(2, seed=5)
-    assert (earlier.number, earlier.reproducible) == (1, False)
-    again = swarm.link.node.create_publisher(Episode, "/world/episodes", qos.EVENTS)
-    until(swarm, again.get_subscription_count)
-
-    def delay(seen: int) -> None:
-        received = len(world.episodes)
-        again.publish(earlier)
-        until(swarm, lambda: earlier in world.episodes[received:])
-
-    world.control("pace", pace="lockstep")
-    (played,) = world.play(1, seed=5, progress=delay, stall_seconds=SECONDS)
-    assert (played.number, played.seed, played.reproducible) == (0, 5, True)
-
-
 def test_a_swarm_that_is_brought_up_again_begins_anew(home: Path, tmp_path: Path) -> None:
     """What an earlier run in the same folder performed is not taken up; snapshots are kept."""
     for kept in ([], ["five"]):
@@ -154,7 +128,7 @@ def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm)
     swarm.world.step(3)
     state = swarm.folder.path / "state"
     memories = {
-        AGENT: state / AGENT / "performance.json",
+        AGENT: state / AGENT / "restart.json",
         "world": state / "world" / "latest.json",
     }
     for name, file in memories.items():

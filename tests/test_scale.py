@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hitab_msgs import msg
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_file import parse_swarm
@@ -57,28 +56,6 @@ def test_an_order_at_the_root_reaches_every_agent(swarm: RunningSwarm) -> None:
     for order in ("RotateLeft", "Stop", "Search"):
         swarm.agents.perform("root", order)
         assert swarm.link.spin_until(lambda order=order: performed(swarm) == {order}, SECONDS)
-
-
-def test_hosted_agents_act_in_the_world(swarm: RunningSwarm) -> None:
-    swarm.agents.perform("root", "Search")
-    assert swarm.link.spin_until(lambda: performed(swarm) == {"Search"}, SECONDS)
-    deciding = swarm.agents.statuses
-    foragers = [f"forager_{i + 1}" for i in range(AGENTS)]
-    assert swarm.link.spin_until(lambda: all(deciding[n].active_path for n in foragers), SECONDS)
-    assert not swarm.world.status.missing
-    # Where all search, nobody stays where he was.
-    states: list[msg.WorldState] = []
-    swarm.link.subscribe(msg.WorldState, "/world/state", states.append, 10)
-
-    def moved() -> bool:
-        if len(states) < 2:
-            return False
-        first, last = (
-            {e.name: (e.x, e.y, e.heading) for e in states[i].entities} for i in (0, -1)
-        )
-        return all(first[name] != last[name] for name in foragers)
-
-    assert swarm.link.spin_until(moved, SECONDS)
 
 
 def test_each_agent_is_a_node_with_topics_and_services_of_its_own(swarm: RunningSwarm) -> None:

@@ -136,13 +136,6 @@ def test_hitab_is_told_how_it_was_called(ready, called):
     assert (done.returncode, done.stdout) == (0, f"{typed}\n"), done.stderr
 
 
-def test_check_says_what_is_missing_and_makes_nothing(checkout):
-    code, said = checkout.setup("--check")
-    assert code == 1
-    assert said == f"to be set up in {checkout.venv}: environment messages workspace\n"
-    assert not checkout.venv.exists()
-
-
 def test_a_changed_message_is_built_and_nothing_else_is_made_again(ready):
     environment = (ready.stamps / "environment").stat().st_mtime_ns
     builds = ready.builds()
@@ -153,30 +146,10 @@ def test_a_changed_message_is_built_and_nothing_else_is_made_again(ready):
     assert (ready.stamps / "environment").stat().st_mtime_ns == environment
 
 
-def test_a_new_package_is_installed_at_the_next_set_up(ready):
-    package = ready.root / "ros2_ws/src/a_robot"
-    package.mkdir()
-    (package / "setup.py").write_text("")
-    assert ready.setup("--check")[1].endswith(": workspace\n")
-    shutil.rmtree(package)
-    assert ready.setup("--check")[0] == 0
-
-
-def test_changed_locks_make_the_environment_anew(ready):
-    lock = ready.root / "requirements/wheels.lock"
-    before = lock.read_text()
-    lock.write_text(before + "# a newer version\n")
-    assert ready.setup("--check")[1].endswith(": environment messages workspace\n")
-    lock.write_text(before)
-    assert ready.setup("--check")[0] == 0
-
-
 @pytest.mark.parametrize(
     ("gone", "names", "remedy"),
     [
         ("compiler", [r".*\+\+.*", r"(.*-)?(gcc|clang|cc)(-\d+)?"], "apt install build-essential"),
-        ("CMake", [r"cmake\d?"], "apt install cmake"),
-        ("make", [r"g?make"], "apt install make"),
         ("Python", [r"python.*"], "apt install python3 python3-venv"),
     ],
 )
@@ -191,26 +164,6 @@ def test_what_the_machine_lacks_is_said_in_one_line_with_the_remedy(
     assert not checkout.venv.exists()
 
 
-def test_too_little_disk_space_is_said_before_anything_is_made(checkout):
-    checkout.stub("df", "#!/bin/sh\necho Filesystem\necho disk 100 95 5 95% /\n")
-    code, said = checkout.setup()
-    assert code == 1
-    assert "5 MB are free" in said
-    assert said.count("\n") == 1
-    assert not checkout.venv.exists()
-
-
-def test_a_python_that_does_not_work_is_passed_over(checkout):
-    checkout.stub("python3", "#!/bin/sh\necho 'not installed in this version' >&2\nexit 127\n")
-    assert "to be set up" in checkout.setup("--check")[1]
-
-
-def test_a_python_without_header_files_is_told_what_to_install(checkout, tmp_path):
-    checkout.stub("python3", "#!/bin/sh\necho headers 3.12\n")
-    said = checkout.setup(path=path_without(tmp_path / "programs", "python.*"))[1]
-    assert "sudo apt install python3.12-dev" in said
-
-
 def test_a_folder_that_holds_something_else_is_left_alone(checkout):
     checkout.venv.mkdir()
     (checkout.venv / "thesis.tex").write_text("mine")
@@ -218,20 +171,6 @@ def test_a_folder_that_holds_something_else_is_left_alone(checkout):
     assert code == 1
     assert "holds something else" in said
     assert (checkout.venv / "thesis.tex").read_text() == "mine"
-
-
-@pytest.mark.long
-def test_a_set_up_killed_while_it_made_the_environment_is_made_good(checkout):
-    process = checkout.start()
-    wait_until((checkout.venv / "pyvenv.cfg").exists)
-    process.send_signal(signal.SIGKILL)
-    process.communicate()
-    (checkout.venv / "half-made").touch()
-    assert not (checkout.stamps / "environment").exists()
-    code, said = checkout.setup()
-    assert code == 0, said
-    assert not (checkout.venv / "half-made").exists()
-    assert checkout.setup("--check")[0] == 0
 
 
 def test_a_set_up_killed_while_it_built_the_messages_builds_them_from_scratch(ready):
@@ -285,19 +224,6 @@ def test_the_environment_file_takes_another_ros_out_of_the_shell(checkout):
     assert "RMW_IMPLEMENTATION" not in shown
 
 
-def test_the_environment_file_changes_nothing_the_second_time(checkout):
-    once = sourced(checkout, checkout.environment())
-    assert sourced(checkout, once) == once
-
-
-@pytest.mark.parametrize(("said", "counts"), [(None, "LOCALHOST"), ("SUBNET", "SUBNET")])
-def test_nodes_stay_on_this_machine_unless_the_user_says_otherwise(checkout, said, counts):
-    environment = checkout.environment()
-    if said:
-        environment["ROS_AUTOMATIC_DISCOVERY_RANGE"] = said
-    assert sourced(checkout, environment)["ROS_AUTOMATIC_DISCOVERY_RANGE"] == counts
-
-
 @pytest.mark.parametrize(
     ("said", "counts", "bound"),
     [
@@ -322,107 +248,6 @@ def test_a_prepared_shell_has_a_profile_that_binds_to_this_machine(checkout, sai
     assert sourced(checkout, shown) == shown
     subnet = sourced(checkout, shown | {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"})
     assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in subnet
-
-
-ROS2 = """\
-#!{python} -s
-# Does what the command of an installed Jazzy does: its interpreter is not the environment's.
-import os
-import sys
-from pathlib import Path
-
-from ament_index_python.packages import get_package_prefix, get_package_share_directory
-
-assert sys.prefix == sys.base_prefix
-verb, package, name, *arguments = sys.argv[1:]
-if verb == "pub":
-    from rclpy.serialization import deserialize_message, serialize_message
-    from rosidl_runtime_py_stand_in import message
-    kind = message(package, name)
-    print(type(deserialize_message(serialize_message(kind()), kind)).__module__)
-elif verb == "launch":
-    folder = os.path.join(get_package_share_directory(package), "launch")
-    assert name in os.listdir(folder)
-    from hitab_bringup.swarm_file import read_swarm
-    from hitab_bringup.swarm_processes import processes
-    from hitab_client.shipped import find_file
-    for process in processes(read_swarm(find_file("keepaway", "swarms", "swarm")), Path("run")):
-        print(process.name, process.command[0])
-elif verb == "run":
-    os.execv(os.path.join(get_package_prefix(package), "lib", package, name), [name, *arguments])
-"""
-
-
-@pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """Return an installed Jazzy whose commands run another Python; its packages are the wheels."""
-    prefix = tmp_path_factory.mktemp("jazzy")
-    (prefix / "bin").mkdir()
-    (prefix / "python").mkdir()
-    (prefix / "python" / "rosidl_runtime_py_stand_in.py").write_text(
-        "from importlib import import_module\n"
-        "def message(package, name):\n"
-        "    return getattr(import_module(package + '.msg'), name)\n"
-    )
-    command = prefix / "bin" / "ros2"
-    command.write_text(ROS2.format(python=Path(sys.executable).resolve()))
-    command.chmod(0o755)
-    # The wheels have set the path for this process; the prefix has these libraries as its own.
-    libraries = []
-    for number, folder in enumerate(os.environ.get("LD_LIBRARY_PATH", "").split(":")):
-        libraries.append(str(prefix / f"lib{number}"))
-        Path(libraries[-1]).symlink_to(folder or ".")
-    (prefix / "setup.bash").write_text(
-        f"export PATH={prefix}/bin:$PATH PYTHONPATH={prefix}/python:${{PYTHONPATH:-}} "
-        f"AMENT_PREFIX_PATH={prefix} ROS_DISTRO=jazzy LD_LIBRARY_PATH={':'.join(libraries)}\n"
-    )
-    return prefix
-
-
-@pytest.mark.parametrize(
-    ("typed", "expected"),
-    [
-        ("pub hitab_msgs Command", "hitab_msgs.msg._command"),
-        ("launch hitab_bringup swarm.launch.py", "keeper_3 "),
-        ("run hitab_bringup hitab --version", "hitab "),
-    ],
-)
-def test_ros2_of_an_installed_jazzy_finds_what_only_the_environment_has(
-    installed, tmp_path, typed, expected
-):
-    environment = {
-        "HOME": str(tmp_path),
-        "HITAB_ROS": str(installed),
-        "HITAB_VENV": sys.prefix,
-        "PATH": machine_path(),
-    }
-    done = subprocess.run(
-        ["bash", "-c", f'set -eu; . "$0"; ros2 {typed}', ROOT / "scripts/env.sh"],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    assert expected in done.stdout
-
-
-def test_the_path_of_python_is_the_same_the_second_time_and_has_no_working_folder(
-    installed, checkout
-):
-    (checkout.root / "ros2_ws/src/a_robot").mkdir()
-    (checkout.root / "ros2_ws/src/a_robot/setup.py").touch()
-    (checkout.venv / "lib/python3.12/site-packages").mkdir(parents=True)
-    environment = checkout.environment() | {"HITAB_ROS": str(installed)}
-    shown = sourced(checkout, environment)
-    assert shown["PYTHONPATH"].split(":") == [
-        str(checkout.root / "ros2_ws/src/a_robot"),
-        str(installed / "python"),
-        str(checkout.venv / "lib/python3.12/site-packages"),
-    ]
-    again = sourced(checkout, {**shown, "HITAB_ROS": str(installed)})
-    assert again["PYTHONPATH"].split(":")[0] == str(checkout.root / "ros2_ws/src/a_robot")
-    assert "" not in again["PYTHONPATH"].split(":")
 
 
 def sourced(checkout: Checkout, environment: dict[str, str]) -> dict[str, str]:

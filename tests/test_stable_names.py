@@ -2,15 +2,10 @@
 
 import os
 import re
-import subprocess
-import sys
-from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-import pytest
-
-from hitab_client import RosLink, domain_ids
-from hitab_client.run_folder import running_swarms
+from hitab_client import RosLink
 
 SECONDS = 60.0
 TOPICS_PAGE = Path(__file__).parents[1] / "docs" / "topics.md"
@@ -45,17 +40,6 @@ OF_ROS = (
 """Services that ROS adds to nodes."""
 
 
-@pytest.fixture
-def observer(home: Path, hitab, monkeypatch) -> Iterator[RosLink]:
-    """Yield a link in the domain of the test's swarms, which are taken down at the end."""
-    with domain_ids.reserved() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        with RosLink(number, name="observer") as link:
-            yield link
-        for _, record in list(running_swarms()):
-            hitab("down", record.swarm, timeout=110.0)
-
-
 def graph(link: RosLink) -> set[str]:
     """Return what is there beside the link: nodes, topics with types, and services with types."""
     nodes = link.node.get_node_names_and_namespaces()
@@ -66,38 +50,6 @@ def graph(link: RosLink) -> set[str]:
         *(f"topic {name} {kind}" for name, kinds in topics for kind in kinds),
         *(f"service {name} {kind}" for name, kinds in services for kind in kinds),
     }
-
-
-def seen_while_it_starts(
-    link: RosLink, path: Path, enough: Callable[[set[str]], bool]
-) -> set[str]:
-    """Bring a swarm up; return all that was in the graph at any moment until there is enough."""
-    seen: set[str] = set()
-    up = subprocess.Popen(
-        [sys.executable, "-m", "hitab_bringup.main", "up", str(path)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        env={**os.environ, "COLUMNS": "200"},
-    )
-
-    def came_up() -> bool:
-        seen.update(graph(link))
-        return up.poll() is not None
-
-    try:
-        assert link.spin_until(came_up, 110.0)
-    finally:
-        up.kill()
-        output, _ = up.communicate()
-    assert up.returncode == 0, output
-
-    def is_enough() -> bool:
-        seen.update(graph(link))
-        return enough(seen)
-
-    assert link.spin_until(is_enough, SECONDS), sorted(seen)
-    return seen
 
 
 def documented(heading: str) -> set[str]:
@@ -121,10 +73,22 @@ def names_of(seen: set[str], what: str) -> set[str]:
     return {entry.split()[1] for entry in seen if entry.split()[0] == what}
 
 
-def test_a_swarm_has_the_nodes_topics_and_services_of_the_docs_and_no_others(observer, tmp_path):
-    path = tmp_path / "mixed.yaml"
+def test_a_swarm_has_the_nodes_topics_and_services_of_the_docs_and_no_others(apart, hitab):
+    path = apart / "mixed.yaml"
     path.write_text(SWARM)
-    seen = seen_while_it_starts(observer, path, lambda seen: names_of(seen, "node") >= NODES)
+    seen: set[str] = set()
+    with (
+        RosLink(int(os.environ["ROS_DOMAIN_ID"]), name="observer") as link,
+        ThreadPoolExecutor() as pool,
+    ):
+        up = pool.submit(hitab, "up", str(path))
+
+        def all_seen() -> bool:
+            seen.update(graph(link))
+            return up.done() and names_of(seen, "node") >= NODES
+
+        assert link.spin_until(all_seen, 2 * SECONDS), sorted(seen)
+    assert up.result().returncode == 0, up.result().stderr
     assert names_of(seen, "node") == NODES
 
     topics, services = documented("topic"), documented("service")
@@ -136,18 +100,3 @@ def test_a_swarm_has_the_nodes_topics_and_services_of_the_docs_and_no_others(obs
     offered = {name for name in names_of(seen, "service") if not of_node.fullmatch(name)}
     assert "/keeper_1/save" in offered
     assert {in_docs(name) for name in offered} - services == set()
-
-
-@pytest.mark.long
-def test_two_starts_of_a_swarm_have_the_same_nodes_topics_and_services(hitab, observer, tmp_path):
-    path = tmp_path / "mixed.yaml"
-    path.write_text(SWARM)
-    empty = graph(observer)
-    first = seen_while_it_starts(observer, path, lambda seen: names_of(seen, "node") >= NODES)
-
-    assert hitab("down", "mixed", timeout=110.0).returncode == 0
-    assert observer.spin_until(lambda: graph(observer) <= empty, SECONDS), graph(observer) - empty
-
-    # What came late in the first run may have been seen in the second one only.
-    second = seen_while_it_starts(observer, path, lambda seen: first <= seen)
-    assert names_of(second, "node") == NODES

@@ -5,80 +5,11 @@ from __future__ import annotations
 import json
 import urllib.error
 import urllib.request
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
-from browsing import ONE, THREE, TWO, Person, away_from_everybody, entity, needs_browser, studio
-
-from hitab_bringup.bringing_up import temporary_swarm
-from keepaway_world.verbs.evaluation import trained_keepers
-
-
-@needs_browser
-def test_a_person_trains_approach_ball_by_clicking_alone_and_the_keepers_play_it(swarm, person):
-    away_from_everybody(swarm, 8.0)
-    person.click(f"agent-{ONE}")
-    person.click("new")
-    person.type("new-name", "ApproachBall")
-    person.tick("feature-DistanceTo(ball)")
-    person.click("begin")
-    person.sees("mode", "Training")
-
-    for place, behavior, examples in ((-8, "GoFast", 2), (-4, "GoMedium", 4), (-1, "Stop", 6)):
-        person.drags(ONE, place, 0.0)
-        person.waits_until(lambda x=place: abs(entity(swarm, ONE).x - x) < 0.2, "placed")
-        person.click(f"do-{behavior}")
-        person.sees("counts", f"{examples} examples")
-        assert behavior in person.text("recorded")
-        assert "DistanceTo(ball)" in person.text("recorded")
-
-    # Test, from far away: it goes, and by itself.
-    person.drags(ONE, -9.0, 0.0)
-    person.click("toggle")
-    person.sees("mode", "Testing")
-    person.click("pause")
-    person.waits_until(lambda: entity(swarm, ONE).x > -8.0, "the keeper did not go by itself")
-    person.page.keyboard.press("t")  # take over in one keystroke, nothing is reset
-    person.sees("mode", "Training")
-    assert -9.0 < entity(swarm, ONE).x < 2.0
-    person.click("pause")
-
-    # Correct one example: at 4 m it should go slowly.
-    person.click("tab-examples")
-    number = next(
-        e.number
-        for e in swarm.agents.list_examples(ONE).examples
-        if e.next_state == "GoMedium" and e.kind != "default"
-    )
-    person.click(f"example-{number}")
-    person.page.select_option('[data-test="relabel"]', "GoSlow")
-    person.sees("effect", "GoSlow")
-    relabeled = {e.number: e for e in swarm.agents.list_examples(ONE).examples}[number]
-    assert relabeled.next_state == "GoSlow"
-
-    person.click("save")
-    person.sees("preview", "ApproachBall")
-    person.click("save-now")
-    person.click("distribute")
-    person.tick("start")
-    person.click("distribute-now")
-    for name in (TWO, THREE):
-        person.sees("acks", f"{name} has it")
-    person.click("done")
-    before = {name: entity(swarm, name) for name in (TWO, THREE)}
-    person.click("pause")
-
-    def all_have_moved() -> bool:
-        return all(
-            abs(entity(swarm, n).x - e.x) + abs(entity(swarm, n).y - e.y) > 0.3
-            for n, e in before.items()
-        )
-
-    person.waits_until(all_have_moved, "the keepers did not play it")
-    person.click("pause")
-    person.waits_until(lambda: swarm.world.status.mode == "paused" or swarm.link.spin(0.05), "")
+from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser, studio
 
 
 @needs_browser
@@ -150,19 +81,6 @@ def placements(person: Person) -> list[Any]:
 
 
 @needs_browser
-def test_a_placement_that_the_world_refuses_is_taken_back_on_the_page(swarm, person):
-    """A paused world sends nothing new by itself: the page would show what is not so."""
-    away_from_everybody(swarm, 6.0)
-    person.waits_until(lambda: abs(person.place_of(ONE)[0] + 6.0) < 0.1, "shown")
-    person.page.evaluate(
-        "() => { const f = window.studioField; f.now.places.set([5, 5], 3 * f.index.get('ball'));"
-        " window.studioTell('place', { things: { nobody: { x: 5, y: 5 } } }); }"
-    )
-    person.sees("message", "nobody")
-    person.waits_until(lambda: abs(person.place_of("ball")[0]) < 0.1, "it is where it was")
-
-
-@needs_browser
 def test_a_double_click_commands_once_and_steps_twice(swarm, person):
     """Else each hasty click records an example that nobody meant to give."""
     away_from_everybody(swarm, 5.0)
@@ -174,24 +92,10 @@ def test_a_double_click_commands_once_and_steps_twice(swarm, person):
     person.page.dblclick('[data-do="step"]')
     person.waits_until(lambda: entity(swarm, ONE) and swarm.world.state.cycle == cycle + 2, "two")
     # What a page asks for is done in order: by now, all that the first double click has asked.
-    assert [e.kind for e in swarm.agents.list_examples(ONE).examples] == [
+    assert [e.kind for e in swarm.agents.training(ONE).examples] == [
         "demonstrated",
         "default",
     ]
-
-
-@needs_browser
-def test_an_example_takes_a_person_back_to_where_it_was_recorded(swarm, person):
-    away_from_everybody(swarm, 7.0)
-    swarm.agents.begin(ONE, "There", features=["DistanceTo(ball)"], discard=True)
-    person.click(f"agent-{ONE}")
-    person.sees("mode", "Training")
-    person.click("do-GoFast")
-    person.sees("recorded", "GoFast")
-    away_from_everybody(swarm, 2.0)
-    person.click("tab-examples")
-    person.click("situation-1")
-    person.waits_until(lambda: abs(entity(swarm, ONE).x + 7.0) < 0.2, "back where it was")
 
 
 @needs_browser
@@ -214,23 +118,6 @@ def test_the_target_of_a_behavior_is_given_by_clicking_it_in_the_field(swarm, pe
     person.sees("banner", "Chase(closest_taker)")
 
 
-@pytest.mark.long
-@needs_browser
-def test_ten_browsers_look_at_once(swarm, person, chrome, url):
-    small = {"width": 480, "height": 320}  # a software renderer draws all of them
-    pages = [chrome.new_page(viewport=small) for _ in range(9)]
-    others = [Person(page, url) for page in pages]
-    for other in others:
-        other.sees_field()
-    person.page.wait_for_selector("text=10 open")
-    person.drags("ball", 6.0, 1.0)
-    for other in [*others, person]:
-        other.waits_until(lambda o=other: abs(o.place_of("ball")[0] - 6.0) < 0.2, "all see it")
-        assert other.complaints == []
-    for page in pages:
-        page.close()
-
-
 @needs_browser
 def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_changes(swarm, person):
     away_from_everybody(swarm, 5.0)
@@ -243,10 +130,10 @@ def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_chan
     person.click("delete-3")
     person.does_not_see("example-3")
     assert "always: GoSlow" in person.text("effect")
-    assert 3 not in [e.number for e in swarm.agents.list_examples(ONE).examples]
+    assert 3 not in [e.number for e in swarm.agents.training(ONE).examples]
     person.click("undo")
     person.sees("example-3")
-    assert 3 in [e.number for e in swarm.agents.list_examples(ONE).examples]
+    assert 3 in [e.number for e in swarm.agents.training(ONE).examples]
 
 
 @needs_browser
@@ -345,26 +232,6 @@ def path_and_download(person: Person, home: Path) -> tuple[bytes, list[Path]]:
     with person.page.expect_download() as download:
         person.click(f"download-{paths[0].name}")
     return Path(download.value.path()).read_bytes(), paths
-
-
-@needs_browser
-def test_a_page_opened_before_the_swarm_finds_it_and_finds_it_again(chrome, home, tmp_path):
-    with studio(tmp_path / "log", "late") as address:
-        page = chrome.new_page(viewport={"width": 1280, "height": 720})
-        someone = Person(page, address)
-        page.wait_for_selector("text=is not up")
-        for _ in range(2):
-            alone = trained_keepers(None, "", {})
-            description = replace(alone, agents=alone.agents[:1])
-            with temporary_swarm(description, tmp_path / "late") as running:
-                named = replace(running.record, swarm="late")
-                running.folder.write(named, register=True)
-                someone.sees("agent-keeper_1")
-                someone.sees_field()
-                page.wait_for_selector(".where b")
-            page.wait_for_selector(".where b", state="detached")
-        assert someone.complaints == []
-        page.close()
 
 
 def ask(url: str, **headers: str) -> int:

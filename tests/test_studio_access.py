@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from browsing import ONE, Person, away_from_everybody, needs_browser, studio, visitor
+from browsing import ONE, Person, away_from_everybody, needs_browser, visitor
 
 from hitab_core import HitabError
 
@@ -107,98 +106,69 @@ def test_axe_finds_nothing_wrong_before_a_training(swarm, looking):
 
 @pytest.mark.long
 @needs_browser
-def test_axe_finds_nothing_wrong_with_a_training(swarm, teaching):
-    person = teaching
-    found = violations(person, "training")
+def test_axe_finds_nothing_wrong_from_a_training_to_its_library(swarm, teaching, home):
+    person, found = teaching, list[str]()
+
+    def look(view: str, *shown: str) -> None:
+        for name in shown:
+            person.sees(name)
+        found.extend(violations(person, view))
+
+    look("training")
     person.click("stop-robots")
     person.sees("stopped")
     person.click("release")
-    person.sees("release-dialog")
-    found += violations(person, "stopped robots")
+    look("stopped robots", "release-dialog")
     person.click("release-now")
     person.does_not_see("stopped")
-    person.click("generations-teach")
-    person.sees("generations-dialog")
-    found += violations(person, "generations")
-    close_dialog(person)
+    for name, dialog in (
+        ("generations-teach", "generations-dialog"),
+        ("snapshots", "snapshot-name"),
+    ):
+        person.click(name)
+        look(name, dialog)
+        close_dialog(person)
     for name in ("features", "caution", "reaction"):
         person.click(f"{name}-change")
-        person.sees(f"{name}-dialog")
-        found += violations(person, name)
+        look(name, f"{name}-dialog")
         if name != "reaction":
             close_dialog(person)
     person.click("reaction-game")
-    person.sees("disc")
-    found += violations(person, "the game")
+    look("the game", "disc")
     person.click("reaction-cancel")
-    assert found == []
-
-
-@pytest.mark.long
-@needs_browser
-def test_axe_finds_nothing_wrong_with_what_was_learned(swarm, teaching):
-    person = teaching
     person.click("tab-examples")
     person.click("example-1")
     person.sees("marked")
     person.page.click('[data-test="columns"] summary')
-    found = violations(person, "examples")
+    look("examples")
     person.click("tab-learned")
-    person.sees("node-GoFast")
-    found += violations(person, "learned")
+    look("learned", "node-GoFast")
     person.click("toggle")
     person.sees("mode", "Testing")
-    found += violations(person, "testing")
+    look("testing")
     person.click("save")
-    person.sees("preview")
-    found += violations(person, "what is saved")
+    look("what is saved", "preview")
     person.click("save-now")
-    person.sees("distribute")
-    found += violations(person, "library")
+    look("library", "distribute")
     person.click("distribute")
-    person.sees("distribute-now")
-    found += violations(person, "to whom it is given")
-    assert found == []
-
-
-@pytest.mark.long
-@needs_browser
-def test_axe_finds_nothing_wrong_with_the_world_and_its_recordings(swarm, looking, home):
-    person = looking
-    person.click("snapshots")
-    person.sees("snapshot-name")
-    found = violations(person, "snapshots")
+    look("to whom it is given", "distribute-now")
     close_dialog(person)
-    person.page.evaluate("window.studioTell('replay-play')")
-    person.sees("message", "No recording is open")
+
     person.click("tab-swarm")
-    found += violations(person, "swarm and a message")
+    look("swarm")
     person.click("tab-record")
     person.click("record")
     person.waits_until(lambda: list((home / "recordings").glob("*.mcap")), "being recorded")
     swarm.world.step(3)
     person.page.click('.pane [data-test="record"]')
-    person.sees("replay-file")
-    found += violations(person, "recordings")
+    look("recordings", "replay-file")
     person.click("replay-file")
-    person.sees("replay-band")
-    found += violations(person, "a replay")
+    look("a replay", "replay-band")
     person.page.keyboard.press("Escape")
     person.does_not_see("replay-band")
     for path in (home / "recordings").glob("*.mcap"):
         path.unlink()
     assert found == []
-
-
-@pytest.mark.long
-@needs_browser
-def test_axe_finds_nothing_wrong_while_no_swarm_is_up(chrome: Any, home: Path, tmp_path: Path):
-    with studio(tmp_path / "log", "not_there") as address:
-        page = chrome.new_page(viewport={"width": 1280, "height": 720}, reduced_motion="reduce")
-        someone = Person(page, address)
-        page.wait_for_selector("text=is not up")
-        assert violations(someone, "no swarm") == []
-        page.close()
 
 
 # -- the keyboard -----------------------------------------------------------------------------

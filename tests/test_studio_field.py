@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser, visitor
+from browsing import ONE, Person, away_from_everybody, entity, needs_browser, visitor
 
 
 def field(person: Person, what: str) -> Any:
@@ -79,21 +79,6 @@ def test_a_finger_chooses_drags_and_turns(swarm, tablet):
         lambda: abs(entity(swarm, ONE).heading - math.pi / 2) < 0.2, "it was turned"
     )
     assert entity(swarm, ONE).x == pytest.approx(place.x, abs=0.05)
-
-
-@needs_browser
-def test_a_finger_that_stays_chooses_several(swarm, tablet):
-    away_from_everybody(swarm, 6.0)
-    shown_at(tablet, ONE, -6.0, 0.0)
-    shown_at(tablet, TWO, 8.0, 8.0)
-    finger = Finger(tablet.page)
-    finger.taps(tablet.on_screen(*tablet.place_of(ONE)))
-    tablet.sees("banner", ONE)
-    finger.holds(
-        tablet.on_screen(*tablet.place_of(TWO)),
-        lambda: tablet.waits_until(lambda: field(tablet, "f.chosen.size") == 2, "both are chosen"),
-    )
-    assert set(field(tablet, "[...f.chosen]")) == {ONE, TWO}
 
 
 # -- the keyboard -----------------------------------------------------------------------------

@@ -47,31 +47,4 @@ def test_generations_of_a_team_are_made_listed_and_undone(swarm, person):
     person.sees("made")
     person.page.keyboard.press("Escape")
     person.sees("counts", "2 examples")
-    assert len(swarm.agents.list_examples(ONE).examples) == 2
-
-
-@needs_browser
-def test_a_long_evaluation_shows_how_far_it_is_and_can_be_stopped(swarm, person):
-    swarm.agents.perform(TWO, "")
-    swarm.agents.perform(THREE, "")
-    swarm.agents.begin(ONE, "Slowly", features=["DistanceTo(ball)"], discard=True)
-    person.click(f"agent-{ONE}")
-    person.page.wait_for_selector('[data-test="do-GoFast"]:not([aria-disabled])')
-    person.click("do-GoFast")
-    person.sees("counts", "2 examples")
-    person.click("generations-teach")
-    person.type("generation-episodes", "1000")
-    person.click("generation-next")
-    person.sees("making", "of 1000")
-    person.page.keyboard.press("Escape")
-    person.sees("making-notice", "of 1000")
-    off = person.page.locator('[data-test="do-Stop"]')
-    assert "is at work on a generation of Slowly" in off.get_attribute("title")
-    person.page.evaluate("window.studioTell('pause')")
-    person.sees("message", "is at work on a generation")
-    person.click("making-show")
-    person.click("generation-stop")
-    person.sees("making-problem", "It was stopped")
-    person.page.keyboard.press("Escape")
-    person.sees("mode", "Training")
-    assert swarm.world.wait().mode == "paused"
+    assert len(swarm.agents.training(ONE).examples) == 2

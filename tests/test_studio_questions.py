@@ -29,17 +29,19 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
         person.sees("counts", f"{examples} examples")
 
     def contradicted() -> bool:
-        return any("which holds" in q.text for q in swarm.agents.questions(ONE).questions)
+        return any(
+            "which holds" in q.text for q in swarm.agents.training(ONE, searched=True).questions
+        )
 
     person.sees("questions", "which holds?")
-    number = swarm.agents.questions(ONE).questions[0].number
+    number = swarm.agents.training(ONE, searched=True).questions[0].number
     proposed = person.page.wait_for_selector(f'[data-test="question-{number}"] button.strong')
     assert proposed.inner_text().split() == ["GoSlow", "A"]
     person.page.keyboard.press("a")
     person.waits_until(lambda: not contradicted(), "it was not answered")
     assert all(
         e.next_state != "Stop" or e.kind == "default"
-        for e in swarm.agents.list_examples(ONE).examples
+        for e in swarm.agents.training(ONE).examples
         if e.state == "GoFast"
     )
     person.does_not_see(f"question-{number}")
@@ -61,9 +63,7 @@ def test_who_corrects_is_offered_to_remove_the_mistake_that_caused_it(swarm, per
     ):
         away_from_everybody(swarm, distance)
         swarm.agents.command(ONE, behavior)
-    number = next(
-        e.number for e in swarm.agents.list_examples(ONE).examples if e.next_state == "Stop"
-    )
+    number = next(e.number for e in swarm.agents.training(ONE).examples if e.next_state == "Stop")
     away_from_everybody(swarm, 9.0)
     swarm.agents.set_mode(ONE, "testing", restart=True)
     swarm.world.step(1)
@@ -75,31 +75,9 @@ def test_who_corrects_is_offered_to_remove_the_mistake_that_caused_it(swarm, per
     person.sees("questions", "a mistake?")
     person.page.keyboard.press("a")
     person.waits_until(
-        lambda: number not in [e.number for e in swarm.agents.list_examples(ONE).examples],
+        lambda: number not in [e.number for e in swarm.agents.training(ONE).examples],
         "it was not removed",
     )
-
-
-@needs_browser
-def test_an_ambiguity_is_told_with_both_explanations_and_answered(swarm, person):
-    begin(person, "Unclear", "BallIsKickable", "DistanceTo(closest_taker)")
-    # Kickable, and no taker near: there it keeps standing, but shall it come to stand there?
-    for distance, taker, behavior, examples in (
-        (6.0, 4.0, "GoFast", 2),
-        (0.8, 5.0, "Stop", 4),
-        (0.8, 9.0, "Stop", 5),
-    ):
-        away_from_everybody(swarm, distance)
-        swarm.world.shown(swarm.world.place({"taker_1": {"x": taker, "y": 9.0 * (taker > 8)}}))
-        person.click(f"do-{behavior}")
-        person.sees("counts", f"{examples} examples")
-    person.sees("questions", "because BallIsKickable")
-    assert "because DistanceTo(closest_taker) > 6 m" in person.text("questions")
-    person.page.click('[data-test="questions"] button:has-text("GoFast")')
-    person.sees("counts", "6 examples")
-    person.does_not_see("questions")
-    function = swarm.agents.behavior(ONE).tree("GoFast")
-    assert "DistanceTo(closest_taker)" in str(function.rules(swarm.agents.behavior(ONE).features))
 
 
 @needs_browser

@@ -7,36 +7,17 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from browsing import ONE, Person, away_from_everybody, needs_browser, studio
+from waiting import hanging, pid_of
 
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.supervision import process_states
 from hitab_studio.scene import MODES, SILENT
 from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
 SILENT_MODE = 1 + MODES.index(SILENT)
-
-
-def pid_of(swarm: Any, name: str) -> int:
-    """Return the process of an agent or the world, 0 while it has none."""
-    states = process_states(swarm.record)
-    return next((state["pid"] for state in states if state["name"] == name), 0)
-
-
-@contextmanager
-def hanging(swarm: Any, name: str) -> Iterator[int]:
-    """Have a process hang; it may be killed meanwhile."""
-    pid = pid_of(swarm, name)
-    os.kill(pid, signal.SIGSTOP)
-    try:
-        yield pid
-    finally:
-        if pid_of(swarm, name) == pid:
-            os.kill(pid, signal.SIGCONT)
 
 
 @pytest.fixture
@@ -72,18 +53,6 @@ def told_absent(person: Person) -> None:
 
 
 @needs_browser
-def test_a_command_that_an_agent_takes_late_is_not_given_twice(swarm, training):
-    with hanging(swarm, ONE):
-        training.click("do-Stop")
-        training.sees("lost", f"Stop was not taken by {ONE}: send again?")
-        told_absent(training)
-    training.does_not_see("lost")
-    training.sees("message", f"{ONE} has taken Stop after all")
-    training.sees("counts", "4 examples")
-    training.does_not_see("absent")
-
-
-@needs_browser
 @pytest.mark.timeout(300)
 def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, training):
     with hanging(swarm, ONE) as pid:
@@ -98,7 +67,7 @@ def test_a_command_that_a_killed_agent_has_not_taken_is_sent_again(swarm, traini
     training.click("send-again")
     training.does_not_see("lost")
     training.sees("counts", "4 examples")
-    listed = swarm.agents.list_examples(ONE).examples
+    listed = swarm.agents.training(ONE).examples
     assert [e.next_state for e in listed if e.kind != "default"] == ["GoFast", "Stop"]
 
 
@@ -126,16 +95,24 @@ def test_a_world_that_hangs_is_said_and_its_controls_say_why_they_do_nothing(swa
 
 
 @needs_browser
-def test_a_swarm_that_is_down_is_not_shown_as_if_it_were_up(chrome, home, tmp_path):
+def test_a_page_waits_for_its_swarm_and_shows_it_only_while_it_is_up(chrome, home, tmp_path):
     """Its robots stood there as before, with a button that would train them."""
     alone = trained_keepers(None, "", {})
     description = replace(alone, agents=alone.agents[:1])
+
+    @contextmanager
+    def falls_up(someone: Person) -> Iterator[None]:
+        with temporary_swarm(description, tmp_path / "falls") as running:
+            running.folder.write(replace(running.record, swarm="falls"), register=True)
+            someone.sees(f"agent-{ONE}")
+            someone.sees_field()
+            yield
+
     with studio(tmp_path / "log", "falls") as address:
         page = chrome.new_page(viewport={"width": 1280, "height": 720})
         someone = Person(page, address)
-        with temporary_swarm(description, tmp_path / "falls") as running:
-            running.folder.write(replace(running.record, swarm="falls"), register=True)
-            someone.sees_field()
+        page.wait_for_selector("text=is not up")
+        with falls_up(someone):
             someone.click(f"agent-{ONE}")
             page.wait_for_selector("text=Nothing learned yet")
             someone.click("new")
@@ -149,5 +126,7 @@ def test_a_swarm_that_is_down_is_not_shown_as_if_it_were_up(chrome, home, tmp_pa
         someone.sees("unknown", "not known until it answers")
         assert page.locator('[data-do="new"]:not([aria-disabled])').count() == 0
         assert page.locator(".overlay[data-stale]").count() == 1
+        with falls_up(someone):
+            page.wait_for_selector(".where b")
         assert someone.complaints == []
         page.close()

@@ -55,21 +55,6 @@ def test_a_swarm_is_started_and_stopped_from_the_page(someone, hitab):
 
 
 @needs_browser
-def test_a_start_that_fails_says_why_until_it_is_closed(someone, home):
-    someone.page.wait_for_selector("text=No swarm is up")
-    # A folder where the swarm would keep its files cannot be made.
-    (home / "keepaway_deleted").mkdir()
-    (home / "keepaway_deleted" / "logs").write_text("a file is in the way")
-    someone.page.select_option('[data-test="swarm-choice"]', "keepaway_deleted")
-    someone.click("swarm-start")
-    failed = someone.sees("launch-failed", "keepaway_deleted did not start")
-    assert "cannot be made" in failed.inner_text()
-    someone.click("launch-dismiss")
-    someone.does_not_see("launch-failed")
-    someone.sees("swarm-start")
-
-
-@needs_browser
 def test_a_page_stays_with_its_swarm_and_offers_the_others_to_click(
     chrome, home, tmp_path, monkeypatch
 ):

@@ -21,14 +21,6 @@ def nothing_is_trained(swarm):
 
 
 @needs_browser
-def test_a_training_begun_by_mistake_is_left_by_esc(swarm, person):
-    begin(person, "Mistake")
-    person.page.keyboard.press("Escape")
-    person.sees("mode", "Idle")
-    person.sees("message", "discarded")
-
-
-@needs_browser
 def test_who_would_lose_examples_is_asked_once(swarm, person):
     away_from_everybody(swarm, 5.0)
     begin(person, "Dear")
@@ -119,13 +111,13 @@ def late(swarm: Any, person: Person) -> tuple[Person, int]:
 
 def stopped(swarm: Any) -> Any:
     """Return the example of the command to stop."""
-    return next(e for e in swarm.agents.list_examples(ONE).examples if e.next_state == "Stop")
+    return next(e for e in swarm.agents.training(ONE).examples if e.next_state == "Stop")
 
 
 @needs_browser
 def test_a_command_counts_for_what_its_person_saw_a_reaction_time_before(swarm, late):
     person, shown = late
-    go, stop = swarm.agents.list_examples(ONE).examples[::2]
+    go, stop = swarm.agents.training(ONE).examples[::2]
     assert go.ago == 0.0, "the world was paused: nothing had changed meanwhile"
     # A cycle is 0.1 s. The page may show a moment between two cycles.
     assert shown - stop.cycle == pytest.approx(3, abs=1)
@@ -203,10 +195,10 @@ def test_features_are_exchanged_after_a_look_at_what_would_be_learned(swarm, per
     person.tick("feature-BallIsKickable")
     person.page.uncheck('[data-test="feature-DistanceTo(ball)"]')
     person.sees("features-effect", "+ GoFast: if BallIsKickable")
-    assert swarm.agents.behavior(ONE).features == ("DistanceTo(ball)",), "nothing was done yet"
+    assert swarm.agents.training(ONE).features == ("DistanceTo(ball)",), "nothing was done yet"
     person.click("features-accept")
     person.sees("recorded", "BallIsKickable")
-    assert swarm.agents.behavior(ONE).features == ("BallIsKickable",)
+    assert swarm.agents.training(ONE).features == ("BallIsKickable",)
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     person.sees("recorded", "DistanceTo(ball)")

@@ -1,24 +1,17 @@
 """Each swarm has an identity: what is meant for one never reaches another one."""
 
-import contextlib
 import json
 import os
-import signal
 import subprocess
 import sys
-from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
-import psutil
 import pytest
 from waiting import within
 
 from hitab_bringup import supervision
-from hitab_bringup.bringing_up import bring_up, temporary_swarm
+from hitab_bringup.bringing_up import bring_up
 from hitab_bringup.swarm_file import parse_swarm
-from hitab_bringup.swarm_processes import processes
-from hitab_client import domain_ids
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.run_folder import RunFolder, running_swarms
@@ -35,18 +28,7 @@ domain: keepaway
 agents: {keeper_1: {}, keeper_2: {}, keeper_3: {}}
 """
 WITH_A_WORLD_ALONE = LONE.replace("domain:", "world: {kind: keepaway, paused: true}\ndomain:")
-APART = f"{WITH_A_WORLD_ALONE}namespace: apart\n"  # from what other tests do in ROS domain 0
-
-
-@pytest.fixture(autouse=True)
-def place(home: Path, hitab, tmp_path: Path, monkeypatch):
-    """A ROS domain and a folder of the test's own; what a test has left is stopped."""
-    with domain_ids.reserved() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        yield tmp_path
-    monkeypatch.setenv("HITAB_HOME", str(home))
-    for folder, _ in list(running_swarms()):
-        supervision.stop(folder)
+IN_A_NAMESPACE = f"{WITH_A_WORLD_ALONE}namespace: apart\n"
 
 
 def described(folder: Path, text: str = LONE, name: str = "swarm") -> str:
@@ -61,64 +43,28 @@ def up(hitab, path: str, *more: str):
     return done
 
 
-@contextlib.contextmanager
-def by_hand(folder: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """Have the lone agent up, started as a user does without `hitab`."""
-    swarm = parse_swarm(LONE, folder / "lone.yaml")
-    run_folder = RunFolder(folder / "by_hand")
-    run_folder.prepare()
-    (process,) = processes(swarm, run_folder.path)
-    domain_id = int(os.environ["ROS_DOMAIN_ID"])
-    environment = supervision.environment(run_folder, domain_id, 1)
-    with subprocess.Popen(process.command, env=environment) as started:
-        try:
-            with RosLink(domain_id) as link:
-                agents = SwarmClient(link, ("lone",))
-                agents.watch_all()
-                assert link.spin_until(lambda: "lone" in agents.statuses, 60.0)
-            yield started
-        finally:
-            started.terminate()
-
-
-def test_the_same_swarm_in_another_folder_is_refused(hitab, place):
-    # It said "is up" while its own processes died and were started again and again.
-    path = described(place, SOCCER)
-    up(hitab, path)
-    ((_, record),) = running_swarms()
-    again = hitab("up", path, "--run-dir", str(place / "other"))
-    assert again.returncode == 1
-    refused, *ways_out = again.stderr.splitlines()
-    assert "keeper_1, keeper_2, keeper_3, world" in refused
-    assert all(line.startswith("  ") for line in ways_out)
-    assert "stop it with `hitab down soccer`" in " ".join(ways_out)
-    assert "ROS_DOMAIN_ID" in " ".join(ways_out)
-    assert RunFolder(place / "other").processes() == []
-    assert [r.identity for _, r in running_swarms()] == [record.identity]
-
-
-def test_names_taken_by_a_swarm_of_another_registry_are_refused_as_well(hitab, place, monkeypatch):
+def test_names_taken_by_a_swarm_of_another_registry_are_refused_as_well(hitab, apart, monkeypatch):
     # Nothing but what is heard in the ROS domain tells of it.
-    path = described(place)
+    path = described(apart)
     up(hitab, path)
     ((folder, record),) = running_swarms()
-    monkeypatch.setenv("HITAB_HOME", str(place / "another_home"))
+    monkeypatch.setenv("HITAB_HOME", str(apart / "another_home"))
     again = hitab("up", path)
     monkeypatch.undo()
     assert again.returncode == 1
     refused, *ways_out = again.stderr.splitlines()
     assert record.identity in refused
     assert all(line.startswith("  ") for line in ways_out)
-    assert RunFolder(place / "another_home" / "lone").processes() == []
+    assert RunFolder(apart / "another_home" / "lone").processes() == []
     assert folder.supervisor(record) is not None
 
 
-def test_a_swarm_without_a_world_lives_beside_a_swarm_with_one_in_its_domain(place):
-    soccer = bring_up(parse_swarm(SOCCER, place / "soccer.yaml"), RunFolder(place / "soccer"))
-    lone = parse_swarm(LONE, place / "lone.yaml")
+def test_a_swarm_without_a_world_lives_beside_a_swarm_with_one_in_its_domain(apart):
+    soccer = bring_up(parse_swarm(SOCCER, apart / "soccer.yaml"), RunFolder(apart / "soccer"))
+    lone = parse_swarm(LONE, apart / "lone.yaml")
     with pytest.raises(SwarmError, match="its world publishes the clock from which lone takes"):
-        bring_up(lone.with_sim_time(), RunFolder(place / "lone"))
-    record = bring_up(lone, RunFolder(place / "lone"))
+        bring_up(lone.with_sim_time(), RunFolder(apart / "lone"))
+    record = bring_up(lone, RunFolder(apart / "lone"))
     assert record.domain_id == soccer.domain_id
     with RosLink(record.domain_id) as link:
         agents = SwarmClient(link, record.agents, identity=record.identity)
@@ -132,19 +78,11 @@ def test_a_swarm_without_a_world_lives_beside_a_swarm_with_one_in_its_domain(pla
         assert world.status is None
 
 
-def test_names_taken_by_nodes_started_by_hand_are_refused(hitab, place):
-    with by_hand(place) as hand:
-        refused = hitab("up", described(place))
-        assert refused.returncode == 1
-        assert "started by hand" in refused.stderr
-        assert hand.poll() is None
-
-
-def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, place):
-    up(hitab, described(place))
+def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, apart):
+    up(hitab, described(apart))
     domain_id = int(os.environ["ROS_DOMAIN_ID"])
-    second = RunFolder(place / "second")
-    swarm = parse_swarm(LONE, place / "lone.yaml")
+    second = RunFolder(apart / "second")
+    swarm = parse_swarm(LONE, apart / "lone.yaml")
     record = supervision.launch(swarm, second, domain_id)
     try:
         ended = {"EXITED", "FATAL"}
@@ -162,51 +100,19 @@ def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, pla
         supervision.stop(second)
 
 
-def test_clients_take_no_other_swarms_robots_for_their_own(place):
-    with temporary_swarm(parse_swarm(SOCCER, place / "soccer.yaml")) as running:
-        mine = "mine-00000000"
-        agents = SwarmClient(running.link, ("keeper_1",), identity=mine)
-        both = f"keeper_1 belongs to swarm {running.record.identity}, not to swarm {mine}"
-        with pytest.raises(SwarmError, match=both):
-            agents.begin("keeper_1", "Stolen", features=["Done"])
-        world = WorldClient(running.link, identity=mine)
-        with pytest.raises(SwarmError, match=f"{running.record.identity}, not to swarm {mine}"):
-            world.control("resume")
-        assert running.agents.statuses["keeper_1"].mode == "idle"
-        assert running.world.wait().mode == "paused"
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("status",),
-    ],
-    ids=" ".join,
-)
-def test_verbs_refuse_a_swarm_that_is_not_that_of_the_run_folder(hitab, place, arguments):
-    up(hitab, described(place, WITH_A_WORLD_ALONE))
-    ((folder, record),) = running_swarms()
-    folder.write(replace(record, identity="lone-12345678"), register=True)
-    done = hitab(*arguments)
-    assert done.returncode == 1
-    assert record.identity in done.stderr
-    assert "lone-12345678" in done.stderr
-    assert "Traceback" not in done.stderr
-
-
-def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, place, monkeypatch):
-    path = described(place, APART)
+def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, apart, monkeypatch):
+    path = described(apart, IN_A_NAMESPACE)
     monkeypatch.delenv("ROS_DOMAIN_ID")
     up(hitab, path)
-    second = up(hitab, path, "--run-dir", str(place / "other"))
+    second = up(hitab, path, "--run-dir", str(apart / "other"))
     both = dict(running_swarms())
     assert len({record.domain_id for record in both.values()}) == 2
     which = hitab("down", "lone")
     assert which.returncode == 1
     assert all(record.identity in which.stderr for record in both.values())
-    other = next(r for f, r in both.items() if f.path == place / "other")
+    other = next(r for f, r in both.items() if f.path == apart / "other")
     assert f"look with `hitab status --swarm {other.identity}`" in second.stdout
-    status = hitab("status", "--swarm", str(place / "other"), "--json", "-")
+    status = hitab("status", "--swarm", str(apart / "other"), "--json", "-")
     assert json.loads(status.stdout)["identity"] == other.identity
     assert hitab("down", "--swarm", other.identity).stdout == f"{other.identity} is down\n"
     assert [r.identity for _, r in running_swarms()] != [other.identity]
@@ -214,12 +120,12 @@ def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, pla
     assert list(running_swarms()) == []
 
 
-def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, place, monkeypatch):
+def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, apart, monkeypatch):
     monkeypatch.delenv("ROS_DOMAIN_ID")
     command = [sys.executable, "-m", "hitab_bringup.main", "up"]
-    path = described(place, APART)
+    path = described(apart, IN_A_NAMESPACE)
     started = [
-        subprocess.Popen([*command, path, "--run-dir", str(place / name)], stderr=subprocess.PIPE)
+        subprocess.Popen([*command, path, "--run-dir", str(apart / name)], stderr=subprocess.PIPE)
         for name in ("one", "two", "three")
     ]
     for process in started:
@@ -228,34 +134,15 @@ def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, place
     assert len({record.domain_id for _, record in running_swarms()}) == 3
 
 
-def test_down_stops_the_swarm_of_a_name_where_it_runs(hitab, place):
-    # The default folder of that name was taken for it, if there was anything in it.
-    path = described(place)
-    up(hitab, path)
-    assert hitab("down").returncode == 0
-    up(hitab, path, "--run-dir", str(place / "other"))
-    assert hitab("down", "lone").stdout == "lone is down\n"
-    assert RunFolder(place / "other").processes() == []
-
-
-def test_a_process_that_has_the_supervisors_old_number_is_not_the_supervisor(hitab, place):
-    up(hitab, described(place))
-    ((folder, record),) = running_swarms()
-    (agent,) = [p for p in folder.processes() if "hitab_agent.agent_main" in p.cmdline()]
-    assert folder.supervisor(replace(record, supervisor=agent.pid)) is None
-    assert folder.supervisor(replace(record, supervisor=os.getpid())) is None
-    assert folder.supervisor(record) == psutil.Process(record.supervisor)
-
-
-def test_a_library_that_was_being_copied_is_copied_again(place):
+def test_a_library_that_was_being_copied_is_copied_again(apart):
     from hitab_bringup import libraries
     from hitab_bringup.libraries import fill_libraries
 
-    source = place / "source"
+    source = apart / "source"
     source.mkdir()
     for name in ("A", "B"):
         (source / f"{name}.hfa.yaml").write_text(name)
-    swarm = parse_swarm(LONE.replace("{}", f"{{start_from: {source}}}"), place / "lone.yaml")
+    swarm = parse_swarm(LONE.replace("{}", f"{{start_from: {source}}}"), apart / "lone.yaml")
     copied: list[Path] = []
 
     def interrupted(source_file: Path, destination: Path) -> None:
@@ -267,18 +154,7 @@ def test_a_library_that_was_being_copied_is_copied_again(place):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(libraries.shutil, "copyfile", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            fill_libraries(swarm, place / "run")
-    fill_libraries(swarm, place / "run")
-    names = sorted(path.name for path in (place / "run" / "libraries" / "lone").iterdir())
+            fill_libraries(swarm, apart / "run")
+    fill_libraries(swarm, apart / "run")
+    names = sorted(path.name for path in (apart / "run" / "libraries" / "lone").iterdir())
     assert names == ["A.hfa.yaml", "B.hfa.yaml"]
-
-
-def test_a_swarm_whose_supervisor_died_is_taken_down_by_any_of_its_names(hitab, place):
-    for which in ("lone", "identity", "folder"):
-        up(hitab, described(place))
-        ((folder, record),) = running_swarms()
-        os.kill(record.supervisor, signal.SIGKILL)
-        assert within(10, lambda f=folder, r=record: f.supervisor(r) is None)
-        name = {"lone": "lone", "identity": record.identity, "folder": str(folder.path)}[which]
-        assert hitab("down", "--swarm", name).stdout == "lone is down\n"
-        assert folder.processes() == []

@@ -1,4 +1,4 @@
-"""Swarms come up whole or not at all, stay alive, and go down without leaving anything behind."""
+"""Swarms come up whole or not at all, and go down without leaving anything behind."""
 
 import json
 import os
@@ -7,20 +7,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-import psutil
 import pytest
 from waiting import within
 
-from hitab_client import domain_ids
 from hitab_client.run_folder import MARK, RunFolder, running_swarms
 from hitab_client.run_processes import process_states
 
-ONE = """\
-swarm: {name}
-domain: keepaway
-agents: {{{agent}: {{}}}}
-"""
-WITH_WORLD = """\
+LONE = "swarm: one\ndomain: keepaway\nagents: {lone: {}}\n"
+SOCCER = """\
 swarm: soccer
 world: {kind: keepaway, pace: lockstep, paused: true}
 domain: keepaway
@@ -34,71 +28,52 @@ agents: {broken_agent: {}}
 """
 
 
-@pytest.fixture(autouse=True)
-def swarm_home(home: Path, hitab, tmp_path: Path, monkeypatch):
-    """Write descriptions into a folder of the test's own; stop whatever a test has left."""
-    with domain_ids.reserved() as number:
-        monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-        yield tmp_path
-    for _, record in list(running_swarms()):
-        hitab("down", record.swarm)
-
-
-def write(folder: Path, name: str, text: str) -> str:
-    path = folder / f"{name}.yaml"
+def described(folder: Path, text: str) -> str:
+    path = folder / "swarm.yaml"
     path.write_text(text)
     return str(path)
 
 
-def bring_up(hitab, folder: Path, name: str, agent: str) -> str:
-    """Bring up a swarm of one agent and return its description."""
-    path = write(folder, name, ONE.format(name=name, agent=agent))
-    up = hitab("up", path)
-    assert up.returncode == 0, up.stderr
-    return path
-
-
-def processes_of(folder: RunFolder) -> list[psutil.Process]:
-    return folder.processes()
-
-
-def test_a_swarm_comes_up_answers_and_goes_down(hitab, swarm_home):
-    up = hitab("up", write(swarm_home, "soccer", WITH_WORLD))
+def test_a_swarm_comes_up_answers_and_goes_down(hitab, apart):
+    up = hitab("up", described(apart, SOCCER))
     assert up.returncode == 0, up.stderr
     assert "soccer is up: 3 agents and a world" in up.stdout
     ((folder, record),) = running_swarms()
-    assert {state["name"]: state["statename"] for state in process_states(record)}.keys() == {
-        "world",
-        "keeper_1",
-        "keeper_2",
-        "keeper_3",
-    }
-
-    again = hitab("up", str(swarm_home / "soccer.yaml"))
+    names = {state["name"] for state in process_states(record)}
+    assert names == {"world", "keeper_1", "keeper_2", "keeper_3"}
+    again = hitab("up", described(apart, SOCCER))
     assert again.returncode == 1
     assert 'swarm "soccer" is already up' in again.stderr
 
-    status = hitab("status", "--json", "-")
-    told = json.loads(status.stdout)
+    # In another folder it said "is up" while its own processes died and were started again.
+    again = hitab("up", described(apart, SOCCER), "--run-dir", str(apart / "other"))
+    assert again.returncode == 1
+    refused, *ways_out = again.stderr.splitlines()
+    assert "keeper_1, keeper_2, keeper_3, world" in refused
+    assert all(line.startswith("  ") for line in ways_out)
+    assert "`hitab down soccer`" in " ".join(ways_out)
+    assert "choose another ROS_DOMAIN_ID" in refused
+    assert RunFolder(apart / "other").processes() == []
+
+    told = json.loads(hitab("status", "--json", "-").stdout)
     assert [agent["agent"] for agent in told["agents"]] == ["keeper_1", "keeper_2", "keeper_3"]
-    assert told["world"]["mode"] == "paused"
-    assert told["missing"] == []
+    assert (told["world"]["mode"], told["missing"]) == ("paused", [])
 
     down = hitab("down")
     assert (down.returncode, down.stdout) == (0, "soccer is down\n"), down.stderr
-    assert processes_of(folder) == []
+    assert folder.processes() == []
     assert list(running_swarms()) == []
     assert not Path(record.socket).exists()
 
 
-def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, swarm_home):
-    up = hitab("up", write(swarm_home, "broken", BROKEN))
+def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, apart):
+    up = hitab("up", described(apart, BROKEN))
     assert up.returncode == 1
     assert "world ended while starting; the end of" in up.stderr
     assert "(exit status " in up.stderr
     assert "taker_speed is -1.0; it must not be negative" in up.stderr
     assert "Traceback" not in up.stderr
-    assert processes_of(RunFolder.of_swarm("broken")) == []
+    assert RunFolder.of_swarm("broken").processes() == []
 
 
 @pytest.fixture
@@ -118,85 +93,47 @@ def read_only(tmp_path: Path):
 
 
 def test_a_read_only_place_for_the_files_of_a_swarm_is_told_with_the_way_out(
-    hitab, swarm_home, read_only
+    hitab, apart, read_only
 ):
-    description = write(swarm_home, "one", ONE.format(name="one", agent="keeper_1"))
-    new = read_only / "new"
-    for option, folder in (("--run-dir", read_only), ("--run-dir", new), ("--library", new)):
-        up = hitab("up", description, option, str(folder))
-        assert up.returncode == 1, folder
+    for option in ("--run-dir", "--library"):
+        up = hitab("up", described(apart, LONE), option, str(read_only / "new"))
+        assert up.returncode == 1, option
         told = " ".join(up.stderr.split())
-        assert f"{folder}" in told
+        assert f"{read_only}" in told
         assert "Read-only file system" in told or "Permission denied" in told
         assert "; choose another" in told
         assert "Traceback" not in told
     assert list(running_swarms()) == []
 
 
-def test_a_killed_agent_is_started_again(hitab, swarm_home):
-    assert (
-        hitab("up", write(swarm_home, "one", ONE.format(name="one", agent="lone"))).returncode == 0
-    )
-    ((_, record),) = running_swarms()
-
-    def number() -> int:
-        (state,) = process_states(record)
-        return state["pid"] if state["statename"] in ("STARTING", "RUNNING") else 0
-
-    before = number()
-    os.kill(before, signal.SIGKILL)
-    assert within(10, lambda: number() not in (0, before))
-
-
-def test_a_swarm_whose_supervisor_was_killed_is_stopped_all_the_same(hitab, swarm_home):
-    assert (
-        hitab("up", write(swarm_home, "one", ONE.format(name="one", agent="lone"))).returncode == 0
-    )
-    ((folder, record),) = running_swarms()
-    os.kill(record.supervisor, signal.SIGKILL)
-    assert within(5, lambda: folder.supervisor(record) is None)
-    assert processes_of(folder)
-    assert list(running_swarms()) == []
-    down = hitab("down")
-    assert (down.returncode, down.stdout) == (0, "one is down\n"), down.stderr
-    assert processes_of(folder) == []
+def test_a_swarm_whose_supervisor_died_is_replaced_or_taken_down(hitab, apart):
+    for _ in range(2):  # the second one takes the place of what is left of the first
+        up = hitab("up", described(apart, LONE))
+        assert up.returncode == 0, up.stderr
+        ((folder, record),) = running_swarms()
+        agents = [p for p in folder.processes() if "hitab_agent.agent_main" in p.cmdline()]
+        assert len(agents) == 1
+        os.kill(record.supervisor, signal.SIGKILL)
+        assert within(10, lambda f=folder, r=record: f.supervisor(r) is None)
+        assert folder.processes()
+        assert list(running_swarms()) == []
+    assert hitab("down", "--swarm", record.identity).stdout == "one is down\n"
+    assert folder.processes() == []
 
 
-def test_a_stale_run_folder_does_not_keep_a_swarm_from_coming_up(hitab, swarm_home):
-    path = bring_up(hitab, swarm_home, "one", "lone")
-    ((folder, record),) = running_swarms()
-    os.kill(record.supervisor, signal.SIGKILL)
-    assert within(5, lambda: folder.supervisor(record) is None)
-    again = hitab("up", path)
-    assert again.returncode == 0, again.stderr
-    agents = [p for p in processes_of(folder) if "hitab_agent.agent_main" in p.cmdline()]
-    assert len(agents) == 1
-
-
-def test_ctrl_c_while_it_comes_up_leaves_nothing_behind(home, swarm_home):
-    path = write(swarm_home, "soccer", WITH_WORLD)
+def test_ctrl_c_while_it_comes_up_leaves_nothing_behind(apart):
     folder = RunFolder.of_swarm("soccer")
     command = subprocess.Popen(
-        [sys.executable, "-m", "hitab_bringup.main", "up", path],
+        [sys.executable, "-m", "hitab_bringup.main", "up", described(apart, SOCCER)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         env={**os.environ, MARK: ""},
     )
-    assert within(20, lambda: processes_of(folder))
+    assert within(20, folder.processes)
     command.send_signal(signal.SIGINT)
     _, told = command.communicate(timeout=30)
     assert command.returncode == 130
     assert "Traceback" not in told
-    assert processes_of(folder) == []
+    assert folder.processes() == []
     assert list(running_swarms()) == []
-
-
-def test_a_swarm_that_would_meet_another_of_its_kind_is_refused(hitab, swarm_home):
-    bring_up(hitab, swarm_home, "red", "x")
-    up = hitab("up", write(swarm_home, "blue", ONE.format(name="blue", agent="x")))
-    assert up.returncode == 1
-    assert 'swarm "red"' in up.stderr
-    domain = os.environ["ROS_DOMAIN_ID"]
-    assert f"is up in the same ROS domain {domain} and also has a node called x" in up.stderr
-    assert "or start it and its robots' drivers in another ROS_DOMAIN_ID" in up.stderr

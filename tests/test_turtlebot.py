@@ -16,7 +16,6 @@ from sensor_msgs.msg import LaserScan
 
 from hitab_client import RosLink, domain_ids
 from hitab_client.run_folder import running_swarms
-from hitab_core import load_domain
 
 EXAMPLE = ROOT / "examples" / "turtlebot"
 PAGE = "docs/turtlebot.md"
@@ -92,21 +91,3 @@ def test_the_commands_of_the_page_train_a_robot_to_wander(room, tmp_path):
         assert not (complaint := reader.type(step)), complaint
         before = step.command
     assert steps[-1].command == "hitab down"
-
-
-def test_a_direction_with_nothing_near_is_clear_and_not_an_obstacle(monkeypatch):
-    monkeypatch.syspath_prepend(str(EXAMPLE))
-    domain = load_domain("turtlebot_example.domain:DOMAIN")
-    (scan,) = (sensor for sensor in domain.body("burger").robot.sensors if sensor.name == "scan")
-    beams = 360
-    message = LaserScan(
-        angle_min=0.0, angle_max=math.tau, angle_increment=math.tau / beams,
-        range_min=0.12, range_max=3.5, ranges=[0.0] * beams,
-    )  # fmt: skip
-    values = dict(zip(scan.fields, scan.read(message), strict=True))
-    assert values["ahead.range"] == 3.5
-    assert math.isnan(values["front.bearing"])
-    message.ranges[20] = 0.6
-    values = dict(zip(scan.fields, scan.read(message), strict=True))
-    assert values["ahead.range"] == pytest.approx(0.6)
-    assert values["front.bearing"] == pytest.approx(math.radians(20.0))

@@ -65,26 +65,12 @@ def slack(*takers, speed=2.2, receiver=(8.0, 0.0), half=HALF):
     return Tables(PAPER).slack((0.0, 0.0), (1.0, 0.0), speed, takers, receiver, half)
 
 
-def test_a_lane_has_less_slack_the_nearer_a_taker_is():
-    clear = [slack((4.0, away, 0.0, 0.0)) for away in (1.0, 2.0, 3.0, 4.0, 6.0)]
-    assert clear == sorted(clear)
-    assert clear[0] < 0.0 < clear[-1]
-    assert slack((4.0, 3.0, 0.0, 0.0), (4.0, -2.0, 0.0, 0.0)) == clear[1]
-
-
 def test_time_counts_and_not_only_distance():
     """A taker as far from the lane has more time at its far end, and if it is running there."""
     at_the_start, at_the_end = (slack((x, 3.0, 0.0, 0.0)) for x in (1.0, 7.0))
     assert at_the_end < at_the_start
     assert slack((4.0, 3.0, 0.0, -0.4)) < slack((4.0, 3.0, 0.0, 0.0))
     assert slack((4.0, 3.0, 0.0, 0.0), speed=1.6) < slack((4.0, 3.0, 0.0, 0.0), speed=2.6)
-
-
-def test_a_pass_that_leaves_the_box_or_passes_by_its_receiver_is_blocked():
-    far = (0.0, -9.0, 0.0, 0.0)
-    assert slack(far, receiver=(9.9, 4.5)) == BLOCKED
-    assert slack(far, receiver=(4.0, 8.0), speed=2.6) == BLOCKED
-    assert slack(far) > 0.0
 
 
 @pytest.mark.parametrize(("away", "arrives"), [(-0.3, False), (-4.5, True)])
@@ -107,39 +93,6 @@ def test_the_takers_get_a_pass_without_slack_and_miss_one_with_slack(world, away
     ):
         world.step({})
     assert (apart(world, "keeper_2", "ball") <= kickable) == arrives
-
-
-def test_a_pass_leads_a_mate_that_runs_and_is_yelled_to_it(world):
-    put(world)
-    body = body_of(world)
-    put(world, keeper_2=(7.0, 5.2, -2.4, 0.0, 0.0))
-    body.sense(*world.percept("keeper_1"))
-    assert body.moving(mate(body, 2)) == pytest.approx((7.0, 5.2, 0.0, -0.32), abs=1e-9)
-    behaviors.swift_pass_to(body, mate(body, 2))
-    world.step({"keeper_1": body.act()})
-    ball = entity(world, "ball")
-    assert math.atan2(ball.vy, ball.vx) < math.atan2(5.2, 6.4) - 0.02
-    assert world.percept("keeper_3")[1] == ["pass 2"]
-
-
-def test_a_mate_that_runs_is_passed_to_where_it_stops_after_a_further_cycle(world):
-    """It hears of the pass a cycle later. One that stands is passed to where it stands."""
-    put(world)
-    body = body_of(world)
-    lane = body.lane(mate(body, 2))
-    assert math.atan2(lane.uy, lane.ux) == pytest.approx(math.atan2(6.0, 6.4), abs=0.02)
-    put(world, keeper_2=(7.0, 5.0, -2.4, 0.0, 0.0))
-    body.sense(*world.percept("keeper_1"))
-    lane = body.lane(mate(body, 2))
-    stops = 5.0 - 0.4 / 0.6 - 1.0
-    assert math.atan2(lane.uy, lane.ux) == pytest.approx(math.atan2(stops, 6.4), abs=0.02)
-
-
-def test_there_is_no_pass_to_a_mate_that_is_near(world):
-    put(world, keeper_2=(4.6, 1.0, -2.4, 0.0, 0.0))
-    body = body_of(world)
-    assert features.lane_slack(body, mate(body, 2)) == BLOCKED
-    assert body.number_at(features.clearest_keeper(body)) == 3
 
 
 def test_what_was_before_a_new_episode_is_forgotten(world):

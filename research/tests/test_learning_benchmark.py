@@ -17,7 +17,7 @@ from takeovers import HOLD_CYCLES, Takeovers
 from typer.testing import CliRunner
 
 from hitab_client.shipped import shipped
-from hitab_core import START, BehaviorLibrary, FeatureKind, Repertoire, Scale, Use
+from hitab_core import START, BehaviorLibrary, FeatureKind, Scale, Use
 from hitab_core.learning.feature_encoding import FeatureEncoding
 
 SCALES = [Scale(), Scale(FeatureKind.TOROIDAL, 2 * math.pi), Scale(FeatureKind.BOOLEAN)]
@@ -87,20 +87,6 @@ def test_a_flat_automaton_knows_its_state_and_a_clone_does_not():
     assert [clone((8.0,), state) for state in ("GoFast", "Stop")] == ["GoFast", "GoFast"]
 
 
-def test_a_reading_that_is_missing_and_one_beyond_the_limit_decide_nothing():
-    given = [Command((0.0, 1.0), START, "GoFast"), Command((20.0, 1000.0), START, "Stop")]
-    policy = learn("nearest", given, [Scale(), Scale()], limits=[math.inf, 60.0])
-    assert policy((1.0, math.nan), START) == "GoFast"
-    assert policy((1.0, 1000.0), START) == policy((1.0, 60.0), START)
-
-
-def test_a_peer_that_does_not_exist_and_one_without_commands_are_refused():
-    with pytest.raises(ValueError, match='no peer "forest"; there are flat, nearest, tree, mlp'):
-        learn("forest", commands(3), SCALES)
-    with pytest.raises(ValueError, match="at least one command"):
-        learn("tree", [], SCALES)
-
-
 class Walker:
     """Wants to walk when far away and to stand when near, whatever it is."""
 
@@ -130,15 +116,6 @@ def test_a_teacher_takes_over_where_the_policy_differs_and_lets_go_again():
     assert len(takeovers.commands) == 2
 
 
-def test_who_is_not_watched_follows_the_policy_and_does_nothing_before_there_is_one():
-    takeovers = Takeovers(Learner("tree", {"scales": [Scale()]}), BEHAVIORS, budget=1)
-    alone = takeovers.pupil("Walk", [Use("Distance")], None).transitions[START].choose
-    watched = takeovers.pupil("Walk", [Use("Distance")], Walker()).transitions[START].choose
-    assert alone(9.0) == START
-    watched(9.0)
-    assert alone(9.0) == "GoFast"
-
-
 def test_lessons_give_in_one_process_what_is_shipped():
     task = Keepaway()
     shown = BehaviorLibrary(shipped("libraries", "keepaway"), task.domain).load()
@@ -164,12 +141,6 @@ def test_a_captain_without_memory_cannot_do_the_drill():
     assert trained > 5 * clone
 
 
-def test_each_team_of_a_task_can_be_performed():
-    task = Keepaway()
-    for team in (task.trained(), task.without_defaults(), *task.rules(), learning.plain(task)):
-        assert "Keepaway" in Repertoire(team.domain(task.domain))
-
-
 def test_a_quick_run_makes_every_row_and_prints_them_again(tmp_path):
     file = tmp_path / "learning.json"
     done = run("--quick", "--task", "drill", "--json", file)
@@ -184,30 +155,3 @@ def test_a_quick_run_makes_every_row_and_prints_them_again(tmp_path):
     table = [line for line in again.output.splitlines() if line.startswith("| ")]
     assert len(table) == len(rows) + 2
     assert table == [line for line in done.output.splitlines() if line.startswith("| ")]
-
-
-def test_who_interrupts_a_run_keeps_what_is_done(tmp_path, monkeypatch):
-    play, played = Drill.play, []
-
-    def interrupted(task, team, *arguments, **more):
-        played.append(team)
-        if len(played) > 1:
-            raise KeyboardInterrupt
-        return play(task, team, *arguments, **more)
-
-    monkeypatch.setattr(Drill, "play", interrupted)
-    file = tmp_path / "learning.json"
-    done = run("--quick", "--task", "drill", "--json", file)
-    assert done.exit_code == 0, done.output
-    assert "interrupted" in done.output
-    (row,) = json.loads(file.read_text())["tasks"]["drill"]["rows"]
-    assert row["name"] == "trained"
-
-
-def test_a_task_that_does_not_exist_and_the_seed_of_tried_episodes_are_refused():
-    unknown = run("--task", "chess")
-    assert unknown.exit_code == 2
-    assert "no task chess" in unknown.output
-    tried = run("--seed", learning.TRIED_SEED)
-    assert tried.exit_code == 2
-    assert "tried episodes" in tried.output

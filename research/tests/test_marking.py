@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from keepaway_research.reference.marking import mark, most_open
+from keepaway_research.reference.marking import mark
 from keepaway_research.reference.prediction import Motion, Predictor
 from keepaway_research.reference.takers import ReferenceTaker
 from keepaway_research.reference.view import Seen, View
@@ -26,20 +26,6 @@ def seen(me: str, **places: tuple[float, float]) -> View:
     keepers = [player for name, player in everybody.items() if name[0] == "k"]
     takers = [player for name, player in everybody.items() if name[0] == "t"]
     return View(GAME, everybody[me], everybody["ball"], keepers, takers)
-
-
-def test_the_keeper_with_the_fewest_takers_in_its_lane_is_most_open():
-    passer = at("k1", 0.0, 0.0)
-    keepers = [at("k2", 10.0, 0.0), at("k3", 0.0, 10.0), at("k4", -10.0, 0.0)]
-    takers = [at("t1", 5.0, 0.5), at("t2", -5.0, 0.5), at("t3", -6.0, -0.5)]
-    assert most_open(passer, keepers, takers).name == "k3"
-    takers.append(at("t4", 0.0, 4.0))
-    assert most_open(passer, keepers, takers).name == "k3", "the last of equals"
-
-
-def test_nobody_can_be_in_the_lane_of_the_passer_to_itself():
-    keepers = [at("k1", 0.0, 0.0), at("k2", 10.0, 0.0)]
-    assert most_open(keepers[0], keepers, [at("t1", 0.5, 0.0)]).name == "k1"
 
 
 def test_who_marks_comes_to_stand_between_keeper_and_ball_and_looks_aside():

@@ -11,7 +11,6 @@ from hitab_world.world import Placement
 from keepaway_research.predictive import behaviors, features
 from keepaway_research.predictive.body import PredictiveBody
 from keepaway_research.predictive.forecast import COMFORTABLE, HORIZON, Forecaster
-from keepaway_research.predictive.lanes import clearance
 from keepaway_world.parameters import PAPER, variant
 from keepaway_world.percept import BALL
 from keepaway_world.world import KeepawayWorld
@@ -121,43 +120,6 @@ def test_a_keeper_that_looks_ahead_meets_a_ball_that_one_who_servoes_misses(worl
     assert servoes == looks_ahead
 
 
-def test_a_held_ball_stays_beside_the_keeper_away_from_the_taker(world):
-    put(
-        world,
-        keeper_1=(0.0, 0.0, 0.0, 0.0, 0.0),
-        taker_1=(2.0, 1.0, 0.0, 0.0, 0.0),
-        taker_2=(9.0, 9.0),
-        ball=(0.7, 0.3, 0.0, 0.0, 0.0),
-    )
-    play(world, behaviors.hold_ball, 2)
-    ball, keeper, taker = (entity(world, n) for n in ("ball", "keeper_1", "taker_1"))
-    assert (ball.x - keeper.x) * (taker.x - keeper.x) < 0
-    for _ in range(5):
-        play(world, behaviors.hold_ball, 1)
-        assert apart(world, "keeper_1", "ball") <= PAPER.kickable
-    assert math.hypot(keeper.x, keeper.y) < 0.01  # it does not dribble
-
-
-def test_a_pass_goes_to_the_one_it_is_meant_for_who_hears_of_it(world):
-    put(
-        world,
-        keeper_1=(0.0, 0.0, 0.0, 0.0, 0.0),
-        keeper_2=(0.0, 6.0),
-        keeper_3=(-8.0, 0.0),
-        taker_1=(9.0, 9.0),
-        taker_2=(9.0, 8.0),
-        ball=(0.5, 0.0, 0.0, 0.0, 0.0),
-    )
-    body = body_of(world)
-    receiver = features.farthest_keeper(body)
-    assert body.number_at(receiver) == 3
-    behaviors.pass_to(body, receiver)
-    world.step({"keeper_1": body.act()})
-    ball = entity(world, "ball")
-    assert math.atan2(ball.vy, ball.vx) == pytest.approx(math.pi, abs=0.1)
-    assert world.percept("keeper_3")[1] == ["pass 3"]
-
-
 def test_a_keeper_offers_itself_where_no_taker_is_in_the_lane():
     world = KeepawayWorld(variant("paper", taker_speed=0.0), seed=1)
     put(
@@ -193,38 +155,3 @@ def test_who_is_faster_to_the_ball_depends_on_where_it_rolls(world):
     put(world, **places, ball=(3.0, 0.0, 0.0, 20.0, 0.0))
     assert features.a_teammate_is_faster_to_ball(body_of(world)) == 1.0
     assert features.a_teammate_is_faster_to_ball(body_of(world, "keeper_2")) == 0.0
-
-
-@given(
-    start=st.tuples(near, near),
-    end=st.tuples(near, near),
-    players=st.lists(st.tuples(near, near), max_size=3),
-)
-def test_the_clearance_of_a_lane_is_that_of_its_nearest_point(start, end, players):
-    clear = clearance(start, end, players)
-    assert clear == pytest.approx(clearance(end, start, players))
-    parts = [part / 10 for part in range(11)]
-    way = [tuple(a + (b - a) * part for a, b in zip(start, end, strict=True)) for part in parts]
-    sampled = min((math.dist(place, player) for place in way for player in players), default=None)
-    if sampled is None:
-        assert clear == math.inf
-    else:  # between two of those places it may be nearer by half of the way from one to the other
-        assert sampled - math.dist(start, end) / 20 - 1e-9 <= clear <= sampled + 1e-9
-
-
-def test_without_takers_every_lane_is_clear_and_the_ball_can_be_held():
-    world = KeepawayWorld(variant("paper", takers=0), seed=1)
-    put(world, keeper_1=(0.0, 0.0, 0.0, 0.0, 0.0), ball=(0.5, 0.0, 0.0, 0.0, 0.0))
-    body = body_of(world)
-    assert features.lane_clearance(body, body.closest_keeper()) == pytest.approx(800**0.5)
-    behaviors.hold_ball(body)
-    behaviors.offer_pass(body)
-    assert body.act()
-
-
-def test_nobody_to_pass_to_gives_no_value_and_no_kick(world):
-    put(world, keeper_1=(0.0, 0.0, 0.0, 0.0, 0.0), ball=(0.5, 0.0, 0.0, 0.0, 0.0))
-    body = body_of(world)
-    assert math.isnan(features.lane_clearance(body, -1))
-    behaviors.pass_to(body, -1)
-    assert body.act() == ([], "")

@@ -12,10 +12,8 @@ import pytest
 from hitab_world.inprocess import play
 from keepaway_research.reference.eyes import Eyes
 from keepaway_research.reference.keepers import ReferenceKeeper
-from keepaway_research.reference.policies import HOLD, hand
-from keepaway_research.reference.positioning import in_lane, open_point
+from keepaway_research.reference.policies import hand
 from keepaway_research.reference.takers import ReferenceTaker
-from keepaway_research.reference.view import Seen, View
 from keepaway_world.parameters import variant
 from keepaway_world.physics import Physics
 from keepaway_world.players import KEEPERS, offered
@@ -134,36 +132,6 @@ def test_players_that_see_what_the_simulator_shows_decide_as_uts_do():
     assert found["taking"] > 0.96
 
 
-def view(keepers, takers, ball=(0.0, 0.0)) -> View:
-    """Return what the first keeper takes the field to be, all at rest."""
-    seen = [Seen(f"keeper_{i}", x, y, 0.0, 0.0) for i, (x, y) in enumerate(keepers)]
-    others = [Seen(f"taker_{i}", x, y, 0.0, 0.0) for i, (x, y) in enumerate(takers)]
-    return View(UT, seen[0], Seen("ball", *ball, 0.0, 0.0), seen, others)
-
-
-def test_the_hand_policy_holds_while_no_taker_is_near():
-    assert hand(view([(0, 0), (5, 0), (0, 8)], [(-5.1, 0), (-6, 1)]), Random()) == HOLD
-
-
-def test_the_hand_policy_passes_to_whom_is_open_when_a_taker_comes():
-    assert hand(view([(0, 0), (5, 0), (0, 8)], [(4, 0.5), (3, -0.5)]), Random()) == 2
-
-
-def test_the_hand_policy_holds_rather_than_pass_into_a_taker():
-    keepers, takers = [(0, 0), (5, 0), (0, 5)], [(3, 0), (0, 3)]
-    assert hand(view(keepers, takers), Random()) == HOLD
-
-
-def test_a_player_gets_open_where_it_is_least_crowded_and_can_be_passed_to():
-    ball, mate, taker = complex(-7, -7), complex(-7, 7), complex(5, 5)
-    point = open_point((20.0, 20.0), ball, [ball, mate, taker], [taker])
-    assert point == complex(7, -7)
-    behind = complex(3, -7)
-    blocked = open_point((20.0, 20.0), ball, [ball, mate, taker, behind], [taker, behind])
-    assert not in_lane(ball, blocked, behind)
-    assert blocked != point
-
-
 @pytest.mark.parametrize("policy", ["hand", "hold", "rand"])
 def test_the_same_seed_gives_the_same_episodes(policy):
     def played():
@@ -187,14 +155,6 @@ def test_keepers_that_pass_by_plan_outlast_those_that_pass_at_random_or_never():
         return sum(r.cycles for r in play(world, offered(KEEPERS, policy)(world), 12))
 
     assert cycles("hand") > 1.5 * cycles("rand") > 1.5 * cycles("hold")
-
-
-def test_a_player_that_sees_everything_is_never_blind():
-    world = Physics(variant("standard", sight="full"), Random(0))
-    eyes = Eyes(world, world.keepers[0])
-    for cycle in range(6):
-        world.put(world.ball, float(cycle), 1.0)
-        assert eyes.view().ball.x == float(cycle)
 
 
 def test_in_one_of_three_cycles_a_player_reckons_where_the_ball_is():

@@ -10,12 +10,8 @@ DATA = ("lessons", "libraries", "swarms")
 
 def shipped(folder: str) -> list[tuple[str, list[str]]]:
     """Return the files to install from a data folder, for `data_files`."""
-    files = sorted(path for path in Path(folder).rglob("*") if path.is_file())
-    by_folder: dict[str, list[str]] = {}
-    for path in files:
-        if "__pycache__" not in path.parts:
-            by_folder.setdefault(f"share/{NAME}/{path.parent}", []).append(str(path))
-    return list(by_folder.items())
+    files = (path for path in sorted(Path(folder).rglob("*")) if path.is_file())
+    return [(f"share/{NAME}/{path.parent}", [str(path)]) for path in files]
 
 
 setup(

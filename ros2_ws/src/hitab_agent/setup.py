@@ -17,7 +17,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["LICENSE", "package.xml"]),
     ],
-    install_requires=["setuptools", "lazy_loader", "numpy"],
+    install_requires=["setuptools", "lazy_loader"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={

@@ -21,6 +21,7 @@ setup(
         "lazy_loader",
         "matplotlib",
         "psutil",
+        "pydantic",
         "rich",
         "supervisor",
         "typer",

@@ -17,7 +17,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["LICENSE", "package.xml"]),
     ],
-    install_requires=["setuptools", "lazy_loader", "PyYAML"],
+    install_requires=["setuptools", "lazy_loader", "pydantic", "PyYAML"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={

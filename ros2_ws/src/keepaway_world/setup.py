@@ -10,12 +10,8 @@ DATA = ("lessons", "libraries", "swarms")
 
 def shipped(folder: str) -> list[tuple[str, list[str]]]:
     """Return what is to be installed of a data folder, for `data_files`."""
-    files = sorted(path for path in Path(folder).rglob("*") if path.is_file())
-    by_folder: dict[str, list[str]] = {}
-    for path in files:
-        if "__pycache__" not in path.parts:
-            by_folder.setdefault(f"share/{NAME}/{path.parent}", []).append(str(path))
-    return list(by_folder.items())
+    files = (path for path in sorted(Path(folder).rglob("*")) if path.is_file())
+    return [(f"share/{NAME}/{path.parent}", [str(path)]) for path in files]
 
 
 setup(
@@ -32,7 +28,7 @@ setup(
         (f"share/{NAME}", ["LICENSE", "package.xml"]),
         *[entry for folder in DATA for entry in shipped(folder)],
     ],
-    install_requires=["setuptools", "matplotlib", "numpy", "pymunk", "rich", "typer"],
+    install_requires=["setuptools", "matplotlib", "pymunk", "rich", "typer"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={

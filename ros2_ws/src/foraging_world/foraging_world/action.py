@@ -39,31 +39,22 @@ def parse_all(
     """
     commands = np.zeros((len(index), LENGTH))
     refused: dict[str, str] = {}
-    rows: list[int] = []
-    given: list[Sequence[float]] = []
     for name, action in actions.items():
-        row = index.get(name)
-        if row is None:
+        if name not in index:
             refused[name] = f'no forager "{name}" (has {len(index)}: forager_1 and so on)'
             continue
         try:
-            values = action[0]
-            if len(values) == 0:
-                continue
-            drive, turn, grip = values
-            # NaN or infinity makes the sum not finite.
-            if not math.isfinite(drive + turn + grip):
-                raise ValueError("needs finite values")
+            if len(values := action[0]):
+                drive, turn, grip = values
+                # NaN or infinity makes the sum not finite.
+                if not math.isfinite(drive + turn + grip):
+                    raise ValueError("needs finite values")
+                commands[index[name]] = drive, turn, grip
         except (TypeError, ValueError) as error:
             refused[name] = (
                 f"{name}: an action must be drive, turn and grip, not {_shown(action)}: {error}; "
                 "treated as no action"
             )
-            continue
-        rows.append(row)
-        given.append(values)
-    if rows:
-        commands[rows] = given
     return commands, refused
 
 

@@ -38,17 +38,13 @@ def obstacle_places(p: ForagingParameters, random: Generator) -> Floats:
     Raises:
         ParameterError: if there is no room for that many.
     """
-    passage = 2.0 * p.largest_radius + 0.5
+    passage, radius = 2.0 * p.largest_radius + 0.5, p.obstacle_radius
     places: list[Floats] = []
     for _ in range(p.obstacles):
-        place = _free_place(
-            p,
-            random,
-            from_walls=passage + p.obstacle_radius,
-            from_middle=clear_radius(p) + p.obstacle_radius,
-            taken=np.array(places).reshape(-1, 2),
-            distances=np.full(len(places), passage + 2.0 * p.obstacle_radius),
-        )
+        taken = np.array(places).reshape(-1, 2)
+        distances = np.full(len(places), passage + 2.0 * radius)
+        middle = clear_radius(p) + radius
+        place = _free_place(p, random, passage + radius, middle, taken, distances)
         if place is None:
             raise ParameterError(
                 f"there is no room for {p.obstacles} obstacles, with passages for large boxes, on "
@@ -68,20 +64,12 @@ def box_place(
         taken, radii: centers and radii of what the box and its pullers must not touch.
     """
     ring = radius + p.ring_width
-    return _free_place(
-        p,
-        random,
-        from_walls=ring,
-        from_middle=clear_radius(p) + radius,
-        taken=taken,
-        distances=radii + ring,
-    )
+    return _free_place(p, random, ring, clear_radius(p) + radius, taken, radii + ring)
 
 
 def _free_place(
     p: ForagingParameters,
     random: Generator,
-    *,
     from_walls: float,
     from_middle: float,
     taken: Floats,

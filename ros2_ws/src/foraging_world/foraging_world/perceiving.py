@@ -165,13 +165,11 @@ def _closest_obstacle(field: Field) -> tuple[Floats, Floats, None, NDArray]:
     """Return the vectors and distances to the closest obstacle or wall."""
     p, xy = field.parameters, field.xy
     rows = np.arange(len(xy))
-    half_width, half_height = p.width / 2.0, p.height / 2.0
-    zero = np.zeros(len(xy))
+    half = np.array([p.width, p.height]) / 2.0
     to = [
-        np.stack([half_width - xy[:, 0], zero], axis=1),
-        np.stack([-half_width - xy[:, 0], zero], axis=1),
-        np.stack([zero, half_height - xy[:, 1]], axis=1),
-        np.stack([zero, -half_height - xy[:, 1]], axis=1),
+        np.where(np.arange(2) == axis, side * half - xy, 0.0)
+        for axis in (0, 1)
+        for side in (1.0, -1.0)
     ]
     gaps = [np.hypot(wall[:, 0], wall[:, 1]) for wall in to]
     radius = np.full(len(field.obstacles), p.obstacle_radius + p.forager_radius)

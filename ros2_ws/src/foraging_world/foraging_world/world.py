@@ -13,7 +13,7 @@ from foraging_world import action
 from foraging_world.field import Field, Floats
 from foraging_world.parameters import ForagingParameters
 from foraging_world.perceiving import perceive_all
-from hitab_core import did_you_mean, world_seed
+from hitab_core import has, world_seed
 from hitab_world import (
     Action,
     Entity,
@@ -142,29 +142,18 @@ class ForagingWorld:
             Entity(f"obstacle_{i + 1}", "obstacle", x, y, radius=p.obstacle_radius)
             for i, (x, y) in enumerate(field.obstacles.tolist())
         ]
-        boxes = zip(
-            self._boxes,
-            field.large.tolist(),
-            field.present.tolist(),
-            field.box_xy.tolist(),
-            field.box_velocity.tolist(),
-            field.box_radius.tolist(),
-            strict=True,
-        )
+        boxes = np.column_stack([field.box_xy, field.box_velocity, field.box_radius]).tolist()
         found += [
-            Entity(name, "large_box" if large else "small_box", x, y, 0.0, vx, vy, radius)
-            for name, large, present, (x, y), (vx, vy), radius in boxes
+            Entity(name, name.rpartition("_")[0], x, y, 0.0, vx, vy, radius)
+            for name, present, (x, y, vx, vy, radius) in zip(
+                self._boxes, field.present, boxes, strict=True
+            )
             if present
         ]
+        robots = np.column_stack([field.xy, field.heading, field.velocity]).tolist()
         found += [
             Entity(name, "forager", x, y, heading, vx, vy, p.forager_radius)
-            for name, (x, y), heading, (vx, vy) in zip(
-                self.agents,
-                field.xy.tolist(),
-                field.heading.tolist(),
-                field.velocity.tolist(),
-                strict=True,
-            )
+            for name, (x, y, heading, vx, vy) in zip(self.agents, robots, strict=True)
         ]
         return found
 
@@ -199,26 +188,20 @@ class ForagingWorld:
         self._perceived = None
 
     def _check(self, placement: Placement) -> None:
-        name = placement.name
-        if name not in self._index and name not in self._boxes:
-            fixed = name == "home" or name.startswith("obstacle_")
-            raise WorldError(
-                f"{name} cannot be moved; move foragers or boxes"
-                if fixed
-                else f'nothing is called "{name}" (known: forager_1 to {self.agents[-1]}'
-                f"{''.join(f', {box}' for box in self._boxes)})"
-                f"{did_you_mean(name, [*self.agents, *self._boxes])}"
-            )
-        for figure in ("x", "y", "heading", "vx", "vy"):
-            if math.isinf(getattr(placement, figure)):
-                raise WorldError(f"{name}: {figure} is infinite; give a number or NaN")
+        name, there = placement.name, [*self.agents, *self._boxes]
+        if name == "home" or name.startswith("obstacle_"):
+            raise WorldError(f"{name} cannot be moved; move foragers or boxes")
+        if name not in there:
+            raise WorldError(f'nothing is called "{name}" {has(there, name)}')
+        if any(map(math.isinf, (placement.x, placement.y, placement.heading))):
+            raise WorldError(f"{name}: a figure is infinite; give a number or NaN")
         for figure, half in (("x", self.size[0] / 2.0), ("y", self.size[1] / 2.0)):
             if abs(getattr(placement, figure)) > half:
                 raise WorldError(
                     f"{name}: {figure} is {getattr(placement, figure):g} m, outside the field; "
                     f"give {-half:g} to {half:g} m"
                 )
-        if math.hypot(*(0.0 if math.isnan(v) else v for v in (placement.vx, placement.vy))):
+        if not all(math.isnan(v) or v == 0.0 for v in (placement.vx, placement.vy)):
             raise WorldError(
                 f"{name}: the velocity cannot be set, it follows from commands and pulling; "
                 "leave it out"

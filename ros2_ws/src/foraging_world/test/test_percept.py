@@ -37,16 +37,6 @@ def test_a_squad_knows_by_radio_which_box_most_of_it_hold(quiet, put, surround, 
     assert sensed(world, "forager_1", "Sees(closest_attached_box)") == 0.0  # by others
 
 
-def test_a_company_knows_which_large_box_most_of_it_hold(quiet, put, surround, act, sensed):
-    world = quiet(large_boxes=1)
-    put(world, large_box_1=(15.0, 0.0))
-    surround(world, "large_box_1", 7, 7)
-    world.step(act(world, "Attach(closest_box)", "forager_7"))
-    assert sensed(world, "forager_7", "HoldsALargeBox") == 1.0
-    assert sensed(world, "forager_25", "Sees(company_box)") == 1.0
-    assert sensed(world, "forager_26", "Sees(company_box)") == 0.0
-
-
 def test_the_closest_obstacle_may_be_a_wall(quiet, put, sensed):
     world = quiet()
     put(world, forager_1=(29.0, 0.0, 0.0), forager_2=(28.0, 0.0, 0.0))

@@ -16,29 +16,17 @@ def grip(world, names, act):
     world.step(act(world, "Attach(closest_box)", *names))
 
 
-def test_four_foragers_cannot_move_a_small_box_and_five_can(quiet, put, surround, act, seen):
-    world = quiet(small_boxes=1)
-    put(world, small_box_1=(15.0, 0.0))
-    names = surround(world, "small_box_1", 1, 5, heading=0.0)
-    grip(world, names, act)
-    pull(world, names[:4], act, cycles=5)
-    assert (seen(world, "small_box_1").x, seen(world, "small_box_1").y) == (15.0, 0.0)
-    pull(world, names, act, cycles=10)
-    assert seen(world, "small_box_1").x == pytest.approx(15.0 + 10 * 0.05)
-    assert seen(world, "small_box_1").y == pytest.approx(0.0)
-
-
-def test_twentyfive_foragers_move_a_large_box_and_twentyfour_do_not(
-    quiet, put, surround, act, seen
-):
-    world = quiet(large_boxes=1)
-    put(world, large_box_1=(15.0, 10.0))
-    names = surround(world, "large_box_1", 1, 25, heading=math.pi / 2)
+@pytest.mark.parametrize(("size", "needed"), [("small", 5), ("large", 25)])
+def test_a_box_moves_when_enough_foragers_pull(quiet, put, surround, act, seen, size, needed):
+    world, box = quiet(**{f"{size}_boxes": 1}), f"{size}_box_1"
+    put(world, **{box: (15.0, 0.0)})
+    names = surround(world, box, 1, needed, heading=0.0)
     grip(world, names, act)
     pull(world, names[1:], act, cycles=5)
-    assert seen(world, "large_box_1").y == 10.0
+    assert (seen(world, box).x, seen(world, box).y) == (15.0, 0.0)
     pull(world, names, act, cycles=10)
-    assert seen(world, "large_box_1").y == pytest.approx(10.5)
+    assert seen(world, box).x == pytest.approx(15.0 + 10 * 0.05)
+    assert seen(world, box).y == pytest.approx(0.0)
 
 
 def test_foragers_who_pull_in_opposite_directions_go_nowhere(quiet, put, surround, act, seen):
@@ -81,17 +69,6 @@ def test_a_box_that_comes_home_counts_and_is_let_go(quiet, put, surround, act, s
     assert "small_box_1" not in {entity.name for entity in world.entities()}
     with pytest.raises(WorldError, match="home already"):
         world.place([Placement("small_box_1", 10.0, 0.0)])
-
-
-def test_a_box_that_has_come_home_lies_somewhere_else_again(quiet, put, surround, act, seen):
-    world = quiet(small_boxes=1, renew=True)
-    put(world, small_box_1=(-4.1, 0.0))
-    names = surround(world, "small_box_1", 1, 5, heading=0.0)
-    grip(world, names, act)
-    pull(world, names, act, cycles=4)
-    assert world.result().measures["small"] == 1.0
-    box = seen(world, "small_box_1")
-    assert math.hypot(box.x, box.y) > world.parameters.home_radius
 
 
 def test_who_is_out_of_reach_or_holds_another_box_grips_nothing(quiet, put, act, sensed):

@@ -10,24 +10,26 @@ from hitab_msgs import msg
 from rclpy.parameter_service import ParameterService
 
 from hitab_agent import actions
+from hitab_agent.agent_base import AgentBase
 from hitab_agent.agent_services import AgentServices
 from hitab_agent.command_receiver import CommandReceiver
 from hitab_agent.diagnosis import diagnosis_of_agent
-from hitab_agent.distribution import Distributor
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.inspection_services import InspectionServices
-from hitab_agent.performance_memory import PerformanceMemory
+from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.robot_link import OwnStop, RobotStop, link_class
 from hitab_agent.session_log import SessionLog
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
+from hitab_agent.training_topic import TrainingTopic
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core import (
     RESERVED,
     Agent,
+    Do,
     Domain,
     HitabError,
     LostBehaviorError,
@@ -37,13 +39,13 @@ from hitab_core import (
     uses_actions,
 )
 from hitab_core.commanding import Subordinate
-from hitab_ros import GuardedNode, names
+from hitab_ros import names, session_topics
 from hitab_ros.conversions import use_of
-from hitab_ros.diagnostics import Diagnosis, Level
+from hitab_ros.diagnostics import Diagnosis
 from hitab_ros.stamps import seconds_of
 
 
-class AgentNode(GuardedNode):
+class AgentNode(AgentBase):
     """One agent of the swarm, in the namespace of its name.
 
     Attributes:
@@ -70,14 +72,12 @@ class AgentNode(GuardedNode):
             HitabError: if the domain, the library or the journal is unusable.
         """
         self._joined = False
-        self._session_log: SessionLog | None = None
         # In a host it would cost two endpoints and more for each of many agents.
         super().__init__(node_name, **{"enable_rosout": shared is None, **options})
         self.settings = settings = AgentSettings.declare(self)
         self.agent_name = names.own_name(self)
-        self.shared = shared or Shared.on(self)
+        self.shared = shared or Shared(self)
         self.ticker = self.shared.ticker
-        self.outbox = self.shared.outbox
         domain = self.load_domain(settings.domain)
         if uses_actions(domain):
             actions.check_actions(domain)
@@ -93,6 +93,7 @@ class AgentNode(GuardedNode):
             most_probable=settings.most_probable,
             observe=self.guard.wrap("publishing a transition", self.transition_log.observe),
         )
+        self.session_log = SessionLog(self)
         self._tick = GuardedTick(self.agent, self.guard)
         self.status = StatusPublisher(
             self,
@@ -102,6 +103,7 @@ class AgentNode(GuardedNode):
             self.transition_log,
             self._prepare_status,
         )
+        self.training = TrainingTopic(self, self.agent, self.ticker)
         self._sensed = False
         self._unsettled = True
         self._link: Any = None
@@ -110,24 +112,22 @@ class AgentNode(GuardedNode):
         self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
         self._start_error = ""
-        self._memory = PerformanceMemory(state, settings.swarm)
+        self.memory = RestartMemory(state, settings.swarm)
+        if self.memory.damage:
+            self.get_logger().warning(self.memory.damage)
         if self.agent.session is None:
-            self._begin(self._first_behavior())
-
-    def _first_behavior(self) -> str:
-        """Return what to perform at startup; empty: nothing."""
-        if self._memory.damage:
-            self.get_logger().warning(self._memory.damage)
-        return self._memory.first(self.settings.behavior)
+            performed = self.memory.performed
+            self._begin(settings.behavior if performed is None else performed)
 
     def remember(self) -> None:
-        """Save what is performed, if that has changed, so that a restart can resume it."""
+        """Note what a restart resumes, if that has changed."""
+        self.guard.run("noting what a restart resumes", self.memory.keep, self.resumed())
+
+    def resumed(self) -> dict[str, Any]:
+        """Return what a restart resumes."""
         agent = self.agent
-        performed = str(agent.top) if agent.mode is Mode.PERFORMING else str(agent.awaited or "")
-        try:
-            self._memory.keep(performed)
-        except OSError as error:
-            self.guard.log(f"a restart would forget what is performed: {error}")
+        performed = agent.top if agent.mode is Mode.PERFORMING else agent.awaited
+        return {"behavior": str(performed or "")}
 
     def _begin(self, behavior: str) -> None:
         """Perform a behavior at startup; stay idle if there is none or it cannot be performed.
@@ -154,78 +154,58 @@ class AgentNode(GuardedNode):
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""
+        settings, shared = self.settings, self.shared
         self._joined = True
-        self.shared.members.append(self.status.publish_soon)
-        self.shared.diagnosed.append(self.diagnose)
-        commands = CommandReceiver(self, self.agent, self.status, self.settle)
-        if self.shared.host is None:
-            self._session_log = SessionLog(self, self.agent, self.ticker)
-            commands.obeying = self._session_log.commanded
-        self._distributor = Distributor(
-            self,
-            self.agent,
-            self.shared.distributions,
-            answered=self.status.report_error,
-            taken_in=self._taken_in,
-        )
-        if self.settings.services_on_demand:
-            self.shared.offer_on_demand(self, 1)
-        if self.shared.on_demand is None:
+        self.training.searched = self._searched
+        shared.nodes.append(self)
+        CommandReceiver(self)
+        if settings.services_on_demand:
+            shared.offer_on_demand(self)
+        if shared.on_demand is None:
             self._offer_services()
         else:
-            self.shared.on_demand.add(self, self._offer_services)
+            shared.on_demand.add(self, self._offer_services)
         self._join_actions()
         self._join_link()
-        if self.settings.commander:
-            self.superior = self.status.superior = SuperiorLink(
-                self,
-                Subordinate(self.agent, self.settings.role),
-                self.settings.commander,
-                self.outbox,
-                self.shared.orders,
-                self.ordered,
-            )
+        if settings.commander:
+            subordinate = Subordinate(self.agent, settings.role)
+            self.superior = self.status.superior = SuperiorLink(self, subordinate)
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
-        if self.agent.session is not None:
-            training = self.agent.session
+        training, performed = self.agent.session, self.memory.performed
+        if training is not None:
+            self.training.offer()
             self.status.began(
                 note=f'resumed the interrupted training of "{training.curriculum.name}" '
                 f"with {quantity(len(training.log), 'example')}"
             )
-        elif self._start_error:
+        elif self._start_error or performed is None:
             self.status.began(fault=self._start_error)
         else:
-            self.status.began(note=self._memory.restarted())
+            again = f'performs "{performed}" again, as before' if performed else "is idle again"
+            self.status.began(note=f"was restarted; it {again}")
 
     def _join_link(self) -> None:
         """Connect to the world, or to the robot of its own."""
         settings = self.settings
-        shared = None if self.agent.domain.link else self.shared.link(settings.world)
-        if shared is not None:
-            shared.add(self)
-        elif self.agent.domain.link:
+        if self.agent.domain.link:
             link = link_class(self.agent.domain)
             self._link = link(self, settings.world, self._on_percept)
             if self.stop is None and self.has_robot:
                 self.stop = OwnStop(self, rearms=settings.auto_rearm)
             self.stop_changed()
+        elif self.shared.host is not None:
+            self.shared.link(self.shared.host, settings.world).add(self)
         else:
-            self._link = WorldLink(
-                self,
-                settings.world,
-                self.shared.orders,
-                take_in=self.take_in,
-                answer=self.answer,
-                awaited_orders=self.awaited_orders,
-            )
+            self._link = WorldLink(self, settings.world)
 
     def _join_actions(self) -> None:
         """Become a client of the actions that are behaviors, and offer the behaviors as one."""
         settings = self.settings
         if action_behaviors(self.agent.domain):
             limits = actions.Limits(settings.action_timeout, settings.action_patience)
-            memory = Path(settings.state_dir).expanduser() / self.agent_name / "goals.json"
-            self.actions = actions.ActionClients(self, self.agent, self.ticker, limits, memory)
+            self.actions = actions.ActionClients(
+                self, self.agent, self.ticker, limits, self.memory
+            )
         if settings.offer_actions:
             self._offered = actions.OfferedAction(
                 self, self.agent, self.status.report_error, self._obey_or_rest
@@ -243,14 +223,14 @@ class AgentNode(GuardedNode):
         self, srv_type: Any, srv_name: str, callback: Any, *args: Any, **options: Any
     ) -> Any:
         """Create a service whose requests belong to the recorded session."""
-        if self._session_log is not None:
-            callback = self._session_log.telling(srv_name, callback)
+        callback = self.session_log.telling(srv_name, callback)
         return super().create_service(srv_type, srv_name, callback, *args, **options)
 
     def _offer_services(self) -> None:
-        AgentServices(self, self.agent, self.shared.library, self._answered)
+        self.training.offer()
+        AgentServices(self, self.agent, self.shared.library, self.answered, self.training)
         InspectionServices(self, self.agent)
-        self._distributor.offer()
+        self.shared.distributions.offer(self)
         if self.shared.host is None:
             ParameterService(self)
 
@@ -269,17 +249,16 @@ class AgentNode(GuardedNode):
             self._link = None
         super().destroy_node()
 
-    # -- percepts ---------------------------------------------------------------------------
+    # -- percepts and commands ----------------------------------------------------------------
 
     def _on_percept(self, percept: msg.Percept) -> Action:
         self.take_in(percept)
         return self.answer(percept)
 
-    def take_in(self, percept: msg.Percept) -> bool:
-        """Perceive; return whether that succeeded."""
+    def take_in(self, percept: msg.Percept) -> None:
+        """Perceive."""
         log, agent = self.transition_log, self.agent
-        if self._session_log is not None:
-            self._session_log.perceived(percept)
+        self.session_log.tell(session_topics.PERCEIVED, percept)
         log.cycle = percept.cycle
         log.stamp = percept.stamp
         self._sensed = False
@@ -300,7 +279,6 @@ class AgentNode(GuardedNode):
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
             self.superior.round_begins(percept, self.seconds_of(percept))
-        return self._sensed
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
@@ -344,7 +322,7 @@ class AgentNode(GuardedNode):
     def stop_changed(self) -> None:
         """Say why its robot may not act, and cancel its goals, or go on with them."""
         why = self.stop.why if self.stop is not None else ""
-        self.guard.faults.set("stop", why)
+        self.guard.faults.set("stop", why, Do.GO(), Do.ARM(robot=self.agent_name))
         if self.actions is not None:
             self.actions.hold(held=bool(why))
 
@@ -363,7 +341,7 @@ class AgentNode(GuardedNode):
         refusal = self.status.refusal
         if refusal:
             self.guard.log(refusal)
-            self.status.report_error("")
+            self.status.report_error(None)
         else:
             self.status.publish_soon()
 
@@ -374,17 +352,17 @@ class AgentNode(GuardedNode):
 
     # -- status -----------------------------------------------------------------------------
 
-    def _answered(self, error: str) -> None:
+    def answered(self, error: Exception | None) -> None:
         """Settle after a request, and show in the status what went wrong."""
         self.settle()
         self.status.report_error(error)
 
-    def _taken_in(self, sequence: int, digest: str, error: str) -> None:
+    def taken_in(self, sequence: int, digest: str, error: str) -> None:
         """Publish that a distribution was accepted or, without a digest, refused."""
         if digest:
             self.settle()
         self.status.message.distribution = sequence
-        self.status.report_error(error)
+        self.status.report_error(HitabError(error) if error else None)
 
     def faults_changed(self) -> None:
         """Publish a status soon, if the agent has joined."""
@@ -394,16 +372,17 @@ class AgentNode(GuardedNode):
 
     def diagnose(self) -> Diagnosis:
         """Return what is wrong with it."""
-        return diagnosis_of_agent(
-            self.agent, self.guard, self.status, self.get_namespace(), self.troubles()
-        )
+        return diagnosis_of_agent(self)
 
-    def troubles(self) -> list[tuple[Level, str]]:
-        """Return what else is wrong, for a kind of agent that has more than one body."""
-        return []
+    def _searched(self) -> None:
+        """Publish how many questions there are, once they have been looked for."""
+        self.session_log.searched()
+        self.status.publish_soon()
 
     def _prepare_status(self) -> None:
         self.remember()
+        self.status.message.training = self.agent.training
+        self.status.message.training_revision = self.training.notice()
         self._tick.clear_if_past()
         if self.actions is not None:
             self.actions.clear_if_past()

@@ -9,8 +9,7 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
-from hitab_agent.question_services import QuestionServices
-from hitab_agent.slices import Slices
+from hitab_agent.training_topic import TrainingTopic
 from hitab_core import (
     FLAGS,
     OWN_FEATURES,
@@ -18,6 +17,7 @@ from hitab_core import (
     BasicBehavior,
     BehaviorLibrary,
     Caution,
+    Do,
     Domain,
     LibraryError,
     Mode,
@@ -30,8 +30,8 @@ from hitab_core import (
 from hitab_core.library import SUFFIX
 from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
-from hitab_ros.answering import Serve, answering
-from hitab_ros.conversions import cost_message, example_message, feature_message, use_of
+from hitab_ros.answering import Answered, Serve, answering
+from hitab_ros.conversions import cost_message, feature_message, remedy_messages, use_of
 
 
 class AgentServices:
@@ -42,7 +42,8 @@ class AgentServices:
         node: GuardedNode,
         agent: Agent,
         library: Callable[[Path, Domain], BehaviorLibrary],
-        answered: Callable[[str], None],
+        answered: Answered,
+        training: TrainingTopic,
     ) -> None:
         """Offer the services.
 
@@ -50,16 +51,17 @@ class AgentServices:
             node: to offer them on.
             agent: the agent that they control.
             library: returns the library in a folder, for a domain.
-            answered: called before the reply to a request that may have changed the agent, with
-                the reason for a refusal, or "".
+            answered: called before the reply to a request that may have changed the agent.
+            training: has a new revision when they have changed something.
         """
         self._agent = agent
         self._library = library
+        self._topic = training
         offered: list[tuple[Any, str, Serve]] = [
             (srv.BeginTraining, names.BEGIN, self._begin),
             (srv.SetMode, names.SET_MODE, self._set_mode),
             (srv.EditExamples, names.EDIT_EXAMPLES, self._edit_examples),
-            (srv.ListExamples, names.LIST_EXAMPLES, self._list_examples),
+            (srv.AnswerQuestion, names.ANSWER_QUESTION, self._answer_question),
             (srv.SaveBehavior, names.SAVE, self._save),
             (srv.Perform, names.PERFORM, self._perform),
             (srv.LoadLibrary, names.LOAD_LIBRARY, self._load_library),
@@ -67,9 +69,19 @@ class AgentServices:
             (srv.SetCaution, names.SET_CAUTION, self._set_caution),
         ]
         for kind, name, serve in offered:
-            node.create_service(kind, name, answering(serve, answered))
+            node.create_service(kind, name, answering(self._telling(serve), answered))
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
-        QuestionServices(node, agent, answered, Slices(node))
+
+    def _telling(self, serve: Serve) -> Serve:
+        """Return what serves a request, and replies with the training's revision afterwards."""
+
+        def served(request: Any, response: Any) -> str:
+            message = serve(request, response)
+            if hasattr(response, "revision"):
+                response.revision = self._topic.notice()
+            return message
+
+        return served
 
     def _begin(self, request: srv.BeginTraining.Request, response: Any) -> str:
         curriculum = Curriculum.parse(
@@ -87,33 +99,17 @@ class AgentServices:
             done[0] += f" with {quantity(len(session.log), 'example')}"
         if given_up:
             done.append(f"discarded {given_up}")
-        done += self._replaced(session.curriculum.name, resumed=bool(request.resume))
-        done += self._without_features(session)
-        return "; ".join(done)
-
-    def _replaced(self, name: str, *, resumed: bool) -> list[str]:
-        """Say what saving will replace, and how to go on with that instead."""
+        agent, name, remedies = self._agent.name, session.curriculum.name, []
         saved = self._agent.edition.files.get(name)
-        if saved is None or resumed:
-            return []
-        agent, examples = self._agent.name, len(saved.automaton.examples)
-        if not examples:
-            return [f'saving it will replace the "{name}" in the library']
-        return [
-            f'saving it will replace the "{name}" in the library, which has '
-            f"{quantity(examples, 'example')}. To go on from these instead: "
-            f"`hitab train {agent} {name} --resume`, with other features if -f names them"
-        ]
-
-    def _without_features(self, session: TrainingSession) -> list[str]:
-        if session.curriculum.features:
-            return []
-        agent = self._agent.name
-        return [
-            "no feature is chosen, so it cannot tell situations apart yet. Choose by what it "
-            f"decides, now or later: `hitab examples features {agent} -f FEATURE`; "
-            f"`hitab vocabulary {agent}` lists the features"
-        ]
+        if saved is not None and not request.resume:
+            examples = quantity(len(saved.automaton.examples), "example")
+            done.append(f'saving it will replace the "{name}" in the library, with {examples}')
+            remedies.append(Do.TRAIN_FURTHER(agent=agent, behavior=name))
+        if not session.curriculum.features:
+            done.append("no feature is chosen, so it cannot tell situations apart yet")
+            remedies += [Do.CHOOSE_FEATURES(agent=agent), Do.VOCABULARY(agent=agent)]
+        response.remedies = remedy_messages(remedies)
+        return "; ".join(done)
 
     def _under_way(self) -> str:
         """Describe the training under way; empty if it has no examples."""
@@ -131,14 +127,15 @@ class AgentServices:
             case Mode.TRAINING:
                 self._agent.take_over()
             case Mode.IDLE:
-                return self._kept_aside(lambda: self._agent.perform(None), "is idle")
+                return self._kept_aside(response, None)
             case mode:
                 known = (Mode.TESTING, Mode.TRAINING, Mode.IDLE)
                 raise TrainingError(unknown("mode", mode, known))
         agent = self._agent
         done = f'{agent.name} is {agent.mode} "{agent.training}"'
         if agent.mode is Mode.TESTING and (open_ones := _open_questions(agent)):
-            done += f"; it has {open_ones}; `hitab questions {agent.name}` shows what it asks"
+            done += f"; it has {open_ones}"
+            response.remedies = remedy_messages([Do.QUESTIONS(agent=agent.name)])
         return done
 
     def _discard(self, mode: str) -> str:
@@ -177,64 +174,42 @@ class AgentServices:
             case edits.FEATURES:
                 session.choose_features(list(map(Use.parse, request.features)))
             case action:
-                known = (
-                    edits.UNDO,
-                    edits.REDO,
-                    edits.DELETE,
-                    edits.RELABEL,
-                    edits.RETIME,
-                    edits.FEATURES,
-                )
-                raise TrainingError(unknown("action", action, known))
+                raise TrainingError(f"there is no action {action}; see EditExamples.srv")
         return f'"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
+
+    def _answer_question(self, request: srv.AnswerQuestion.Request, response: Any) -> str:
+        session = self._training()
+        question = session.answer(request.number, request.choice, dismiss=request.dismiss)
+        if request.dismiss:
+            return f"question {question.number} is not asked again"
+        done = session.log.history.done[-1] if session.log.history.done else "nothing"
+        return f"question {question.number}: {done}"
 
     def _training(self) -> TrainingSession:
         session = self._agent.session
         if session is None:
-            raise TrainingError(_no_training(self._agent, "begin one with `hitab train {} NAME`"))
+            raise self._no_training(Do.RESUME, Do.TRAIN)
         return session
+
+    def _no_training(self, *ways: Do) -> TrainingError:
+        agent = self._agent.name
+        return TrainingError("it is not training anything", *(do(agent=agent) for do in ways))
 
     def _set_caution(self, request: srv.SetCaution.Request, response: Any) -> str:
         caution = Caution.parse(request.when_unsure, request.support, request.distance)
         self._agent.monitor.set(caution)
         return f"{self._agent.name}: {caution}"
 
-    def _list_examples(self, request: srv.ListExamples.Request, response: Any) -> str:
-        session = self._agent.session
-        if request.automaton:
-            automata, name = self._agent.repertoire.automata, request.automaton
-            if name not in automata:
-                raise TrainingError(f'no trained behavior "{name}" {has(automata, name)}')
-            features, examples = automata[name].features, automata[name].examples
-            readable = automata[name].readable
-        elif session is not None:
-            name, features = session.curriculum.name, session.curriculum.features
-            examples, readable = session.examples, session.readable
-            response.done, response.undone = session.log.history.done, session.log.history.undone
-        else:
-            raise TrainingError(
-                _no_training(self._agent, "name a trained behavior: `hitab examples list {} NAME`")
-            )
-        response.automaton = name
-        response.features = [str(feature) for feature in features]
-        response.readable = [str(use) for use in readable]
-        response.examples = [example_message(example) for example in examples]
-        return quantity(len(examples), "example")
-
     def _get_report(self, request: srv.GetReport.Request, response: Any) -> str:
         agent = self._agent
         name = request.automaton or agent.training
         if not name:
-            raise TrainingError(
-                _no_training(
-                    agent, "name a trained behavior: `hitab examples list {} NAME --cost`"
-                )
-            )
+            raise self._no_training(Do.EXAMPLES_OF)
         costs = agent.journal.costs(name)
         if not costs and name == agent.training:
             raise TrainingError(
-                f'nothing was done yet in the training of "{name}"; command a behavior with '
-                f"`hitab demonstrate {agent.name} BEHAVIOR`"
+                f'nothing was done yet in the training of "{name}"',
+                Do.DEMONSTRATE(agent=agent.name),
             )
         if not costs:
             raise TrainingError(
@@ -245,13 +220,7 @@ class AgentServices:
         return quantity(len(costs), "training")
 
     def _save(self, request: srv.SaveBehavior.Request, response: Any) -> str:
-        if len(request.bind_from) != len(request.bind_to):
-            raise TrainingError(
-                f"bind_from has {quantity(len(request.bind_from), 'name')}, "
-                f"bind_to {len(request.bind_to)}"
-            )
-        bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
-        agent = self._agent
+        bindings, agent = bindings_of(request), self._agent
         performed = agent.behavior if agent.mode is Mode.PERFORMING else ""
         open_ones = _open_questions(agent)
         automaton, path, trimmed, replaced = self._agent.save(
@@ -265,29 +234,27 @@ class AgentServices:
         done = f'saved "{saved}" with {quantity(len(automaton.examples), "example")}'
         done += f"; {replaced}" if replaced else ""
         if open_ones:
-            done += (
-                f"; it had {open_ones}; to answer, `hitab train {agent.name} {automaton.name} "
-                f"--resume` and `hitab questions {agent.name}`"
-            )
+            done += f"; it had {open_ones}"
+            further = Do.TRAIN_FURTHER(agent=agent.name, behavior=automaton.name)
+            response.remedies = remedy_messages([further])
         if performed and self._agent.mode is Mode.IDLE:
             done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'
         return done
 
     def _perform(self, request: srv.Perform.Request, response: Any) -> str:
         use = use_of(request.behavior, request.arguments) if request.behavior else None
-        return self._kept_aside(lambda: self._agent.perform(use), f"performs {use or 'nothing'}")
+        return self._kept_aside(response, use)
 
-    def _kept_aside(self, perform: Callable[[], None], done: str) -> str:
+    def _kept_aside(self, response: Any, use: Use | None) -> str:
         """Have the agent perform something; say what becomes of a training under way."""
         agent = self._agent
-        perform()
+        agent.perform(use)
+        done = f"{agent.name} performs {use or 'nothing'}"
         if agent.session is None:
-            return f"{agent.name} {done}"
-        return (
-            f'{agent.name} {done}; the training of "{agent.training}" '
-            f"({quantity(agent.unsaved, 'example')}) is kept: `hitab train {agent.name}` goes on "
-            "with it"
-        )
+            return done
+        response.remedies = remedy_messages([Do.RESUME(agent=agent.name)])
+        examples = quantity(agent.unsaved, "example")
+        return f'{done}; the training of "{agent.training}" ({examples}) is kept'
 
     def _load_library(self, request: srv.LoadLibrary.Request, response: Any) -> str:
         library = None
@@ -304,9 +271,8 @@ class AgentServices:
                 )
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
-        response.digest = self._agent.library_digest
-        known = quantity(len(response.behaviors), "trained behavior")
-        return "; ".join((known, *self._agent.edition.losses.faults))
+        response.digest = self._agent.edition.digest
+        return quantity(len(response.behaviors), "trained behavior")
 
     def _get_vocabulary(
         self, request: srv.GetVocabulary.Request, response: srv.GetVocabulary.Response
@@ -333,6 +299,20 @@ class AgentServices:
         return response
 
 
+def bindings_of(request: Any) -> dict[str, str]:
+    """Return the new names of targets and parameters that a request asks for.
+
+    Raises:
+        TrainingError: if there are not as many new names as old ones.
+    """
+    if len(request.bind_from) != len(request.bind_to):
+        raise TrainingError(
+            f"bind_from has {quantity(len(request.bind_from), 'name')}, "
+            f"bind_to {len(request.bind_to)}"
+        )
+    return dict(zip(request.bind_from, request.bind_to, strict=True))
+
+
 def _open_questions(agent: Agent) -> str:
     """Return how many questions about a training are open, as far as known; empty: none."""
     session = agent.session
@@ -343,13 +323,3 @@ def _open_questions(agent: Agent) -> str:
     if clashes := sum(question.kind == msg.Question.CONTRADICTION for question in known):
         told += f", {clashes} of contradicting commands, where it decides by chance"
     return told
-
-
-def _no_training(agent: Agent, way_out: str) -> str:
-    """Return that an agent is not training anything.
-
-    Args:
-        agent: the agent.
-        way_out: what to do, with ``{}`` for its name.
-    """
-    return f"{agent.name} is not training anything; {way_out.format(agent.name)}"

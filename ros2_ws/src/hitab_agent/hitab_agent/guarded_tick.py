@@ -42,70 +42,57 @@ class GuardedTick:
             guard: of its node; its faults include this one.
         """
         self.fault = ""
-        self._lacking: list[str] = []
         self._failed_in = ("", "")
         self._agent = agent
         self._guard = guard
 
     def perceived(self) -> None:
         """Report features that cannot be read, whether decisions need them or not."""
-        text = failing(self._agent)
-        if self._guard.faults.set(FEATURES, text):
-            self._guard.log(f"{self._agent.name}: {text}", (FEATURES, text))
+        self._show(FEATURES, failing(self._agent))
 
     def act(self) -> Action:
         """Have the agent decide and act; return what it does and says, or nothing if it fails."""
         agent = self._agent
         try:
             agent.tick()
-            action = _action(*agent.act())
+            action = _action(*agent.body.act())
         except Exception as error:
             self.fail(error)
             return NO_ACTION
-        if self.fault:
-            self._clear()
-        lacking = agent.context.senses.lacking()
-        if lacking != self._lacking:
-            self._report(lacking)
+        self.fault = ""
+        self._show(TICK, "")
+        if lacking := "; ".join(agent.context.senses.lacking()):
+            self._failed_in = self._doing
+            lacking = f"{agent.name} decides without what it needs: {lacking}"
+        self._show(VALUES, lacking)
         return action
-
-    def _report(self, lacking: list[str]) -> None:
-        """Report which features have no value though decisions need them."""
-        agent = self._agent
-        self._lacking = lacking
-        self._failed_in = (agent.mode.value, agent.behavior)
-        if not lacking:
-            self._guard.faults.clear(VALUES)
-            return
-        text = f"{agent.name} decides without what it needs: {'; '.join(lacking)}"
-        self._guard.log(text, (VALUES, *lacking))
-        self._guard.faults.set(VALUES, text)
 
     def fail(self, error: Exception) -> None:
         """Report an error that kept the agent from perceiving, deciding or acting."""
-        agent = self._agent
-        why = what_went_wrong(error)
-        self._failed_in = (agent.mode.value, agent.behavior)
+        agent, why = self._agent, what_went_wrong(error)
+        self._failed_in = self._doing
         if why != self.fault:
             self.fault = why
-            text = f"{agent.name} has done nothing since cycle {agent.cycle}: {why}"
-            self._guard.log(text, ("tick", why))
-            self._guard.faults.set(TICK, text)
+            told = f"{agent.name} has done nothing since cycle {agent.cycle}: {why}"
+            self._show(TICK, told, cause=why)
 
     def clear_if_past(self) -> None:
         """Clear the faults if the agent no longer performs the behavior that had them."""
-        agent = self._agent
-        if self._failed_in == (agent.mode.value, agent.behavior):
-            return
-        if self.fault:
-            self._clear()
-        if self._lacking:
-            agent.context.senses.missed.clear()
-            self._report([])
+        if self._failed_in != self._doing:
+            self.fault = ""
+            self._show(TICK, "")
+            if self._guard.faults.text(VALUES):
+                self._agent.context.senses.missed.clear()
+                self._show(VALUES, "")
 
-    def _clear(self) -> None:
-        self.fault = ""
-        self._guard.faults.clear(TICK)
+    @property
+    def _doing(self) -> tuple[str, str]:
+        return self._agent.mode.value, self._agent.behavior
+
+    def _show(self, key: str, fault: str, cause: str = "") -> None:
+        if fault:
+            self._guard.log(fault, (key, cause or fault))
+        self._guard.faults.set(key, fault)
 
 
 def failing(agent: Agent) -> str:

@@ -2,12 +2,9 @@
 
 For example::
 
-    python -m hitab_agent.host_main --ros-args -p agents:="[ant_1, ant_2]" -p domain:=keepaway
-
-The parameters of an agent (see `hitab_agent.settings`) are given once, for all agents. If agents
-differ, a JSON file lists them with their parameters::
-
     python -m hitab_agent.host_main --ros-args -p roster:=host_1.json
+
+A JSON file lists the agents with their parameters (see `hitab_agent.settings`)::
 
     [{"name": "ant_1", "parameters": {"domain": "foraging", "commander": "chief"},
       "remap": {"cmd_vel": "/base_1/cmd_vel"}},
@@ -19,16 +16,14 @@ from __future__ import annotations
 
 import gc
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from hitab_msgs.msg import AgentStatus, HostRoster
 from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.host.host_shared import shared_on_host
-from hitab_agent.host.remaps import cli_args, remaps_of
 from hitab_agent.host.roster import read_roster
-from hitab_core import HitabError
+from hitab_agent.shared import Shared
 from hitab_ros import (
     NO_TYPE_DESCRIPTIONS,
     GuardedNode,
@@ -50,24 +45,18 @@ def start(spinning: Spinner) -> None:
     host = make_node("host")
     spinning.executor.add_node(host)
     entries = read_roster(host)
-    asked = [entry.name for entry in entries]
-    doubles = sorted({name for name in asked if asked.count(name) > 1})
-    if doubles:
-        raise HitabError(f"the host was given {', '.join(doubles)} twice; name each agent once")
     namespace = host.get_namespace().rstrip("/")
-    swarm = host.get_parameter("swarm").value  # of all its agents
-    # A namespace on the command line is the one around those of the nodes, not theirs.
-    remaps = list(remaps_of(sys.argv))
-    # The node with the topics of the host, in its own namespace. The name of its first agent makes
+    swarm = host.declare_parameter("swarm", "").value  # of all its agents
+    # The node with the topics of the host, in its own namespace: that on the command line is the
+    # one around it and those of the agents. The name of its first agent makes
     # it unique in the swarm, and the same in each run.
     desk = make_node(
         "host",
-        namespace=f"{namespace}/host_of_{asked[0]}",
+        namespace=f"{namespace}/host_of_{entries[0].name}",
         use_global_arguments=False,
-        cli_args=cli_args(remaps),
     )
     spinning.executor.add_node(desk)
-    shared = shared_on_host(desk, len(entries), swarm)
+    shared = Shared(desk, len(entries), swarm)
     nodes = []
     for entry in entries:
         parameters = {"swarm": swarm, **entry.parameters}
@@ -78,7 +67,7 @@ def start(spinning: Spinner) -> None:
                 *(Parameter(name, value=value) for name, value in parameters.items()),
             ],
             use_global_arguments=False,
-            cli_args=cli_args([*entry.remap.items(), *remaps]),
+            cli_args=_renaming(entry.remap),
             shared=shared,
         )
         spinning.executor.add_node(node)
@@ -96,6 +85,12 @@ def start(spinning: Spinner) -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(*GARBAGE)
+
+
+def _renaming(remap: Mapping[str, str]) -> list[str]:
+    """Return the arguments that have a node use other names."""
+    rules = [part for name, other in remap.items() for part in ("-r", f"{name}:={other}")]
+    return ["--ros-args", *rules] if rules else []
 
 
 def _announce_others(desk: GuardedNode, nodes: Sequence[AgentNode], swarm: str) -> None:

@@ -6,22 +6,20 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
+from hitab_agent.agent_services import bindings_of
+from hitab_agent.automaton_message import automaton_message, training_message
 from hitab_agent.guarded_tick import failing
 from hitab_core import (
     FLAGS,
     Agent,
-    Automaton,
     BasicBehavior,
-    Domain,
     TrainingError,
     Use,
-    quantity,
     to_be_saved,
 )
-from hitab_core.library import difference, scale_of
+from hitab_core.library import difference
 from hitab_core.running import live_features
 from hitab_ros import GuardedNode, names
-from hitab_ros.conversions import example_message, feature_message
 
 Origin: Any = srv.GetBehavior.Response
 
@@ -65,69 +63,52 @@ class InspectionServices:
     def _show_training(
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
     ) -> None:
-        session = self._agent.session
+        """Show the training under way, or what would come of it."""
+        session, domain = self._agent.session, self._agent.domain
         if session is None:
             raise TrainingError(f"{self._agent.name} is not training anything; name a behavior")
-        curriculum = session.curriculum
-        answer.chosen_states = list(map(str, curriculum.states))
+        answer.origin = Origin.TRAINING
+        classifier = session.curriculum.classifier
         if request.with_features:
             chosen = list(map(Use.parse, request.with_features))
-            _fill_in(answer, session.with_features(chosen), self._agent.domain)
-            answer.origin, answer.classifier = Origin.TRAINING, curriculum.classifier
-            return
-        answer.origin = Origin.TRAINING
-        answer.classifier = curriculum.classifier
-        answer.arguments = list(curriculum.arguments)
-        if request.trim:
-            if len(request.bind_from) != len(request.bind_to):
-                raise TrainingError(
-                    f"bind_from has {quantity(len(request.bind_from), 'name')}, "
-                    f"bind_to {len(request.bind_to)}"
-                )
-            bindings = dict(zip(request.bind_from, request.bind_to, strict=True))
-            automaton, answer.trimmed = to_be_saved(
-                session, bindings=bindings, keep_unused=request.keep_unused
+            answer.automaton = automaton_message(
+                session.with_features(chosen), domain, classifier=classifier
             )
-            answer.arguments = []
-            _fill_in(answer, automaton, self._agent.domain)
-            return
-        states = list(map(str, curriculum.states))
-        states += [s for s in session.states if s not in states]
-        blank = Automaton(
-            curriculum.name,
-            tuple(map(Use.parse, states)),
-            curriculum.features,
-            {},
-            curriculum.parameters,
-            session.examples,
-        )
-        _fill_in(answer, blank, self._agent.domain)
+        elif request.trim:
+            automaton, answer.trimmed = to_be_saved(
+                session, bindings=bindings_of(request), keep_unused=request.keep_unused
+            )
+            answer.automaton = automaton_message(automaton, domain, classifier=classifier)
+        else:
+            answer.automaton = training_message(session, domain)
 
     def _show_behavior(
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
     ) -> None:
         repertoire, library = self._agent.repertoire, self._agent.library
-        name = request.name
+        name, domain = request.name, self._agent.domain
         # A behavior that was removed from the library may still have versions there.
         answer.versions = library.versions(name) if name not in FLAGS else []
         known = self._agent.edition.files
         if name not in known and not request.version:
             behavior = repertoire.get(name)
             if isinstance(behavior, BasicBehavior):
-                answer.name, answer.description = behavior.name, behavior.description
-                answer.parameters = list(behavior.parameters)
                 answer.origin = Origin.BASIC
+                answer.automaton = msg.Automaton(
+                    name=behavior.name,
+                    description=behavior.description,
+                    parameters=list(behavior.parameters),
+                )
                 return
             answer.origin = Origin.HAND_WRITTEN
-            _fill_in(answer, behavior, self._agent.domain)
+            answer.automaton = automaton_message(behavior, domain)
             return
         file = library.version(name, request.version) if request.version else known[name]
         answer.origin = Origin.TRAINED
-        answer.classifier = file.classifier
         answer.version = file.provenance.version
         answer.created = file.provenance.created
         answer.note = _origin(file.provenance)
-        _fill_in(answer, file.automaton, self._agent.domain)
+        answer.automaton = automaton_message(file.automaton, domain, classifier=file.classifier)
         if request.compare_with:
             before = library.version(name, request.compare_with)
             answer.difference = difference(before, file)
@@ -138,15 +119,3 @@ def _origin(provenance: Any) -> str:
     parts = [f"trained by {provenance.agent}"] if provenance.agent else []
     parts += [text for text in (provenance.author, provenance.note) if text]
     return ", ".join(parts)
-
-
-def _fill_in(answer: srv.GetBehavior.Response, automaton: Automaton, domain: Domain) -> None:
-    answer.name = automaton.name
-    answer.description = automaton.description
-    answer.parameters = list(automaton.parameters)
-    answer.states = list(automaton.labels)
-    answer.features = [
-        feature_message(str(feature), domain.feature(feature.name), scale_of(feature, domain))
-        for feature in automaton.features
-    ]
-    answer.examples = [example_message(example) for example in automaton.examples]

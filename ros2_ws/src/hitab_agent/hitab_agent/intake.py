@@ -13,15 +13,15 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 from hitab_agent.slices import Background, Job
-from hitab_core import Agent, BehaviorLibrary, FolderInUseError, HitabError, Use
+from hitab_core import BehaviorLibrary, FolderInUseError, HitabError, Use
 from hitab_core.library import Bundle, Edition, Editions, digest_in, plan_bundle, read_bundle
 from hitab_core.library.commit import carry_out, forget, withdraw
 from hitab_core.library.durable_files import PATIENCE, file_errors, sync_trees
@@ -34,19 +34,9 @@ _BREATH_S = 0.001
 """How long a thread releases Python's lock to the callbacks after each folder."""
 
 
-class Receiver(Protocol):
-    """The part of an agent that receives distributions."""
-
-    agent: Agent
-
-    def has_taken_in(self, sequence: int, digest: str, error: str) -> None:
-        """Publish the outcome of a distribution.
-
-        Args:
-            sequence: of the distribution.
-            digest: of the agent's files as they are now; empty if it was refused.
-            error: why it was refused, or what went wrong at the start; empty if nothing did.
-        """
+TakenIn = Callable[[Any, int, str, str], None]
+"""Called with an agent's node, the sequence of a distribution, the digest of the agent's files as
+they are now, empty if it was refused, and why it was refused or what went wrong at the start."""
 
 
 @dataclass(eq=False)
@@ -54,8 +44,8 @@ class _Shelf:
     """A library with the agents that use it, and the state of its change."""
 
     library: BehaviorLibrary
-    receivers: list[Receiver] = field(default_factory=list)
-    refused: dict[Receiver, str] = field(default_factory=dict)
+    receivers: list[Any] = field(default_factory=list)
+    refused: dict[Any, str] = field(default_factory=dict)
     edition: Edition | None = None
     note: bytes = b""
     generation: int = 0
@@ -76,7 +66,12 @@ class Intake:
     """One distribution, taken in by its receivers in a process."""
 
     def __init__(
-        self, sequence: int, bundle: Bundle, start: Use | None, receivers: Iterable[Receiver]
+        self,
+        sequence: int,
+        bundle: Bundle,
+        start: Use | None,
+        receivers: Iterable[Any],
+        taken_in: TakenIn,
     ) -> None:
         """Group the receivers by library.
 
@@ -84,11 +79,13 @@ class Intake:
             sequence: of the distribution.
             bundle: the behaviors.
             start: what the receivers should perform then; None: what they perform now.
-            receivers: the agents that take it in.
+            receivers: the nodes of the agents that take it in.
+            taken_in: called with the outcome for each.
         """
         self._sequence = sequence
         self._bundle = bundle
         self._start = start
+        self._taken_in = taken_in
         self._digests: dict[Edition, str] = {}
         self._read_files: list[object] = []
         shelves: dict[BehaviorLibrary, _Shelf] = {}
@@ -106,7 +103,9 @@ class Intake:
             for receiver in shelf.receivers:
                 self._swap(shelf, receiver)
                 yield None
-        yield from self._carry_out()
+        if notes := [(shelf.library.folder, shelf.note) for shelf in self._noted()]:
+            # The files are brought up to date; no agent waits for this.
+            yield Background(partial(_carry_out, notes))
 
     def _read(self) -> Job:
         """Verify and learn the bundle, once per domain."""
@@ -158,15 +157,20 @@ class Intake:
 
     def _make_durable(self) -> Job:
         """Sync all changes to disk; withdraw those that fail."""
+        folders = [shelf.library.folder for shelf in self._noted()]
+        if not folders:
+            return
+        syncing = Background(partial(_force_to_disk, folders))
+        yield syncing
         try:
-            yield from self._sync()
+            syncing.result()
         except Exception as error:
             for shelf in self._noted():
                 if withdraw(shelf.library.folder, shelf.note):
                     shelf.refuse_all(error)
                     shelf.library.load(strict=False)
 
-    def _swap(self, shelf: _Shelf, receiver: Receiver) -> None:
+    def _swap(self, shelf: _Shelf, receiver: Any) -> None:
         agent = receiver.agent
         digest, why = "", shelf.refused.get(receiver, "")
         if not why:
@@ -178,26 +182,13 @@ class Intake:
                 digest, why = self._digest_in(edition), "; ".join(notes)
             except Exception as error:
                 why = f"{what_went_wrong(error)}; {_SAVED}"
-        receiver.has_taken_in(self._sequence, digest, why)
+        self._taken_in(receiver, self._sequence, digest, why)
 
     def _digest_in(self, edition: Edition) -> str:
         if edition not in self._digests:
             names = [name for name, _ in self._bundle.files]
             self._digests[edition] = digest_in(edition, names)
         return self._digests[edition]
-
-    def _carry_out(self) -> Job:
-        """Bring the files of all libraries up to date; no agent waits for this."""
-        notes = [(shelf.library.folder, shelf.note) for shelf in self._noted()]
-        if notes:
-            yield Background(partial(_carry_out, notes))
-
-    def _sync(self) -> Job:
-        folders = [shelf.library.folder for shelf in self._noted()]
-        if folders:
-            syncing = Background(partial(_force_to_disk, folders))
-            yield syncing
-            syncing.result()
 
     def _noted(self) -> list[_Shelf]:
         return [shelf for shelf in self._shelves if shelf.note]

@@ -1,7 +1,7 @@
 """An agent without world, robot or network, which is given again what a recorded one took in.
 
 It is the node that every agent has, with its subscriptions and services. They are called directly,
-since nobody is there, and what the node publishes is kept.
+since nobody is there.
 """
 
 from __future__ import annotations
@@ -26,33 +26,8 @@ from hitab_ros import names, session_topics
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
 
-class _Kept:
-    """Keeps what would be published; somebody seems to listen to state changes."""
-
-    def __init__(self, topic: str) -> None:
-        self._heard = topic == names.TRANSITIONS
-        self.messages: list[Any] = []
-
-    def get_subscription_count(self) -> int:
-        return int(self._heard)
-
-    def publish(self, message: Any) -> None:
-        if self._heard:
-            self.messages.append(message)
-
-
 class _Node(AgentNode):
-    """The node of an agent whose publishers reach nobody."""
-
-    def __init__(self, **options: Any) -> None:
-        self.kept: dict[str, _Kept] = {}
-        super().__init__(**options)
-
-    def create_publisher(
-        self, msg_type: Any, topic: str, *args: Any, temporary: bool = False, **options: Any
-    ) -> Any:
-        """Keep what is published."""
-        return self.kept.setdefault(topic, _Kept(topic))
+    """The node of an agent that has neither a world nor a robot."""
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain without its robot: percepts come as from a world."""
@@ -98,7 +73,7 @@ class OfflineAgent:
             there = BehaviorLibrary(library, self._node.agent.domain)
             there.install({file.name: file.text for file in known.files})
             self._node.agent.reload()
-            found = self._node.agent.library_digest
+            found = self._node.agent.edition.digest
             if found != known.digest:
                 raise LibraryError(
                     f"the behaviors that {name} had when the recording began read differently "
@@ -141,19 +116,13 @@ class OfflineAgent:
 
     def ask(self, service: str, request: Any) -> Any:
         """Return the answer to a request."""
-        if service == names.LIST_QUESTIONS:
+        if service == session_topics.SEARCHED:
             # The node looks for them in slices between its cycles; they get the same numbers.
             if self.agent.session is not None:
                 self.agent.session.questions()
             return None
         kind = session_topics.SERVICES[service]
         return self._services[service].callback(request, kind.Response())
-
-    def transitions(self) -> list[msg.TransitionEvent]:
-        """Return the state changes since the last call."""
-        kept = self._node.kept[names.TRANSITIONS]
-        changes, kept.messages = kept.messages, []
-        return changes
 
     def status(self) -> msg.AgentStatus:
         """Return the status that it would publish now."""

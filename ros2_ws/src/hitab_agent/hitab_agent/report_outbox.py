@@ -10,7 +10,7 @@ from hitab_msgs import msg
 
 from hitab_agent.deferred import Deferred
 from hitab_core.commanding import Report
-from hitab_ros import GuardedNode, names, qos
+from hitab_ros import GuardedNode, qos
 from hitab_ros.conversions import report_message
 
 
@@ -76,8 +76,3 @@ class ReportOutbox:
 
     def _publish(self, topic: str, reports: list[msg.Report]) -> None:
         self._publishers[topic].publish(msg.Reports(reports=reports))
-
-
-def reports_topic(node: GuardedNode, commander: str) -> str:
-    """Return the topic on which a commander of the node's swarm receives reports."""
-    return names.in_swarm(node, commander, names.REPORTS)

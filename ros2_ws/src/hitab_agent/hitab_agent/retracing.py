@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import struct
-from array import array
-from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
@@ -12,7 +9,7 @@ from typing import Any
 from hitab_msgs import msg
 
 from hitab_agent.offline_agent import OfflineAgent
-from hitab_core import HitabError, Mode
+from hitab_core import Do, HitabError, Mode
 from hitab_ros import names, session_topics
 
 COMPARED = ("behavior", "mode", "examples", "default_examples", "active_path")
@@ -42,7 +39,7 @@ class Retraced:
 
     Attributes:
         percepts, commands, requests: how many were given to the agent.
-        compared: how many recorded statuses and state changes it agreed with.
+        compared: how many recorded statuses it agreed with.
         saved: names of the behaviors that it saved, in order.
     """
 
@@ -51,10 +48,6 @@ class Retraced:
     requests: int = 0
     compared: int = 0
     saved: list[str] = field(default_factory=list)
-
-
-class DifferenceError(HitabError):
-    """The agent did something else than the recorded one."""
 
 
 class Retracer:
@@ -69,7 +62,6 @@ class Retracer:
         self._sequence: int | None = None
         self._begun = False
         self._sent: set[tuple[str, str, int]] = set()
-        self._changes: deque[msg.TransitionEvent] = deque()
 
     def take(self, steps: Iterable[Step]) -> Retraced:
         """Take the steps, in the order in which they were sent.
@@ -88,24 +80,19 @@ class Retracer:
                 self._ask(step.message.data)
             elif step.name == names.STATUS:
                 self._compare_status(step.message)
-            elif step.name == names.TRANSITIONS:
-                self._compare_change(step.message)
-            self._changes += self._offline.transitions()
         return self.done
-
-    @property
-    def _trains(self) -> bool:
-        return self._offline.agent.mode.value in IN_TRAINING
 
     def _perceive(self, percept: msg.Percept) -> None:
         before, self._sequence = self._sequence, percept.sequence
         if before == percept.sequence:
             return  # repeated for another one who records
-        if before is not None and percept.sequence != before + 1 and self._trains:
+        trains = self._offline.agent.mode.value in IN_TRAINING
+        if before is not None and percept.sequence != before + 1 and trains:
             raise HitabError(
                 f"percepts are missing between cycle {self._offline.agent.cycle} and cycle "
                 f"{percept.cycle}: whoever recorded was too slow, or another world began; record "
-                "again with less to do, or slower (`hitab world pace realtime`)"
+                "again with less to do, or slower",
+                Do.PACE(),
             )
         self.done.percepts += 1
         self._offline.perceive(percept)
@@ -117,9 +104,7 @@ class Retracer:
             raise HitabError(
                 f"the recording has a request that this version of HiTAB does not know: {error}"
             ) from None
-        if service == names.BEGIN and not self._begun:
-            self._begun = True
-            self._changes.clear()
+        self._begun |= service == names.BEGIN
         answer = self._offline.ask(service, request)
         sent = service, getattr(request, "client", ""), getattr(request, "request", 0)
         if sent[2] and sent in self._sent:
@@ -134,7 +119,7 @@ class Retracer:
             if was.mode in IN_TRAINING and was.examples:
                 raise HitabError(
                     f'the recording begins in a training: "{was.behavior}" has {was.examples} '
-                    "examples already; start to record before `hitab train`"
+                    "examples already; start to record before the training"
                 )
             return
         now = self._offline.status()
@@ -152,46 +137,12 @@ class Retracer:
                 raise self._difference(f"{name} was {_said(there)}", f"it is {_said(here)}")
         self.done.compared += 1
 
-    def _compare_change(self, was: msg.TransitionEvent) -> None:
-        if not self._begun or not self._trains:
-            return
-        recorded = _exactly(was)
-        for _ in range(len(self._changes)):
-            if _exactly(self._changes.popleft()) == recorded:
-                self.done.compared += 1
-                return
-        seen = ", ".join(
-            f"{name} = {value:g}" for name, value in zip(was.features, was.values, strict=False)
-        )
-        raise self._difference(
-            f"{was.agent} went from {was.from_state} to {was.to_state}"
-            + (f" seeing {seen}" if seen else ""),
-            "it does not",
-        )
-
-    def _difference(self, was: str, now: str) -> DifferenceError:
-        return DifferenceError(
+    def _difference(self, was: str, now: str) -> HitabError:
+        return HitabError(
             f"in cycle {self._offline.agent.cycle} {was}; trained from the recording, {now}. The "
             "recording lacks something that mattered; start to record before the swarm's first "
             "cycle, or at the beginning of an episode"
         )
-
-
-def _exactly(value: Any) -> Any:
-    """Return what equals that of another message only if every bit of its fields is the same.
-
-    Serialized messages do not: the bytes between their fields are random. Messages neither: a
-    missing value is NaN, which equals nothing.
-    """
-    if isinstance(value, float):
-        return struct.pack("d", value)
-    if isinstance(value, array):
-        return value.tobytes()
-    if isinstance(value, list):
-        return [_exactly(one) for one in value]
-    if hasattr(value, "get_fields_and_field_types"):
-        return [_exactly(getattr(value, name)) for name in value.get_fields_and_field_types()]
-    return value
 
 
 def _said(value: Any) -> str:

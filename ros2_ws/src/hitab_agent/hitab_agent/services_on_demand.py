@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from hitab_agent.ticker import Ticker
 from hitab_ros import GuardedNode
 
 LOOK_PERIOD_S = 0.25
@@ -19,9 +20,17 @@ LOOK_AT_PER_S = 500.0  # agents: looking takes time in proportion to their numbe
 class ServicesOnDemand:
     """Has the nodes of a process offer their services when the first client appears."""
 
-    def __init__(self, host: GuardedNode) -> None:
+    def __init__(self, host: GuardedNode, ticker: Ticker, agents: int) -> None:
+        """Begin to look for clients.
+
+        Args:
+            host: the node to look with.
+            ticker: of the process.
+            agents: how many nodes there will be.
+        """
         self._host = host
         self._offers: dict[str, Callable[[], None]] = {}
+        ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), self.look)
 
     def add(self, node: GuardedNode, offer: Callable[[], None]) -> None:
         """Call ``offer`` once a client asks for a service of a node, or in its namespace."""
@@ -36,7 +45,7 @@ class ServicesOnDemand:
         self._offers |= dict.fromkeys(namespaces, offer_once)
 
     def look(self) -> None:
-        """Look for clients; call this a few times a second."""
+        """Look for clients."""
         for service, _ in self._host.get_service_names_and_types():
             offer = self._offers.get(service.rpartition("/")[0])
             if offer is not None:

@@ -8,9 +8,8 @@ from typing import Any
 from hitab_msgs import msg
 from std_msgs.msg import String
 
-from hitab_agent.ticker import Ticker
-from hitab_core import Agent
-from hitab_ros import GuardedNode, Receivers, qos, session_topics
+from hitab_agent.agent_base import AgentBase
+from hitab_ros import Receivers, qos, session_topics
 
 LOOK_PERIOD_S = 0.25
 
@@ -32,34 +31,29 @@ class SessionLog:
     paused world nothing else comes before the first command.
     """
 
-    def __init__(self, node: GuardedNode, agent: Agent, ticker: Ticker) -> None:
-        """Begin to look for subscribers.
-
-        Args:
-            node: of the agent.
-            agent: the agent.
-            ticker: of its process.
-        """
+    def __init__(self, node: AgentBase) -> None:
+        """Begin to look for subscribers, unless the agent is one of a host."""
         self._node = node
-        self._agent = agent
         self._publishers: dict[str, Any] = {}
         self._receivers: list[Receivers] = []
         self._listeners = 0
         self._last: msg.Percept | None = None
-        ticker.every(LOOK_PERIOD_S, self.look, node.guard)
+        if node.shared.host is None:
+            node.shared.ticker.every(LOOK_PERIOD_S, self._look, node.guard)
 
-    def perceived(self, percept: msg.Percept) -> None:
-        """Publish a percept that the agent is about to take in."""
-        self._last = percept
+    def tell(self, topic: str, message: Any) -> None:
+        """Publish what the agent is about to take in: a percept, a command or a request."""
+        if topic == session_topics.PERCEIVED:
+            self._last = message
         if self._listeners:
-            self._publishers[session_topics.PERCEIVED].publish(percept)
+            self._publishers[topic].publish(message)
 
-    def commanded(self, command: msg.Command) -> None:
-        """Publish a command that the agent is about to obey or refuse."""
-        if self._listeners:
-            self._publishers[session_topics.COMMANDED].publish(command)
+    def searched(self) -> None:
+        """Publish that questions have just been looked for, which gives them their numbers."""
+        text = session_topics.request_text(session_topics.SEARCHED, None)
+        self.tell(session_topics.REQUESTED, String(data=text))
 
-    def look(self) -> None:
+    def _look(self) -> None:
         """Begin, or end, with the subscribers."""
         if not self._publishers:
             if not self._node.count_subscribers(session_topics.PERCEIVED):
@@ -81,17 +75,16 @@ class SessionLog:
             return serve
 
         def told(request: Any, response: Any) -> Any:
-            if self._listeners:
-                text = session_topics.request_text(service, request)
-                self._publishers[session_topics.REQUESTED].publish(String(data=text))
+            text = session_topics.request_text(service, request)
+            self.tell(session_topics.REQUESTED, String(data=text))
             return serve(request, response)
 
         return told
 
     def _known(self) -> msg.Distribution:
-        texts = self._agent.edition.texts
+        texts = self._node.agent.edition.texts
         return msg.Distribution(
-            source=self._agent.name,
-            digest=self._agent.library_digest,
+            source=self._node.agent.name,
+            digest=self._node.agent.edition.digest,
             files=[msg.BehaviorFile(name=name, text=texts[name]) for name in sorted(texts)],
         )

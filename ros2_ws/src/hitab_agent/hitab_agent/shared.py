@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from hitab_agent.agent_base import AgentBase
 from hitab_agent.deferred import Deferred
-from hitab_agent.distribution import DistributionReceiver
+from hitab_agent.distribution import Distributions
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
-from hitab_agent.services_on_demand import (
-    LOOK_AT_PER_S,
-    LOOK_PERIOD_S,
-    ServicesOnDemand,
-)
-from hitab_agent.shared_link import SharedLink
+from hitab_agent.services_on_demand import ServicesOnDemand
 from hitab_agent.ticker import Ticker
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import Editions
-from hitab_ros import GuardedNode
-from hitab_ros.diagnostics import Diagnosis, Diagnostics
+from hitab_ros import GuardedNode, names
+from hitab_ros.diagnostics import Diagnostics
+
+if TYPE_CHECKING:
+    from hitab_agent.host.host_link import HostLink
 
 STATUS_PERIOD_S = 0.05
 """The path of active states may change every cycle; it is published at most this often."""
@@ -29,82 +28,78 @@ STATUSES_AT_ONCE = 15
 """A host publishes at most this many statuses in a period, 300 a second: watching must not cost
 more than what is watched."""
 
+REPORTS_PERIOD_S = 0.01
+"""How long a report waits for others of the same host."""
 
-@dataclass(slots=True)
+
 class Shared:
     """Timers, publishers and whatever else a process needs once, however many agents it runs.
 
     Attributes:
+        nodes: of the agents that have joined.
+        host: the node of the host, if the process is one.
         ticker: calls at fixed rates.
         statuses: publishes changed statuses a little later.
         orders: receives the orders of commanders.
         outbox: sends reports to commanders.
         distributions: sends and receives behaviors.
-        host: the node of the host, if the process is one.
-        link_to: creates the link of all agents to a world; None: each agent has its own.
-        links: the links it created, by the world's name.
+        diagnostics: publishes what is wrong with the agents.
         on_demand: offers services when a client asks; None: each agent offers its own at once.
+        links: of all agents of a host to their worlds, by the world's name.
         domains: the loaded domains, by name and what was taken out.
-        libraries: the open libraries, by folder and domain.
-        members: of a host, called when the faults of the host change.
-        editions: read and cache the contents of libraries, by domain.
         told: faults of libraries that are in the log.
-        diagnosed: return the diagnoses of the agents.
-        diagnostics: publishes them.
     """
 
-    ticker: Ticker
-    statuses: Deferred
-    orders: OrderSubscriptions
-    outbox: ReportOutbox
-    distributions: DistributionReceiver
-    diagnostics: Diagnostics
-    diagnosed: list[Callable[[], Diagnosis]]
-    host: GuardedNode | None = None
-    link_to: Callable[[str], SharedLink] | None = None
-    links: dict[str, SharedLink] = field(default_factory=dict)
-    on_demand: ServicesOnDemand | None = None
-    domains: dict[str, Domain] = field(default_factory=dict)
-    libraries: dict[tuple[Path, int], BehaviorLibrary] = field(default_factory=dict)
-    editions: dict[int, Editions] = field(default_factory=dict)
-    members: list[Callable[[], None]] = field(default_factory=list)
-    told: set[str] = field(default_factory=set)
+    def __init__(self, node: GuardedNode, agents: int = 0, swarm: str = "") -> None:
+        """Make it.
 
-    @classmethod
-    def on(cls, node: GuardedNode) -> Shared:
-        """Return what a node needs for itself, or for the agents of its process."""
-        diagnosed: list[Callable[[], Diagnosis]] = []
-        return cls(
-            Ticker(node),
-            Deferred(node, STATUS_PERIOD_S, STATUSES_AT_ONCE),
-            OrderSubscriptions(node),
-            ReportOutbox(node),
-            DistributionReceiver(node),
-            Diagnostics(node, lambda: [diagnose() for diagnose in diagnosed]),
-            diagnosed,
-        )
+        Args:
+            node: of the only agent, or of a host, in its own namespace.
+            agents: number of agents of a host; 0: the process is none.
+            swarm: identity of their swarm; empty: none.
+        """
+        self.nodes: list[AgentBase] = []
+        self.host = node if agents else None
+        self.ticker = Ticker(node)
+        self.statuses = Deferred(node, STATUS_PERIOD_S, STATUSES_AT_ONCE)
+        self.orders = OrderSubscriptions(node)
+        self.outbox = ReportOutbox(node, Deferred(node, REPORTS_PERIOD_S) if agents else None)
+        self.distributions = Distributions(node, self.nodes)
+        self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
+        self.on_demand: ServicesOnDemand | None = None
+        self.links: dict[str, HostLink] = {}
+        self.domains: dict[str, Domain] = {}
+        self.told: set[str] = set()
+        self._swarm = swarm
+        self._libraries: dict[tuple[Path, int], BehaviorLibrary] = {}
+        self._editions: dict[int, Editions] = {}
+        if agents:
+            node.guard.faults.changed = self._tell_all
+            self.offer_on_demand(node, agents)
 
-    def offer_on_demand(self, node: GuardedNode, agents: int) -> None:
+    def offer_on_demand(self, node: GuardedNode, agents: int = 1) -> None:
         """Have the agents, so many in number, create their services when a client asks."""
         if self.on_demand is None:
-            self.on_demand = ServicesOnDemand(node)
-            self.ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), self.on_demand.look)
+            self.on_demand = ServicesOnDemand(node, self.ticker, agents)
 
-    def tell_all(self) -> None:
+    def _tell_all(self) -> None:
         """Have all agents show the current faults of their host."""
-        for member in self.members:
-            member()
+        for node in self.nodes:
+            node.status.publish_soon()
 
     @property
     def faults(self) -> list[str]:
         """The faults of the host, and so of each of its agents."""
         return [] if self.host is None else self.host.guard.faults.texts()
 
-    def link(self, world: str) -> SharedLink | None:
-        """Return the link of all agents to a world; None if each has its own."""
-        if self.link_to is not None and world not in self.links:
-            self.links[world] = self.link_to(world)
-        return self.links.get(world)
+    def link(self, host: GuardedNode, world: str) -> HostLink:
+        """Return the link of all agents of a host to a world."""
+        if world not in self.links:
+            from hitab_agent.host.host_link import HostLink  # an agent alone does not need it
+
+            name = names.own_name(host)
+            self.links[world] = HostLink(host, name, world, self.outbox, self.orders, self._swarm)
+        return self.links[world]
 
     def library(self, folder: Path, domain: Domain) -> BehaviorLibrary:
         """Return the library in a folder; agents with the same folder share it.
@@ -112,10 +107,10 @@ class Shared:
         Libraries with the same files share what was read from them.
         """
         key = (folder, id(domain))  # the library found under it keeps the domain alive
-        if key not in self.libraries:
-            editions = self.editions.setdefault(id(domain), Editions(domain))
-            self.libraries[key] = BehaviorLibrary(folder, domain, editions=editions)
-        return self.libraries[key]
+        if key not in self._libraries:
+            editions = self._editions.setdefault(id(domain), Editions(domain))
+            self._libraries[key] = BehaviorLibrary(folder, domain, editions=editions)
+        return self._libraries[key]
 
     def domain(self, name: str, without: Sequence[str] = ()) -> Domain:
         """Return the installed domain with a name; see `load_domain`.

@@ -14,6 +14,8 @@ from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_core import Agent, Mode
 from hitab_ros import GuardedNode, names, qos
+from hitab_ros.answering import remedies_for, what_went_wrong
+from hitab_ros.conversions import remedy_messages
 from hitab_ros.faults import shown
 
 
@@ -107,14 +109,16 @@ class StatusPublisher:
         """What the agent has lost, and what was taken out of its domain."""
         return (*self._agent.faults, *self._agent.repertoire.vacancies)
 
-    def report_error(self, text: str) -> None:
+    def report_error(self, error: Exception | None) -> None:
         """Publish the reason for a refusal or, without one, the lasting faults."""
+        text = what_went_wrong(error) if error is not None else ""
         if text:
-            self._guard.log(text)
+            self._guard.log(str(error))
         if text != self._error:
             self._shared.diagnostics.soon()
         self._error = text
         seconds, nanoseconds = divmod(time.time_ns(), 10**9) if text else (0, 0)
+        self.message.last_remedies = remedy_messages(remedies_for(error))
         self.message.refused_at = Time(sec=seconds, nanosec=nanoseconds)
         self.publish()
 
@@ -134,6 +138,7 @@ class StatusPublisher:
 
     def publish(self) -> None:
         """Publish what the agent does now."""
+        self._transitions.look()  # who subscribes gets the next change
         self._prepare()
         agent, status = self._agent, self.message
         session = agent.session
@@ -152,9 +157,10 @@ class StatusPublisher:
         status.unsure_distance = agent.monitor.caution.distance
         status.cycle = agent.cycle
         status.perceived = agent.context.senses.perceived
-        status.library_digest = agent.library_digest
+        status.library_digest = agent.edition.digest
         faults = self.faults
         status.faults = faults
+        status.remedies = remedy_messages([*self._guard.faults.remedies, *agent.remedies])
         note = session.note if session and agent.mode is Mode.TRAINING else ""
         status.note = "".join(shown(filter(None, [note or self._beginning.note])))
         status.last_error = self.notice or (faults[0] if faults else "")
@@ -180,5 +186,4 @@ class StatusPublisher:
 
     def _due(self) -> None:
         self._is_due = False
-        self._transitions.look()
         self.publish()

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from hitab_msgs import msg
 
-from hitab_agent.order_subscriptions import OrderSubscriptions
-from hitab_agent.report_outbox import ReportOutbox, reports_topic
+from hitab_agent.agent_base import AgentBase
 from hitab_core.commanding import Order, Report, Subordinate
-from hitab_ros import GuardedNode, names
+from hitab_ros import names
 
 HEARTBEAT_S = 0.5
 
@@ -22,34 +19,22 @@ class SuperiorLink:
         orders: the topic of the commander's orders.
     """
 
-    def __init__(
-        self,
-        node: GuardedNode,
-        subordinate: Subordinate,
-        commander: str,
-        outbox: ReportOutbox,
-        subscriptions: OrderSubscriptions,
-        ordered: Callable[[], None],
-    ) -> None:
+    def __init__(self, node: AgentBase, subordinate: Subordinate) -> None:
         """Start to obey.
 
         Args:
             node: of the agent.
             subordinate: the agent as it obeys and reports.
-            commander: its name.
-            outbox: sends reports.
-            subscriptions: receive orders.
-            ordered: called when an order has arrived, or a waiting one is obeyed.
         """
         self.subordinate = subordinate
-        self.commander = commander
-        self._ordered = ordered
-        self._outbox = outbox
-        self._topic = reports_topic(node, commander)
-        self.orders = names.in_swarm(node, commander, names.ORDER)
+        self.commander = node.settings.commander
+        self._ordered = node.ordered
+        self._outbox = node.shared.outbox
+        self._topic = names.in_swarm(node, self.commander, names.REPORTS)
+        self.orders = names.in_swarm(node, self.commander, names.ORDER)
         self._seconds = 0.0
-        outbox.open(self._topic)
-        subscriptions.listen(node, self.orders, self._on_order)
+        self._outbox.open(self._topic)
+        node.shared.orders.listen(node, self.orders, self._on_order)
 
     def _on_order(self, order: Order) -> None:
         with self._outbox.held():

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
-from rclpy.clock import Clock, ClockType
-
-from hitab_ros import Guard, GuardedNode, name_of
+from hitab_ros import Guard, GuardedNode, name_of, steady_timer
 
 Call = Callable[[], None]
 
@@ -25,7 +22,6 @@ class Ticker:
 
     def __init__(self, node: GuardedNode) -> None:
         self._node = node
-        self._clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._rates: dict[float, _Rate] = {}
 
     def every(self, seconds: float, call: Call, guard: Guard | None = None) -> None:
@@ -37,24 +33,20 @@ class Ticker:
             guard: of the agent whose status shows a failure; None: that of the node.
         """
         if seconds not in self._rates:
-            self._rates[seconds] = _Rate(self._node, self._clock, seconds)
+            self._rates[seconds] = _Rate(self._node, seconds)
         guard = guard or self._node.guard
         self._rates[seconds].add(guard.wrap(name_of(call), call))
-
-    def seconds(self) -> float:
-        """Return the monotonic time, s, since an arbitrary start."""
-        return float(self._clock.now().nanoseconds) * 1e-9
 
 
 class _Rate:
     """Functions that are called equally often."""
 
-    def __init__(self, node: GuardedNode, clock: Clock, seconds: float) -> None:
+    def __init__(self, node: GuardedNode, seconds: float) -> None:
         self._seconds = seconds
         self._calls: list[Call] = []
         self._turns = 1
         self._turn = 0
-        self._timer: Any = node.create_timer(seconds, self._next, clock=clock)
+        self._timer = steady_timer(node, seconds, self._next)
 
     def add(self, call: Call) -> None:
         self._calls.append(call)

@@ -9,7 +9,6 @@ from rclpy.node import Node
 from hitab_core.running import Change
 from hitab_ros import SparingLog, names, qos
 
-_LOOK_EVERY = 64  # state changes between two checks for subscribers
 _LINE_S = 0.2  # between two lines of the log, after a first burst
 
 
@@ -31,21 +30,17 @@ class TransitionLog:
         self._write: SparingLog | None = None
         self._publisher = node.create_publisher(msg.TransitionEvent, names.TRANSITIONS, qos.EVENTS)
         self._agent = names.own_name(node)
-        self._countdown = 0
-        self._heard = False
         self.stamp = Time()
         self.cycle = 0
         self.changed = False
 
     def look(self) -> None:
-        """Check whether there are subscribers."""
-        self._heard = self._publisher.get_subscription_count() > 0
+        """Check whether somebody listens to the log."""
         listened = self._logs and self._node.count_subscribers(names.ROSOUT) > 0
         if not listened:
             self._write = None
         elif self._write is None:
             self._write = SparingLog(self._node.get_logger().info, refill_s=_LINE_S)
-        self._countdown = _LOOK_EVERY
 
     def observe(self, change: Change) -> None:
         """Publish a state change; see `RunContext.observe`.
@@ -54,10 +49,7 @@ class TransitionLog:
         cycle.
         """
         self.changed = True
-        self._countdown -= 1
-        if self._countdown < 0:
-            self.look()
-        if self._heard:
+        if self._publisher.get_subscription_count():
             self._publisher.publish(self._event(change))
         if self._write is not None:
             self._write(f"{self._agent}: {told(change)}", object())

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
-
 from hitab_msgs import msg
 
-from hitab_agent.order_subscriptions import OrderSubscriptions
+from hitab_agent.agent_base import AgentBase
 from hitab_agent.round_gate import RoundGate
-from hitab_ros import GuardedNode, names, qos
+from hitab_ros import names, qos
 
 
 class WorldLink:
@@ -18,53 +16,30 @@ class WorldLink:
     round. For the link to a robot see `hitab_agent.robot_link`.
     """
 
-    def __init__(
-        self,
-        node: GuardedNode,
-        world: str,
-        orders: OrderSubscriptions,
-        *,
-        take_in: Callable[[msg.Percept], bool],
-        answer: Callable[[msg.Percept], tuple[Sequence[float], str]],
-        awaited_orders: Callable[[], Collection[str]],
-    ) -> None:
+    def __init__(self, node: AgentBase, world: str) -> None:
         """Subscribe to percepts.
 
         Args:
             node: of the agent.
             world: name of the world.
-            orders: receive the orders of commanders.
-            take_in: has the agent perceive.
-            answer: has it act on what it perceived; returns what it does and says.
-            awaited_orders: returns the topics of the orders that it waits for in a lockstep
-                round.
         """
-        self._gate = RoundGate(orders)
-        self._take_in = take_in
-        self._answer = answer
-        self._awaited_orders = awaited_orders
+        self._node = node
+        self._gate = RoundGate(node.shared.orders)
         # One message is reused for all answers: publishing copies it.
-        self._action = msg.Action(agent=names.own_name(node))
+        self._action = msg.Action(agent=node.agent_name)
         self._actions = node.create_publisher(
             msg.Action, names.in_swarm(node, world, names.ACTIONS), qos.CYCLE
         )
-        self._subscription = node.create_subscription(
-            msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE
-        )
+        node.create_subscription(msg.Percept, names.PERCEPT, self._on_percept, qos.CYCLE)
 
     def _on_percept(self, percept: msg.Percept) -> None:
-        self._take_in(percept)
-        awaited = self._awaited_orders() if percept.lockstep else ()
-        if awaited:
-            self._gate.begin(
-                percept.sequence, awaited, lambda: self._act(percept), look=percept.look
-            )
-        else:
-            self._act(percept)
+        self._node.take_in(percept)
+        awaited = self._node.awaited_orders() if percept.lockstep else ()
+        self._gate.begin(percept.sequence, awaited, lambda: self._act(percept), look=percept.look)
 
     def _act(self, percept: msg.Percept) -> None:
         action = self._action
-        action.values, action.say = self._answer(percept)
+        action.values, action.say = self._node.answer(percept)
         action.sequence = percept.sequence
         self._actions.publish(action)
 

@@ -2,12 +2,19 @@
 
 import contextlib
 from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
+from hitab_msgs import msg
 from rclpy.clock import Clock, ClockType
 from rclpy.experimental import EventsExecutor
+from rclpy.parameter import Parameter
 
+from hitab_agent.agent_node import AgentNode
+from hitab_core import Domain
+from hitab_ros import names, qos
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.testing import context_of_its_own, spin_until
 
@@ -50,3 +57,87 @@ def process() -> Iterator[Process]:
         executor = EventsExecutor(context=context)
         with contextlib.closing(Process(node, executor)) as made:
             yield made
+
+
+class One:
+    """One agent in the process of the test, and what is needed to talk to it.
+
+    Attributes:
+        status: the last one that it published.
+    """
+
+    def __init__(
+        self,
+        process: Process,
+        folder: Path,
+        domain: Domain,
+        name: str = "one",
+        shared: Any = None,
+        **parameters: Any,
+    ) -> None:
+        class OneNode(AgentNode):
+            def load_domain(self, name: str) -> Domain:
+                return domain
+
+        given = {"state_dir": str(folder), **parameters}
+        self.process, self.name, self.folder = process, name, folder
+        self.node = OneNode(
+            namespace=f"/{name}",
+            context=process.node.context,
+            parameter_overrides=[Parameter(key, value=value) for key, value in given.items()],
+            use_global_arguments=False,
+            shared=shared,
+        )
+        process.add(self.node)
+        self.agent, self.body = self.node.agent, self.node.agent.body
+        self.status = msg.AgentStatus()
+        desk, self._cycle = process.node, 0
+        desk.create_subscription(msg.AgentStatus, self._of(names.STATUS), self._hear, qos.LATCHED)
+        self._percepts = desk.create_publisher(msg.Percept, self._of(names.PERCEPT), qos.CYCLE)
+        self.commands = desk.create_publisher(msg.Command, self._of(names.COMMAND), qos.EVENTS)
+        self.node.join()
+        process.until(lambda: self.status.agent)
+
+    def _of(self, name: str) -> str:
+        return f"/{self.name}/{name}"
+
+    def _hear(self, status: msg.AgentStatus) -> None:
+        self.status = status
+
+    @property
+    def faults(self) -> str:
+        return "; ".join(self.node.status.faults)
+
+    def perceive(self, x: float = 1.0, **fields: Any) -> list[str]:
+        """Have it perceive and act once; return its active states."""
+        self.process.until(self._percepts.get_subscription_count)
+        self._cycle += 1
+        percept = msg.Percept(cycle=self._cycle, sequence=self._cycle, values=[x], **fields)
+        self._percepts.publish(percept)
+        self.process.until(lambda: self.agent.cycle == self._cycle)
+        return self.agent.active_path
+
+    def command(self, behavior: str) -> None:
+        """Command it, and wait for the acknowledgement."""
+        self.process.until(self.commands.get_subscription_count)
+        self._cycle += 1
+        number = self._cycle
+        self.commands.publish(msg.Command(sequence=number, behavior=behavior, demonstrator="me"))
+        self.process.until(
+            lambda: (
+                number in (self.status.last_command_sequence, self.status.last_refused_sequence)
+            )
+        )
+
+    def ask(self, kind: Any, service: str, **fields: Any) -> Any:
+        client = self.process.node.create_client(kind, self._of(service))
+        self.process.until(client.service_is_ready)
+        future = client.call_async(kind.Request(**fields))
+        self.process.until(future.done)
+        return future.result()
+
+
+@pytest.fixture
+def start(process: Process, tmp_path: Path) -> Callable[..., One]:
+    """Return what starts an agent of a domain."""
+    return partial(One, process, tmp_path)

@@ -5,25 +5,21 @@ The server here is the tests' own; hitab_msgs/action/Perform stands for a robot'
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from threading import Thread
 from typing import Any
 
 import pytest
-from hitab_msgs import msg
 from hitab_msgs.action import Perform
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from hitab_agent.actions.action_clients import ActionClients, check_actions
-from hitab_agent.actions.goal import Limits, OrphanedGoal
-from hitab_agent.agent_node import AgentNode
+from hitab_agent.actions.goal import Limits
+from hitab_agent.restart_memory import RestartMemory
 from hitab_core import (
     START,
     ActionBehavior,
@@ -38,7 +34,7 @@ from hitab_core import (
     calls_of,
     feedback_feature,
 )
-from hitab_ros import GuardedNode, names, qos
+from hitab_ros import GuardedNode
 from hitab_ros.testing import NumberBody, wait_until
 
 KIND = "hitab_msgs/action/Perform"
@@ -139,57 +135,6 @@ class Robot:
             self._node.destroy_node()
 
 
-class One:
-    """One agent, and its robot's server, which a test may start."""
-
-    def __init__(self, process: Any, folder: Path, kind: Domain, **parameters: Any) -> None:
-        class WalkerNode(AgentNode):
-            def load_domain(self, name: str) -> Domain:
-                return kind
-
-        self.process = process
-        given = {"action_timeout": 30.0, "action_patience": 0.0, **parameters}
-        self.node = WalkerNode(
-            namespace="/one",
-            context=process.node.context,
-            parameter_overrides=[
-                Parameter("state_dir", value=str(folder)),
-                *(Parameter(name, value=value) for name, value in given.items()),
-            ],
-            use_global_arguments=False,
-        )
-        process.add(self.node)
-        self.node.join()
-        self.agent = self.node.agent
-        self.status = msg.AgentStatus()
-        desk = process.node
-        desk.create_subscription(msg.AgentStatus, "/one/status", self._hear, qos.LATCHED)
-        self._percepts = desk.create_publisher(msg.Percept, f"/one/{names.PERCEPT}", qos.CYCLE)
-        process.until(self._percepts.get_subscription_count)
-        self._cycle = 0
-
-    def _hear(self, status: msg.AgentStatus) -> None:
-        self.status = status
-
-    def tick(self, x: float = 1.0) -> list[str]:
-        """Have it perceive and act once; return its active states."""
-        self._cycle += 1
-        self._percepts.publish(msg.Percept(cycle=self._cycle, values=[x]))
-        self.process.until(lambda: self.agent.cycle == self._cycle)
-        return self.agent.active_path
-
-    def ticks_until(self, *path: str) -> None:
-        self.process.until(lambda: self.tick() == [*path])
-
-    @property
-    def call(self) -> Any:
-        return calls_of(self.agent.body).current
-
-    @property
-    def faults(self) -> str:
-        return "; ".join(self.node.status.faults)
-
-
 @pytest.fixture
 def serve(process: Any) -> Iterator[Callable[[], Robot]]:
     robots: list[Robot] = []
@@ -204,34 +149,53 @@ def serve(process: Any) -> Iterator[Callable[[], Robot]]:
 
 
 @pytest.fixture
-def make(process: Any, tmp_path: Path, serve: Callable[[], Robot]) -> Any:
+def make(start: Any, serve: Callable[[], Robot]) -> Any:
     def made(alone: bool = False, kind: Domain | None = None, **parameters: Any) -> Any:
-        one = One(process, tmp_path, kind or domain(), **parameters)
-        return one, None if alone else serve()
+        given = {"action_timeout": 30.0, "action_patience": 0.0, **parameters}
+        return start(kind or domain(), **given), None if alone else serve()
 
     return made
 
 
-def test_entering_sends_the_goal_and_success_raises_done(make):
-    one, server = make()
-    one.agent.perform(Use("Walk"))
-    one.tick()
-    one.process.until(lambda: server.goals)
+@pytest.fixture
+def going(make: Any) -> Any:
+    """One that performs what a test says, whose server has taken the goal."""
+
+    def gone(use: Use, **more: Any) -> Any:
+        one, server = make(**more)
+        one.agent.perform(use)
+        one.perceive()
+        one.process.until(lambda: server.goals and call_of(one).accepted)
+        return one, server
+
+    return gone
+
+
+def call_of(one: Any) -> Any:
+    return calls_of(one.body).current
+
+
+def perceives_until(one: Any, *path: str) -> None:
+    one.process.until(lambda: one.perceive() == [*path])
+
+
+WALK, STAY, HOME = Use("Walk"), Use("Stay"), Use("GoTo", ("home",))
+
+
+def test_entering_sends_the_goal_and_success_raises_done(going):
+    one, server = going(WALK)
     assert server.goals[0].request == Perform.Goal(behavior="the hut", targets=["slowly"])
-    assert one.tick() == ["GoTo(home)"]
+    assert one.perceive() == ["GoTo(home)"]
     server.end(0, "succeed")
-    one.ticks_until("Rest")
+    perceives_until(one, "Rest")
     assert len(server.goals) == 1
     assert one.faults == ""
 
 
-def test_a_goal_that_the_server_aborts_raises_failed_and_the_status_says_why(make):
-    one, server = make()
-    one.agent.perform(Use("Walk"))
-    one.tick()
-    one.process.until(lambda: server.goals)
+def test_a_goal_that_the_server_aborts_raises_failed_and_the_status_says_why(going):
+    one, server = going(WALK)
     server.end(0, "abort", message="the door is shut")
-    one.ticks_until("Cry")
+    perceives_until(one, "Cry")
     one.process.until(lambda: one.status.faults)
     told = f'one: "GoTo(home)" failed: /one/drive ({KIND}) aborted the goal '
     assert one.status.faults[0].startswith(told)
@@ -245,16 +209,13 @@ def test_a_goal_that_the_server_rejects_raises_failed(make):
     one, server = make()
     server.accepts = False
     one.agent.perform(Use("Walk"))
-    one.ticks_until("Cry")
+    perceives_until(one, "Cry")
     assert "rejected the goal" in one.faults
 
 
-def test_leaving_cancels_the_goal(make):
-    one, server = make()
-    one.agent.perform(Use("Stay"))
-    one.tick()
-    one.process.until(lambda: server.goals)
-    assert one.tick(-1.0) == ["Rest"]
+def test_leaving_cancels_the_goal(going):
+    one, server = going(STAY)
+    assert one.perceive(-1.0) == ["Rest"]
     one.process.until(lambda: server.goals[0].is_cancel_requested)
     server.end(0, "canceled")
     assert one.faults == ""
@@ -262,8 +223,8 @@ def test_leaving_cancels_the_goal(make):
 
 def test_a_goal_that_is_left_before_the_server_has_answered_is_canceled_then(make):
     one, server = make()
-    one.agent.perform(Use("GoTo", ("home",)))
-    one.process.until(lambda: one.tick() == [] and server.goals)
+    one.agent.perform(HOME)
+    one.process.until(lambda: one.perceive() == [] and server.goals)
     one.agent.perform(None)
     one.process.until(lambda: server.goals[0].is_cancel_requested)
 
@@ -271,35 +232,31 @@ def test_a_goal_that_is_left_before_the_server_has_answered_is_canceled_then(mak
 def test_a_late_result_of_the_old_goal_says_nothing_of_the_new_one(make):
     one, server = make()
     server.cancels = False  # it goes on with what was canceled
-    one.agent.perform(Use("GoTo", ("home",)))
-    one.tick()
+    one.agent.perform(HOME)
+    one.perceive()
     one.process.until(lambda: server.goals)
-    one.tick()
+    one.perceive()
     one.agent.perform(Use("GoTo", ("away",)))
-    one.tick()
+    one.perceive()
     one.process.until(lambda: len(server.goals) == 2)
     server.end(0, "succeed")
     seen: list[Any] = []
     server.goals[1].publish_feedback(Perform.Feedback(cycle=7))
-    one.process.until(lambda: one.call.feedback)
+    one.process.until(lambda: call_of(one).feedback)
     one.process.meanwhile(seen)
     one.process.until(lambda: len(seen) > 20)
-    one.tick()
+    one.perceive()
     assert one.agent.raised == frozenset()
     server.end(1, "succeed")
-    one.process.until(lambda: one.tick() == [] and one.agent.raised == {"Done"})
+    one.process.until(lambda: one.perceive() == [] and one.agent.raised == {"Done"})
 
 
-def test_a_server_gets_the_next_goal_when_it_has_ended_the_canceled_one(make):
-    one, server = make()
-    one.agent.perform(Use("GoTo", ("home",)))
-    one.tick()
-    one.process.until(lambda: server.goals)
-    one.process.until(lambda: one.call.accepted)
+def test_a_server_gets_the_next_goal_when_it_has_ended_the_canceled_one(going):
+    one, server = going(HOME)
     one.agent.perform(Use("GoTo", ("away",)))
-    one.tick()
+    one.perceive()
     one.process.until(lambda: server.goals[0].is_cancel_requested)
-    one.tick()
+    one.perceive()
     assert len(server.goals) == 1
     server.end(0, "canceled")
     one.process.until(lambda: len(server.goals) == 2)
@@ -310,47 +267,38 @@ def test_a_server_gets_the_next_goal_when_it_has_ended_the_canceled_one(make):
 def test_the_absence_of_a_server_raises_failed_after_a_while(make):
     one, _ = make(alone=True, action_timeout=0.3)
     one.agent.perform(Use("Walk"))
-    assert one.tick() == ["GoTo(home)"]
-    one.ticks_until("Cry")
-    assert f"no server of /one/drive ({KIND}) appeared within 0.3 s" in one.faults
+    assert one.perceive() == ["GoTo(home)"]
+    perceives_until(one, "Cry")
+    assert f"/one/drive ({KIND}) has no server: none appeared within 0.3 s" in one.faults
 
 
 def test_a_server_that_comes_late_gets_the_goal(make, serve):
     one, _ = make(alone=True)
     one.agent.perform(Use("Walk"))
-    one.tick()
-    one.tick()
+    one.perceive()
+    one.perceive()
     server = serve()
     one.process.until(lambda: server.goals)
 
 
-def test_a_server_that_dies_raises_failed(make):
-    one, server = make()
-    one.agent.perform(Use("Walk"))
-    one.tick()
-    one.process.until(lambda: server.goals)
-    one.tick()
+def test_a_server_that_dies_raises_failed(going):
+    one, server = going(WALK)
+    one.perceive()
     server.close()
-    one.ticks_until("Cry")
-    assert f"the server of /one/drive ({KIND}) is gone" in one.faults
+    perceives_until(one, "Cry")
+    assert f"/one/drive ({KIND}) has no server any more" in one.faults
 
 
-def test_a_server_that_hangs_is_noticed_by_its_silence(make):
-    one, server = make(kind=domain(feedback_within=0.3))
-    one.agent.perform(Use("Walk"))
-    one.tick()
-    one.process.until(lambda: server.goals)
-    one.ticks_until("Cry")
+def test_a_server_that_hangs_is_noticed_by_its_silence(going):
+    one, _ = going(WALK, kind=domain(feedback_within=0.3))
+    perceives_until(one, "Cry")
     assert "gave no feedback for 0.3 s" in one.faults
 
 
-def test_an_agent_that_does_not_act_any_more_cancels_its_goal(make):
-    one, server = make(action_patience=0.3)
-    one.agent.perform(Use("GoTo", ("home",)))
-    one.tick()
-    one.process.until(lambda: server.goals)
+def test_an_agent_that_does_not_act_any_more_cancels_its_goal(going):
+    one, server = going(HOME, action_patience=0.3)
     one.process.until(lambda: server.goals[0].is_cancel_requested)
-    assert "has not acted for 0.3 s, so the goal was canceled" in one.faults
+    assert "has not acted for 0.3 s" in one.faults
 
 
 def test_feedback_is_a_feature_of_the_state_that_it_belongs_to(make):
@@ -361,11 +309,11 @@ def test_feedback_is_a_feature_of_the_state_that_it_belongs_to(make):
     with pytest.raises(HitabError, match='there is no feedback of "GoTo"'):
         steps(body)
     assert depth(body) == 0.0
-    one.agent.perform(Use("GoTo", ("home",)))
-    one.tick()
+    one.agent.perform(HOME)
+    one.perceive()
     one.process.until(lambda: server.goals)
     server.goals[0].publish_feedback(Perform.Feedback(cycle=3, active_path=["a", "b"]))
-    one.process.until(lambda: one.call.feedback)
+    one.process.until(lambda: call_of(one).feedback)
     assert (steps(body), depth(body)) == (3.0, 2.0)
     one.agent.perform(Use("Rest"))
     assert depth(body) == 0.0
@@ -387,22 +335,19 @@ def hold(one: Any, why: str) -> None:
     one.node.stop_changed()
 
 
-def test_a_stop_cancels_the_goal_and_it_is_sent_anew_once_the_robot_is_re_armed(make):
-    one, server = make()
-    one.agent.perform(Use("Stay"))
-    one.tick()
-    one.process.until(lambda: server.goals and one.call.accepted)
+def test_a_stop_cancels_the_goal_and_it_is_sent_anew_once_the_robot_is_re_armed(going):
+    one, server = going(STAY)
     hold(one, "stopped: a dog")
     assert not one.node.stands()
     one.process.until(lambda: server.goals[0].is_cancel_requested)
     server.end(0, "canceled")
     one.process.until(one.node.stands)
-    assert one.tick() == ["GoTo(home)"], "the agent goes on wanting it"
+    assert one.perceive() == ["GoTo(home)"], "the agent goes on wanting it"
     assert "a dog" in one.faults
     hold(one, "")
     one.process.until(lambda: len(server.goals) == 2)
     server.end(1, "succeed")
-    one.process.until(lambda: one.call.outcome)
+    one.process.until(lambda: call_of(one).outcome)
     assert one.faults == ""
 
 
@@ -410,8 +355,8 @@ def test_a_server_that_refuses_to_cancel_is_named_and_the_robot_does_not_stand_s
     one, server = make()
     server.cancels = False
     one.agent.perform(Use("Stay"))
-    one.tick()
-    one.process.until(lambda: server.goals and one.call.accepted)
+    one.perceive()
+    one.process.until(lambda: server.goals and call_of(one).accepted)
     hold(one, "stopped: a dog")
     one.process.until(lambda: "/one/drive" in one.faults and "refuses to cancel" in one.faults)
     assert not one.node.stands()
@@ -420,34 +365,28 @@ def test_a_server_that_refuses_to_cancel_is_named_and_the_robot_does_not_stand_s
     assert "refuses" not in one.faults
 
 
-def test_a_goal_of_an_agent_that_was_killed_is_canceled_when_it_is_back(make, process, tmp_path):
-    one, server = make()
-    one.agent.perform(Use("Stay"))
-    one.tick()
-    process.until(lambda: server.goals and one.call.accepted)
-    (_, identity), *_ = json.loads((tmp_path / "one/goals.json").read_text())["goals"]
-    assert bytes.fromhex(identity) == bytes(server.goals[0].goal_id.uuid)
-    # The next process with this file takes over, while the first one does nothing any more.
-    over = []
-    orphan = OrphanedGoal(one.node, "drive", identity, over.append)
-    process.until(lambda: orphan.look() or over)
-    assert over == [""]
-    assert server.goals[0].is_cancel_requested
-    memory = tmp_path / "damaged.json"
-    memory.write_text(f'{{"goals": [["drive", "{identity}"], ["drive", "x"], 3]}}')
-    limits = Limits(answer=1.0, pulse=0.0)
+def test_a_goal_of_an_agent_that_was_killed_is_canceled_when_it_is_back(going, process, tmp_path):
+    one, server = going(STAY)
+    noted = one.node.memory.values["goals"]
+    assert bytes.fromhex(noted[0][1]) == bytes(server.goals[0].goal_id.uuid)
+    # The next process takes over, while the first one does nothing any more.
+    memory = RestartMemory(tmp_path / "next", "")
+    memory.keep({"goals": [*noted, ["drive", "x"], 3, ["drive", "00"]]})
+    limits = Limits(answer=30.0, pulse=0.0)
     clients = ActionClients(one.node, one.agent, one.node.ticker, limits, memory)
     assert not clients.at_rest
+    process.until(lambda: server.goals[0].is_cancel_requested)
+    server.end(0, "canceled")
     process.until(lambda: clients.at_rest)
-    assert json.loads(memory.read_text().splitlines()[0]) == {"goals": []}
+    assert memory.values["goals"] == []
 
 
 def test_an_agent_that_ends_cancels_its_goal(make, process):
     one, server = make()
-    one.agent.perform(Use("GoTo", ("home",)))
-    one.tick()
+    one.agent.perform(HOME)
+    one.perceive()
     process.until(lambda: server.goals)
-    process.until(lambda: one.call.accepted)
+    process.until(lambda: call_of(one).accepted)
     process.close()
     wait_until(lambda: server.goals[0].is_cancel_requested)
 
@@ -458,9 +397,9 @@ def test_what_is_mistyped_is_refused_at_the_start_with_its_place():
         ({"action_type": "no_such_msgs/action/Go"}, "install the package no_such_msgs"),
         ({"action_type": "hitab_msgs/action/Preform"}, 'Did you mean "Perform"'),
         ({"goal": {"behaviour": "x"}}, 'Did you mean "behavior"'),
-        ({"goal": {"behavior": 1}}, '"behavior" must be text'),
+        ({"goal": {"behavior": 1}}, '"behavior" cannot be 1: '),
         ({"goal": {"behavior.name": "x"}}, "is not a message with fields"),
-        ({"goal": {"targets": "home"}}, "must be a list"),
+        ({"goal": {"targets": "home"}}, "it must be a list"),
         ({"action": ""}, "it has no action"),
     ]:
         whole = domain()

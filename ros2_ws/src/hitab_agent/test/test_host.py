@@ -7,10 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from hitab_msgs import msg
-from rclpy.parameter import Parameter
 
-from hitab_agent.agent_node import AgentNode
-from hitab_agent.host.host_shared import shared_on_host
+from hitab_agent.shared import Shared
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.learning.transition_tree import TransitionTree
@@ -62,28 +60,17 @@ def _domain(behavior: str) -> Domain:
 class Swarm:
     """A host with agents, and the side of the world."""
 
-    def __init__(self, process: Any, folder: Path, domain: Domain | None = None) -> None:
+    def __init__(
+        self, process: Any, start: Any, folder: Path, domain: Domain | None = None
+    ) -> None:
         self._process = process
         self.desk = desk = process.node
-        shared = shared_on_host(desk, SIZE)
-        shared.domains["bodies"] = domain or _domain("Choose")
+        shared = Shared(desk, SIZE)
+        domain = domain or _domain("Choose")
         self.nodes = []
         for number in range(SIZE):
-            node = AgentNode(
-                namespace=f"/agent_{number}",
-                context=desk.context,
-                parameter_overrides=[
-                    Parameter("domain", value="bodies"),
-                    Parameter("behavior", value="Choose"),
-                    Parameter("state_dir", value=str(folder)),
-                    Parameter("library", value=str(folder / "library")),
-                ],
-                use_global_arguments=False,
-                shared=shared,
-            )
-            process.add(node)
-            node.join()
-            self.nodes.append(node)
+            more = {"behavior": "Choose", "library": str(folder / "library")}
+            self.nodes.append(start(domain, f"agent_{number}", shared=shared, **more).node)
         (self.link,) = shared.links.values()
         self.rosters: list[msg.HostRoster] = []
         self.answers: list[msg.ActionBatch] = []
@@ -137,8 +124,8 @@ class Swarm:
 
 
 @pytest.fixture
-def swarm(process: Any, tmp_path: Path) -> Swarm:
-    return Swarm(process, tmp_path)
+def swarm(process: Any, start: Any, tmp_path: Path) -> Swarm:
+    return Swarm(process, start, tmp_path)
 
 
 def test_percepts_that_do_not_fit_together_are_left_out_and_end_nothing(swarm):
@@ -187,7 +174,7 @@ def test_a_body_that_returns_no_action_does_nothing_and_it_is_told(swarm, wrong)
 
 
 def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broken(
-    process, tmp_path
+    process, start, tmp_path
 ):
     """Reading what no decision needs, for who watches, would end the host in a callback."""
     reads: list[str] = []
@@ -205,7 +192,7 @@ def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broke
     )
     features = {**made.features, "Broken": Feature("Broken", broken)}
     domain = replace(made, features=features, automata={"Choose": choose})
-    swarm = Swarm(process, tmp_path, domain)
+    swarm = Swarm(process, start, tmp_path, domain)
     seen: list[msg.TransitionEvent] = []
     for number in range(SIZE):
         topic = f"/agent_{number}/{names.TRANSITIONS}"

@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hitab_msgs import msg
-from rclpy.parameter import Parameter
+from hitab_msgs import msg, srv
 
 from hitab_agent import intake
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.host.host_shared import shared_on_host
+from hitab_agent.shared import Shared
 from hitab_agent.slices import Slices
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
@@ -67,6 +66,7 @@ class Host:
     """
 
     process: Any
+    start: Any
     folder: Path
     own_libraries: bool
     size: int = SIZE
@@ -75,8 +75,7 @@ class Host:
 
     def __post_init__(self) -> None:
         self.desk = self.process.node
-        self.shared = shared_on_host(self.desk, self.size)
-        self.shared.domains["pupils"] = DOMAIN
+        self.shared = Shared(self.desk, self.size)
         self.nodes = [self._node(number) for number in range(self.size)]
         self.agents = [node.agent for node in self.nodes]
         self._sent = 0
@@ -95,21 +94,8 @@ class Host:
 
     def _node(self, number: int) -> AgentNode:
         library = "" if self.own_libraries else str(self.folder / "library")
-        node = AgentNode(
-            namespace=f"/pupil_{number}",
-            context=self.desk.context,
-            parameter_overrides=[
-                Parameter("domain", value="pupils"),
-                Parameter("state_dir", value=str(self.folder)),
-                Parameter("library", value=library),
-                Parameter("behavior", value=self.behavior),
-            ],
-            use_global_arguments=False,
-            shared=self.shared,
-        )
-        self.process.add(node)
-        node.join()
-        return node
+        more = {"library": library, "behavior": self.behavior, "state_dir": str(self.folder)}
+        return self.start(DOMAIN, f"pupil_{number}", shared=self.shared, **more).node
 
     def send(self, sent: Bundle, **fields: Any) -> None:
         """Send a bundle to all; return at once."""
@@ -144,8 +130,8 @@ class Host:
 
 
 @pytest.fixture(params=[False, True], ids=["one library", "a library each"])
-def host(request: Any, process: Any, tmp_path: Path) -> Host:
-    return Host(process, tmp_path / "swarm", request.param)
+def host(request: Any, process: Any, start: Any, tmp_path: Path) -> Host:
+    return Host(process, start, tmp_path / "swarm", request.param)
 
 
 @pytest.fixture
@@ -210,7 +196,7 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
             statuses.append((s.agent, s.distribution, s.library_digest)),
             publish(s),
         )
-    acknowledge = host.shared.distributions.acknowledge
+    acknowledge = host.shared.distributions._acknowledgements
     real = acknowledge.publish
     wrong = []
 
@@ -219,7 +205,7 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
         # As a process would that is started now.
         if BehaviorLibrary(agent.library.folder, DOMAIN).texts() != dict(low.files):
             wrong.append(f"{ack.agent}: not in its library")
-        if (agent.name, ack.sequence, agent.library_digest) not in statuses:
+        if (agent.name, ack.sequence, agent.edition.digest) not in statuses:
             wrong.append(f"{ack.agent}: not in its status")
         real(ack)
 
@@ -402,18 +388,30 @@ def test_a_job_that_fails_does_not_keep_others_from_being_done(process):
     process.until(lambda: done == [0, 2])
 
 
-def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process, tmp_path):
-    host = Host(process, tmp_path, True, size=3)
+def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process, start, tmp_path):
+    host = Host(process, start, tmp_path, True, size=3)
     first = host.nodes[0]
-    first._distributor._taken_in = lambda *_: 1 / 0
+    first.taken_in = lambda *_: 1 / 0
     host.send(taught(tmp_path / "teacher", "Low", "Left"))
     process.until(lambda: {"pupil_1", "pupil_2"} <= {ack.agent for ack in host.heard})
     assert "distribution failed: ZeroDivisionError" in first.guard.faults.texts()[0]
     assert not any(node.guard.faults for node in host.nodes[1:])
 
 
-def test_an_agent_whose_start_behavior_is_gone_is_there_idle_and_says_why(process, tmp_path):
-    host = Host(process, tmp_path, True, size=1, behavior="Gone")
+def test_distributions_are_told_apart_while_simulated_time_stands_still(start):
+    one = start(DOMAIN, use_sim_time=True)
+    one.agent.begin(Curriculum("Low", (Use("x"),)))
+    one.perceive()
+    one.agent.command(Use("Left"))
+    one.agent.save()
+    sent = [one.ask(srv.Distribute, names.DISTRIBUTE, behavior="Low") for _ in range(2)]
+    assert 0 < sent[0].sequence < sent[1].sequence
+
+
+def test_who_cannot_perform_its_start_behavior_is_there_idle_and_says_why(
+    process, start, tmp_path
+):
+    host = Host(process, start, tmp_path, True, size=1, behavior="Gone")
     (agent,) = host.agents
     assert agent.mode is Mode.IDLE
     told: list[msg.AgentStatus] = []

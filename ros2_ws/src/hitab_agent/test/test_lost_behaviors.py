@@ -7,36 +7,21 @@ from typing import Any
 
 import pytest
 from hitab_msgs import msg, srv
-from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.performance_memory import PerformanceMemory
+from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.shared import Shared
 from hitab_core import Automaton, BehaviorLibrary, VocabularyError
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.training import Curriculum
 from hitab_core.use import Use
-from hitab_ros import names, qos
-
-
-class Body:
-    """A body that perceives one number and does nothing."""
-
-    def __init__(self, name: str) -> None:
-        self.x = 0.0
-
-    def sense(self, values: Any, heard: Any) -> None:
-        """Take a percept."""
-
-    def act(self) -> Any:
-        """Do nothing."""
-        return (), ""
-
+from hitab_ros import names
+from hitab_ros.testing import NumberBody
 
 DOMAIN = Domain.of(
     "walkers",
     "1",
-    Body,
+    NumberBody,
     behaviors=[BasicBehavior("Wait"), BasicBehavior("Go")],
     features=[Feature("X", lambda body: body.x)],
 )
@@ -45,39 +30,23 @@ DOMAIN = Domain.of(
 class Walkers:
     """Agents in one process, and what is needed to talk to them."""
 
-    def __init__(self, process: Any, folder: Path) -> None:
-        self.process = process
-        self.folder = folder
-        self.shared = Shared.on(process.node)
-        self.shared.domains[DOMAIN.name] = DOMAIN
-        self.statuses: dict[str, msg.AgentStatus] = {}
+    def __init__(self, process: Any, folder: Path, start: Any) -> None:
+        self.process, self.folder = process, folder
+        self._start, self._shared = start, Shared(process.node)
+        self.agents: dict[str, Any] = {}
 
-    def start(self, name: str, **settings: str | list[str]) -> AgentNode:
-        told = {"domain": DOMAIN.name, "state_dir": str(self.folder), "swarm": "s", **settings}
-        node = AgentNode(
-            namespace=f"/{name}",
-            context=self.process.node.context,
-            parameter_overrides=[Parameter(key, value=value) for key, value in told.items()],
-            use_global_arguments=False,
-            shared=self.shared,
-        )
-        self.process.add(node)
-        self.process.node.create_subscription(
-            msg.AgentStatus,
-            f"/{name}/{names.STATUS}",
-            lambda status: self.statuses.__setitem__(name, status),
-            qos.LATCHED,
-        )
-        node.join()
-        self.process.until(lambda: name in self.statuses)
-        return node
+    def start(self, name: str, domain: Domain = DOMAIN, **settings: Any) -> AgentNode:
+        without = settings.get("without", ())
+        domain = domain.without(without) if without else domain
+        shared = self._shared
+        self.agents[name] = self._start(domain, name, shared=shared, swarm="s", **settings)
+        return self.agents[name].node
+
+    def status(self, name: str) -> msg.AgentStatus:
+        return self.agents[name].status
 
     def ask(self, name: str, kind: Any, service: str, **fields: Any) -> Any:
-        client = self.process.node.create_client(kind, f"/{name}/{service}")
-        self.process.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**fields))
-        self.process.until(future.done)
-        return future.result()
+        return self.agents[name].ask(kind, service, **fields)
 
     def library(self, name: str) -> BehaviorLibrary:
         return BehaviorLibrary(self.folder / name / "library", DOMAIN)
@@ -89,8 +58,8 @@ class Walkers:
 
 
 @pytest.fixture
-def walkers(process: Any, tmp_path: Path) -> Walkers:
-    return Walkers(process, tmp_path)
+def walkers(process: Any, tmp_path: Path, start: Any) -> Walkers:
+    return Walkers(process, tmp_path, start)
 
 
 def teach(node: AgentNode, name: str, *states: str) -> None:
@@ -113,33 +82,26 @@ def test_it_is_up_idles_says_why_and_begins_once_the_behavior_is_back(walkers: W
     give(walkers, "one")
     walkers.damage("one", "Walk")
     node = walkers.start("one", behavior="Stroll")
-    status = walkers.statuses["one"]
+    status = walkers.status("one")
     assert status.mode == msg.AgentStatus.IDLE
     fault, began = status.faults
-    assert fault.startswith("the file of Walk, ")
-    assert "it is needed for Stroll; bring version 1 back with `hitab library restore " in fault
-    assert 'cannot perform its start behavior "Stroll": Stroll needs Walk, whose' in began
+    assert fault.startswith("Walk is lost: its file in ")
+    assert fault.endswith("; it is needed for Stroll")
+    assert [remedy.code for remedy in status.remedies] == ["CHECK_LIBRARY"]
+    assert 'cannot perform its start behavior "Stroll": Stroll needs Walk: its file' in began
     assert status.last_error == began
+    # Nor does another restart make it forget what it performed.
+    assert RestartMemory(walkers.folder / "one", "s").performed == "Stroll"
     answer = walkers.ask("one", srv.Perform, names.PERFORM, behavior="Stroll")
     assert not answer.success
-    assert answer.message.startswith("Stroll needs Walk, whose file ")
+    assert answer.message.startswith("Stroll needs Walk: its file ")
     walkers.library("one").restore("Walk", 1)
     answer = walkers.ask("one", srv.LoadLibrary, names.LOAD_LIBRARY)
     assert answer.success
     assert sorted(answer.behaviors) == ["Stroll", "Walk"]
-    walkers.process.until(lambda: walkers.statuses["one"].behavior == "Stroll")
-    assert walkers.statuses["one"].faults == []
+    walkers.process.until(lambda: walkers.status("one").behavior == "Stroll")
+    assert walkers.status("one").faults == []
     assert node.agent.behavior == "Stroll"
-
-
-def test_a_restart_while_it_waits_does_not_make_it_forget_what_it_performed(
-    walkers: Walkers,
-) -> None:
-    give(walkers, "one")
-    walkers.damage("one", "Walk")
-    walkers.start("one", behavior="Stroll")
-    memory = PerformanceMemory(walkers.folder / "one", "s")
-    assert memory.first("") == "Stroll"
 
 
 def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Walkers) -> None:
@@ -148,40 +110,40 @@ def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Wal
     walkers.start("one", behavior="Stroll")
     refused = walkers.ask("one", srv.Distribute, names.DISTRIBUTE, behavior="Stroll")
     assert not refused.success
-    assert refused.message.startswith("Stroll needs Walk, whose file ")
+    assert refused.message.startswith("Stroll needs Walk: its file ")
     sent = walkers.ask("teacher", srv.Distribute, names.DISTRIBUTE, behavior="Walk")
     assert sent.success
-    walkers.process.until(lambda: walkers.statuses["one"].distribution == sent.sequence)
-    walkers.process.until(lambda: walkers.statuses["one"].behavior == "Stroll")
-    assert walkers.statuses["one"].faults == []
+    walkers.process.until(lambda: walkers.status("one").distribution == sent.sequence)
+    walkers.process.until(lambda: walkers.status("one").behavior == "Stroll")
+    assert walkers.status("one").faults == []
     assert sorted(walkers.library("one").load()) == ["Stroll", "Walk"]
 
 
 def test_what_was_taken_out_is_shown_until_it_is_loaded(walkers: Walkers) -> None:
-    walkers.shared.domains["marchers"] = Domain.of(
+    marchers = Domain.of(
         "marchers",
         "1",
-        Body,
+        NumberBody,
         behaviors=DOMAIN.behaviors.values(),
         features=DOMAIN.features.values(),
         automata=[Automaton("Walk", (Use("Go"),), (), {})],
     )
-    whole = walkers.start("whole", domain="marchers", behavior="Walk")
-    rest = walkers.start("rest", domain="marchers", behavior="Walk", without=["Walk"])
-    status = walkers.statuses["rest"]
+    whole = walkers.start("whole", domain=marchers, behavior="Walk")
+    rest = walkers.start("rest", domain=marchers, behavior="Walk", without=["Walk"])
+    status = walkers.status("rest")
     assert status.behavior == "Walk"
     assert [fault.split(";")[0] for fault in status.faults] == [
         '"Walk" was taken out, and nothing is done in its place'
     ]
     assert status.last_error == status.faults[0]
-    assert list(walkers.statuses["whole"].faults) == []
+    assert list(walkers.status("whole").faults) == []
 
     teach(whole, "Walk", "Go")
     rest.agent.library.install(whole.agent.edition.texts)
     answer = walkers.ask("rest", srv.LoadLibrary, names.LOAD_LIBRARY)
     assert answer.success, answer.message
-    walkers.process.until(lambda: not walkers.statuses["rest"].faults)
-    assert walkers.statuses["rest"].behavior == "Walk"
+    walkers.process.until(lambda: not walkers.status("rest").faults)
+    assert walkers.status("rest").behavior == "Walk"
 
     with pytest.raises(VocabularyError, match='cannot be without "Wait", which is a basic'):
-        walkers.start("wrong", domain="marchers", without=["Wait"])
+        walkers.start("wrong", domain=marchers, without=["Wait"])

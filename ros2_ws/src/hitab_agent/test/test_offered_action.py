@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,9 +10,7 @@ from action_msgs.msg import GoalStatus
 from hitab_msgs import msg, srv
 from hitab_msgs.action import Perform
 from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
-from rclpy.parameter import Parameter
 
-from hitab_agent.agent_node import AgentNode
 from hitab_core import START, Automaton, BasicBehavior, Domain, Feature, HandWritten, Target, Use
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.testing import NumberBody
@@ -39,41 +36,22 @@ DOMAIN = Domain.of(
 )
 
 
-class BodyNode(AgentNode):
-    """The node of a body."""
-
-    def load_domain(self, name: str) -> Domain:
-        return DOMAIN
-
-
-class One:
+class Offering:
     """One agent that offers its action, and a client."""
 
-    def __init__(self, process: Any, folder: Path, **parameters: Any) -> None:
-        self.process = process
-        self.node = node = BodyNode(
-            namespace="/one",
-            context=process.node.context,
-            parameter_overrides=[
-                Parameter("state_dir", value=str(folder)),
-                Parameter("offer_actions", value=True),
-                *(Parameter(name, value=value) for name, value in parameters.items()),
-            ],
-            use_global_arguments=False,
+    def __init__(self, start: Any, **parameters: Any) -> None:
+        self.one = one = start(DOMAIN, offer_actions=True, **parameters)
+        self.process, self.node, self.agent, self.tick = (
+            one.process,
+            one.node,
+            one.agent,
+            one.perceive,
         )
-        process.add(node)
-        node.join()
-        self.agent = node.agent
-        self.robot = GuardedNode("other", context=process.node.context)
-        process.add(self.robot)
+        self.robot = GuardedNode("other", context=one.process.node.context)
+        one.process.add(self.robot)
         self.client = ActionClient(self.robot, Perform, "/one/perform_until_done")
-        self._percepts = self.robot.create_publisher(
-            msg.Percept, f"/one/{names.PERCEPT}", qos.CYCLE
-        )
-        process.until(self._percepts.get_subscription_count)
-        process.until(self.client.server_is_ready)
+        one.process.until(self.client.server_is_ready)
         self.feedback: list[Perform.Feedback] = []
-        self._cycle = 0
 
     def ask(self, behavior: str, *targets: str) -> Any:
         """Send a goal; return its handle and the future of its result."""
@@ -91,18 +69,13 @@ class One:
         answer = result.result()
         return answer.status, answer.result.outcome, answer.result.message
 
-    def tick(self, x: float) -> None:
-        self._cycle += 1
-        self._percepts.publish(msg.Percept(cycle=self._cycle, values=[x]))
-        self.process.until(lambda: self.agent.cycle == self._cycle)
-
 
 @pytest.fixture
-def make(process: Any, tmp_path: Path) -> Iterator[Callable[..., One]]:
-    made: list[One] = []
+def make(start: Any) -> Iterator[Callable[..., Offering]]:
+    made: list[Offering] = []
 
-    def make_one(**parameters: Any) -> One:
-        made.append(One(process, tmp_path, **parameters))
+    def make_one(**parameters: Any) -> Offering:
+        made.append(Offering(start, **parameters))
         return made[-1]
 
     yield make_one
@@ -111,7 +84,7 @@ def make(process: Any, tmp_path: Path) -> Iterator[Callable[..., One]]:
 
 
 @pytest.fixture
-def one(make: Callable[..., One]) -> One:
+def one(make: Callable[..., Offering]) -> Offering:
     return make()
 
 
@@ -175,24 +148,15 @@ def test_a_goal_that_cannot_be_performed_is_aborted_with_the_reason(one, goal, w
     assert one.agent.mode == "idle"
 
 
-def test_an_agent_in_training_refuses_a_goal_and_says_the_way_out(one):
-    client = one.robot.create_client(srv.BeginTraining, "/one/begin")
-    one.process.until(client.service_is_ready)
-    begun = client.call_async(srv.BeginTraining.Request(automaton="New", features=["X"]))
-    one.process.until(begun.done)
-    status, outcome, message = one.come_of(one.ask("Walk")[1])
-    assert (status, outcome) == (GoalStatus.STATUS_ABORTED, "")
-    assert message.startswith('one is training "New"; save that first (`hitab save one`)')
-    assert one.agent.training == "New"
-
-
-def test_a_training_that_begins_replaces_the_goal(one):
+def test_a_training_that_begins_replaces_the_goal_and_has_others_refused(one):
     _, result = one.ask("Go")
-    client = one.robot.create_client(srv.BeginTraining, "/one/begin")
-    one.process.until(client.service_is_ready)
-    client.call_async(srv.BeginTraining.Request(automaton="New", features=["X"]))
+    one.one.ask(srv.BeginTraining, names.BEGIN, automaton="New", features=["X"])
     replaced = (GoalStatus.STATUS_ABORTED, "replaced", 'one is training "New"')
     assert one.come_of(result) == replaced
+    status, outcome, message = one.come_of(one.ask("Walk")[1])
+    assert (status, outcome) == (GoalStatus.STATUS_ABORTED, "")
+    assert message == 'it is training "New"; save the training of one; make one idle'
+    assert one.agent.training == "New"
 
 
 def order_of(behavior: str, sequence: int) -> msg.Order:
@@ -227,18 +191,6 @@ def test_after_a_goal_the_agent_performs_what_its_commander_has_ordered(make, pr
     assert one.agent.behavior == "Go"
 
 
-def test_an_agent_that_ends_with_a_goal_does_so_quietly(one):
-    one.ask("Go")  # the fixture takes the agent down
-
-
-def test_an_agent_does_not_offer_its_action_unless_asked(process, tmp_path):
-    node = BodyNode(
-        namespace="/two",
-        context=process.node.context,
-        parameter_overrides=[Parameter("state_dir", value=str(tmp_path))],
-        use_global_arguments=False,
-    )
-    process.add(node)
-    node.join()
-    offered = get_action_server_names_and_types_by_node(node, node.get_name(), "/two")
-    assert offered == []
+def test_an_agent_does_not_offer_its_action_unless_asked(start):
+    node = start(DOMAIN).node
+    assert get_action_server_names_and_types_by_node(node, node.get_name(), "/one") == []

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 from hitab_msgs import msg, srv
-from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
 from hitab_core import BasicBehavior, Domain, Feature, Use
@@ -32,43 +31,23 @@ class Link:
         pass
 
 
-def read(body: Body) -> float:
-    if body.x < 0:
-        raise ValueError("no value")
-    return body.x
-
-
 class Robot:
     """One robot with its agent, driven by the test."""
 
-    def __init__(self, process: Any, folder: Any) -> None:
+    def __init__(self, start: Any) -> None:
         domain = Domain.of(
             "own",
             "1",
             Body,
             behaviors=[BasicBehavior("Go")],
-            features=[Feature("X", read)],
+            features=[Feature("X", lambda body: body.x)],
             link=f"{__name__}:Link",
         )
-
-        class Node(AgentNode):
-            def load_domain(self, name: str) -> Domain:
-                return domain
-
-        self.process = process
-        self.node = Node(
-            namespace="/one",
-            context=process.node.context,
-            parameter_overrides=[Parameter("state_dir", value=str(folder))],
-            use_global_arguments=False,
-        )
-        process.add(self.node)
-        self.node.join()
+        one = start(domain)
+        self.process, self.node, desk = one.process, one.node, one.process.node
         self.states: list[msg.StopState] = []
-        desk = process.node
-        desk.create_subscription(
-            msg.StopState, f"/one/{names.STOP_STATE}", self.states.append, qos.STREAM
-        )
+        topic = f"/one/{names.STOP_STATE}"
+        desk.create_subscription(msg.StopState, topic, self.states.append, qos.STREAM)
         self.arming = desk.create_client(srv.Arm, f"/one/{names.ARM}")
         self.switch = EmergencySwitch(desk)
         self.node.agent.perform(Use("Go"))
@@ -86,8 +65,8 @@ class Robot:
 
 
 @pytest.fixture
-def robot(process, tmp_path):
-    return Robot(process, tmp_path)
+def robot(start):
+    return Robot(start)
 
 
 def test_it_drives_only_once_re_armed_after_its_start_and_after_a_stop(robot):
@@ -108,7 +87,7 @@ def test_it_drives_only_once_re_armed_after_its_start_and_after_a_stop(robot):
 def test_an_agent_that_could_not_act_acts_only_once_re_armed(robot, monkeypatch):
     assert robot.arm() == ""
     assert robot.drives()
-    monkeypatch.setattr(robot.node.agent, "act", lambda: 1 / 0)
+    monkeypatch.setattr(robot.node.agent.body, "act", lambda: 1 / 0)
     assert not robot.drives()
     monkeypatch.undo()
     assert not robot.drives()

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from hitab_msgs import msg, srv
+from hitab_msgs import srv
 from rcl_interfaces.msg import Log
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_sensor_data
 
-from hitab_agent.agent_node import AgentNode
-from hitab_agent.host.host_shared import shared_on_host
+from hitab_agent.shared import Shared
 from hitab_core import (
     START,
     Automaton,
@@ -24,27 +22,13 @@ from hitab_core import (
     Domain,
     Example,
     Feature,
+    HitabError,
     TransitionTree,
     Use,
 )
-from hitab_ros import names, qos
+from hitab_ros import names
 from hitab_ros.diagnostics import SHOWN_MAX, Diagnosis, Level, shown
-
-
-class Body:
-    """A body that perceives one number, and cannot act on demand."""
-
-    def __init__(self, name: str) -> None:
-        self.x = math.nan
-        self.broken = False
-
-    def sense(self, values: Any, heard: Any) -> None:
-        (self.x,) = values
-
-    def act(self) -> Any:
-        if self.broken:
-            raise RuntimeError("the motors are gone")
-        return (1.0,), ""
+from hitab_ros.testing import NumberBody
 
 
 def _automaton() -> Automaton:
@@ -63,56 +47,25 @@ def _automaton() -> Automaton:
 DOMAIN = Domain.of(
     "bodies",
     "1",
-    Body,
+    NumberBody,
     behaviors=[BasicBehavior("Go"), BasicBehavior("Wait")],
     features=[Feature("X", lambda body: body.x)],
     automata=[_automaton()],
 )
 
 
-class BodyNode(AgentNode):
-    """The node of a body."""
-
-    def load_domain(self, name: str) -> Domain:
-        return DOMAIN
-
-
-def node_of(process: Any, folder: Path, name: str, **more: Any) -> AgentNode:
-    parameters = {"state_dir": str(folder), **more.pop("parameters", {})}
-    node = BodyNode(
-        namespace=f"/{name}",
-        context=process.node.context,
-        parameter_overrides=[Parameter(key, value=value) for key, value in parameters.items()],
-        use_global_arguments=False,
-        **more,
-    )
-    process.add(node)
-    node.join()
-    return node
-
-
-class One:
+class Shown:
     """One agent, and what is said of it on ROS's own topics."""
 
-    def __init__(self, process: Any, folder: Path) -> None:
-        self.process = process
-        self.node = node_of(process, folder, "one")
+    def __init__(self, start: Any) -> None:
+        self.one = one = start(DOMAIN)
+        self.process, self.node = one.process, one.node
+        self.ask, self.tick = one.ask, one.perceive
         self.diagnosis = DiagnosticStatus()
-        self.logged: list[Log] = []
-        desk = process.node
-        desk.create_subscription(DiagnosticArray, "/diagnostics", self._hear, 10)
-        self._percepts = desk.create_publisher(msg.Percept, f"/one/{names.PERCEPT}", qos.CYCLE)
-        process.until(self._percepts.get_subscription_count)
-        process.until(lambda: self.diagnosis.name)
-        self._cycle = 0
+        self.process.node.create_subscription(DiagnosticArray, "/diagnostics", self._hear, 10)
 
     def _hear(self, array: DiagnosticArray) -> None:
         (self.diagnosis,) = array.status
-
-    def tick(self, x: float) -> None:
-        self._cycle += 1
-        self._percepts.publish(msg.Percept(cycle=self._cycle, values=[x]))
-        self.process.until(lambda: self.node.agent.cycle == self._cycle)
 
     def shows(self, level: Level, text: str) -> None:
         """Wait until the diagnosis has this level, and a message with this text."""
@@ -120,17 +73,10 @@ class One:
             lambda: self.diagnosis.level == bytes([level]) and text in self.diagnosis.message
         )
 
-    def ask(self, kind: Any, service: str, **fields: Any) -> Any:
-        client = self.process.node.create_client(kind, f"/one/{service}")
-        self.process.until(client.service_is_ready)
-        future = client.call_async(kind.Request(**fields))
-        self.process.until(future.done)
-        return future.result()
-
 
 @pytest.fixture
-def one(process: Any, tmp_path: Path) -> One:
-    return One(process, tmp_path)
+def one(start: Any) -> Shown:
+    return Shown(start)
 
 
 def test_the_diagnosis_of_an_agent_has_the_worst_of_what_is_wrong(one):
@@ -143,19 +89,16 @@ def test_the_diagnosis_of_an_agent_has_the_worst_of_what_is_wrong(one):
     assert values["active states"] == "Go"
     one.tick(math.nan)
     one.shows(Level.WARN, 'feature "X" has no value')
-    one.node.agent.body.broken = True
+    one.one.body.act = lambda: 1 / 0
     one.tick(1.0)
-    one.shows(Level.ERROR, "RuntimeError")
-    one.node.agent.body.broken = False
+    one.shows(Level.ERROR, "ZeroDivisionError")
+    del one.one.body.act
     one.tick(1.0)
     one.shows(Level.OK, "performing")
 
 
 def test_the_parameters_of_an_agent_can_be_read_but_not_changed(one):
     listed = one.ask(ListParameters, "agent/list_parameters")
-    assert {"domain", "offer_actions", "action_timeout"} <= {*listed.result.names}
-    got = one.ask(GetParameters, "agent/get_parameters", names=["world"])
-    assert got.values[0].string_value == "world"
     every = one.ask(GetParameters, "agent/get_parameters", names=listed.result.names)
     assert len(every.values) == len(listed.result.names), "for `ros2 param dump`"
     change = Parameter("world", value="moon").to_parameter_msg()
@@ -183,13 +126,13 @@ def test_changes_of_state_are_logged_while_somebody_listens(one):
     one.process.node.destroy_subscription(listener)
 
 
-def test_a_host_tells_of_all_its_agents_in_one_message_and_of_none_in_rosout(process, tmp_path):
-    shared = shared_on_host(process.node, 3)
+def test_a_host_tells_of_all_its_agents_in_one_message_and_of_none_in_rosout(process, start):
+    shared = Shared(process.node, 3)
     arrays: list[DiagnosticArray] = []
     process.node.create_subscription(DiagnosticArray, "/diagnostics", arrays.append, 10)
-    nodes = [node_of(process, tmp_path, name, shared=shared) for name in ("a", "b", "c")]
+    nodes = [start(DOMAIN, name, shared=shared).node for name in ("a", "b", "c")]
     nodes[0].agent.sense([1.0], [])
-    nodes[0].status.report_error("no such behavior")
+    nodes[0].status.report_error(HitabError("no such behavior"))
     process.until(lambda: arrays and len(arrays[-1].status) == 4)
     summary, *others = arrays[-1].status
     assert summary.message == "1 WARN, 2 STALE"

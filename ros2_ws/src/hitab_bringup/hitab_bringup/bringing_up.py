@@ -25,6 +25,7 @@ from hitab_client import (
     WorldClient,
     domain_ids,
 )
+from hitab_client.commands import called
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import each_once, some
@@ -166,9 +167,9 @@ def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int
         if why:
             namespace = ", or give it a --namespace" if both and swarm.world is not None else ""
             raise SwarmError(
-                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and {why}; stop '
-                f"it with {way_to_stop(other, record)}, or {_another_domain(swarm.world is None)}"
-                f"{namespace}"
+                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and {why}; '
+                f"{_another_domain(swarm.world is None)}{namespace}",
+                way_to_stop(other, record),
             )
 
 
@@ -187,17 +188,13 @@ def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) ->
     if not taken:
         return
     other = next(iter(taken.values()))
-    owner, stop = "nodes that were started by hand", "stop them"
-    if other:
-        owner, stop = f"swarm {other}", "stop it with `hitab down` where it was started"
-        for there, registered in running_swarms():
-            if registered.identity == other:
-                stop = f"stop it with {way_to_stop(there, registered)}"
+    owner = f"swarm {other}" if other else "nodes that were started by hand"
     raise NamesTakenError(
         f"{some(list(taken))} of {record.swarm} cannot start: the names are in use by {owner} in "
-        f"ROS domain {record.domain_id}; {stop}, or {_another_domain(not record.world)}",
-        record.domain_id,
-        owner,
+        f"ROS domain {record.domain_id}; stop that, or {_another_domain(not record.world)}",
+        *(way_to_stop(*found) for found in running_swarms() if found[1].identity == other),
+        domain_id=record.domain_id,
+        owner=owner,
     )
 
 
@@ -340,5 +337,5 @@ def _await_commanders(
         names = view.incomplete(commanders)
         yield (
             f"{some(names)} {'does' if len(names) == 1 else 'do'} not hear all subordinates yet; "
-            "`hitab tree --commanders --watch` shows when"
+            f"`{called()} tree --commanders --watch` shows when"
         )

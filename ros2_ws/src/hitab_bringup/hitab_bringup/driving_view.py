@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from hitab_client import console
-from hitab_core import START, quantity
+from hitab_client.commands import as_command
+from hitab_core import START, Do, quantity
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -36,9 +37,8 @@ def lines(
         for fault in status.faults[:FAULTS_MAX]:
             yield console.line(f"  {fault}", "yellow")
     if agent in silent:
-        yield console.line(
-            f"  it has been silent for {silent[agent]:.0f} s; see `hitab logs {agent}`", "yellow"
-        )
+        logs = as_command(Do.LOGS(node=agent))
+        yield console.line(f"  it has been silent for {silent[agent]:.0f} s; {logs}", "yellow")
     stop = demonstrator.switch.state
     if stop is not None and stop.engaged:
         why = f" ({stop.reason})" if stop.reason else ""

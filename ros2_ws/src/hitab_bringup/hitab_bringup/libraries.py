@@ -11,7 +11,7 @@ from pathlib import Path
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import kind_file, library_of, write_rosters
 from hitab_bringup.unsaved_trainings import bring_back, set_aside
-from hitab_commander import KIND_FILE, ORDERS_FILE, kind_text
+from hitab_commander import KIND_FILE, kind_text
 from hitab_core import each_once
 
 LIBRARIES = "libraries.json"
@@ -39,8 +39,7 @@ def prepare(swarm: SwarmDescription, folder: Path) -> None:
     """Write everything that the swarm's processes need to a run folder.
 
     This covers libraries, the members of each host, and what commanders can order and perceive,
-    which is also written to their libraries for reference. Orders of the swarm's last run are
-    removed: only a restarted process resumes its order.
+    which is also written to their libraries for reference.
     """
     fill_libraries(swarm, folder)
     write_rosters(swarm, folder)
@@ -54,7 +53,6 @@ def prepare(swarm: SwarmDescription, folder: Path) -> None:
         for file in (kind_file(commander, folder), library_of(commander, folder) / KIND_FILE):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
-        (folder / "state" / commander.name / ORDERS_FILE).unlink(missing_ok=True)
 
 
 def libraries_of(folder: Path) -> dict[str, Path]:

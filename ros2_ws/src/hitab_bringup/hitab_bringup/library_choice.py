@@ -14,11 +14,8 @@ from hitab_client.domain_ids import chosen_by_user
 from hitab_client.run_folder import running_swarms, state_home
 from hitab_client.shipped import shipped_folders
 from hitab_client.swarm_choice import find_meant, name_to_choose
-from hitab_core import LibraryError, did_you_mean, has, some
+from hitab_core import LibraryError, has
 from hitab_core.library import SUFFIX
-
-NAMED_MAX = 12
-"""Maximum number of libraries that an error names."""
 
 
 def known_libraries() -> dict[str, Path]:
@@ -64,8 +61,7 @@ def libraries_meant(
         ending = f"/{agent}" if agent else ""
         example = next((name for name in known if name.endswith(ending)), next(iter(known)))
         raise LibraryError(
-            f"no swarm is up; choose a library, for example with -l {example}; there are "
-            f"{some(sorted(known), NAMED_MAX)}"
+            f"no swarm is up; choose a library, for example with -l {example} {has(known)}"
         )
     folder, record = found
     used = libraries_of(folder.path)
@@ -81,10 +77,7 @@ def _named(text: str) -> Path:
     path = Path(text).expanduser()
     known = known_libraries()
     if not path.is_dir() and text not in known:
-        raise LibraryError(
-            f'"{text}" is neither a folder nor a known library; there are '
-            f"{some(sorted(known), NAMED_MAX)}{did_you_mean(text, known)}"
-        )
+        raise LibraryError(f'"{text}" is neither a folder nor a library {has(known, text)}')
     return path if path.is_dir() else known[text]
 
 

@@ -16,7 +16,6 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup.called_wrongly import reword, with_way
 from hitab_bringup.help_pages import HelpfulGroup, make_helpful
 from hitab_bringup.verbs import (
     bootstrap,
@@ -39,6 +38,7 @@ from hitab_bringup.verbs import (
     world,
 )
 from hitab_client import console, interruptions
+from hitab_client.commands import called
 from hitab_client.ros_environment import refuse_problems
 from hitab_core import HitabError
 
@@ -54,7 +54,7 @@ class HitabGroup(HelpfulGroup):
         try:
             return super().invoke(ctx)
         except HitabError as error:
-            console.error(str(error))
+            console.error(error)
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
             console.note("interrupted")
@@ -68,17 +68,19 @@ class HitabGroup(HelpfulGroup):
                 raise
             console.error(f"{error.filename}: {error.strerror}; choose another place for it")
             raise typer.Exit(1) from None
-        except Exception as error:
-            reword(error)
-            raise
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the user's verb; if it is one of a group, the error says so."""
         try:
             return super().resolve_command(ctx, args)
         except Exception as error:
-            if hasattr(error, "message"):
-                error.message = with_way(error.message, args[0], self.commands)
+            ways = " or ".join(
+                f"`{called()} {name} {args[0]}`"
+                for name, group in self.commands.items()
+                if args[0] in getattr(group, "commands", ())
+            )
+            if ways:
+                error.message = f'No such command "{args[0]}". Did you mean {ways}?'  # type: ignore
             raise
 
 
@@ -163,7 +165,7 @@ def make_app() -> typer.Typer:
     for panel, name, group in GROUPS:
         app.add_typer(group, name=name, rich_help_panel=panel)
     for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
-        app.add_typer(point.load(), name=point.name, rich_help_panel="Domains")
+        app.add_typer(point.load(), name=point.name, cls=HelpfulGroup, rich_help_panel="Domains")
     make_helpful(app)
     return app
 

@@ -57,9 +57,7 @@ def refuse_running(folder: RunFolder) -> None:
     """
     before = folder.read()
     if before is not None and folder.supervisor(before) is not None:
-        raise SwarmError(
-            f'swarm "{before.swarm}" is already up; stop it with {way_to_stop(folder, before)}'
-        )
+        raise SwarmError(f'swarm "{before.swarm}" is already up', way_to_stop(folder, before))
 
 
 def launch(
@@ -190,12 +188,16 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
     """
     record = folder.read()
     supervisor = folder.supervisor(record) if record is not None else None
-    if supervisor is not None:
+    if record is not None and supervisor is not None:
         if progress is not None:
             progress("asking the supervisor to stop all processes")
         with contextlib.suppress(psutil.Error):
             supervisor.terminate()
-            supervisor.wait(STOP_SECONDS)
+            deadline = time.monotonic() + STOP_SECONDS
+            while supervisor.is_running() and time.monotonic() < deadline:
+                answers(record)  # which has it look at signals now, not after a second
+                with contextlib.suppress(psutil.TimeoutExpired):
+                    supervisor.wait(0.02)
     killed = _end(folder)
     folder.forget()
     return killed

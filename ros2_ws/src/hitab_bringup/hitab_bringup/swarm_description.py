@@ -274,7 +274,3 @@ class SwarmDescription:
         if self.world is None:
             raise DescriptionError(f'{self.file}: swarm "{self.name}" has no `world:`')
         return replace(self, world=replace(self.world, **changes))
-
-    def with_agents(self, **changes: Any) -> SwarmDescription:
-        """Return the same swarm with changes to all agents."""
-        return replace(self, agents=tuple(replace(a, **changes) for a in self.agents))

@@ -17,7 +17,8 @@ from pathlib import Path
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_core import natural, quantity
+from hitab_client.commands import with_commands
+from hitab_core import Do, natural, quantity
 from hitab_core.training import JOURNAL_FILE, TrainingJournal
 
 UNSAVED = "unsaved"
@@ -72,13 +73,10 @@ def announcements(statuses: Iterable[AgentStatus], folder: Path) -> list[str]:
     for status in sorted(statuses, key=lambda status: natural(status.agent)):
         if status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
             agent = status.agent
-            ends = f"`hitab save {agent}` or `hitab discard {agent}` ends it"
-            if not status.examples:
-                ends = f"`hitab discard {agent}` ends it"
-            sentences.append(
-                f'{agent} resumes the training of "{status.behavior}" '
-                f"({quantity(status.examples, 'example')}); {ends}"
-            )
+            told = f'{agent} resumes the training of "{status.behavior}"'
+            told += f" ({quantity(status.examples, 'example')})"
+            ways = [Do.SAVE(agent=agent), Do.DISCARD(agent=agent)]
+            sentences.append(with_commands(told, ways if status.examples else ways[1:]))
     for agent, library in waiting(folder):
         own = library.is_relative_to(folder / "libraries")
         way = "without --library" if own else f"with --library {library}"
@@ -102,8 +100,8 @@ def left_to_resume(folder: Path) -> list[str]:
         if unsaved is not None and unsaved.examples:
             sentences.append(
                 f'{journal.parent.name} has an unsaved training of "{unsaved.automaton}" '
-                f"({quantity(unsaved.examples, 'example')}); it is kept, and the next `hitab up` "
-                "of the swarm resumes it"
+                f"({quantity(unsaved.examples, 'example')}); it is kept, and the next start of "
+                "the swarm resumes it"
             )
     return _first(sentences)
 

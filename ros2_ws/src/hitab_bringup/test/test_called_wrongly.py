@@ -1,13 +1,11 @@
 """Whoever calls the command wrongly reads which argument is wrong, and what it may be."""
 
 import re
-from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
 
 from hitab_bringup.main import make_app
-from hitab_client import swarm_choice
 
 
 @pytest.fixture(autouse=True)
@@ -25,20 +23,10 @@ def told(*arguments: str) -> str:
 
 def test_the_error_names_the_argument_and_what_it_may_be():
     for call, expected in [
-        ("world step x", """'cycles': it must be a whole number of at least 1, not "x\""""),
-        ("world step -30", "cycles must be a whole number of at least 1, not a negative number"),
-        ("world pace realtime --factor x", "'--factor': it must be a number"),
-        ("logs --levle warn", "No such option: --levle. Did you mean --level?"),
         ("world place keeper_1", 'where to put "keeper_1"? Write keeper_1 x=1 y=2 heading=90'),
-        ("stop keeper_1", "it stops all robots; `hitab perform keeper_1` stops one of them"),
-        ("reaction -1", "-1 is no option, and no negative number is expected here"),
+        ("stop keeper_1", "it stops all robots; to stop one, make keeper_1 idle: `hitab perform"),
+        ("pause", 'No such command "pause". Did you mean `hitab world pause`?'),
         ("world place keeper_1 z=1", "such as keeper_1 x=1; the fields are x (m), y (m), "),
         ("world place keeper_1 x=far", '"x=far": write a name, then its fields, each with a'),
     ]:
         assert expected in told(*call.split())
-
-
-def test_who_names_no_agent_reads_which_are_up(monkeypatch):
-    up = (None, SimpleNamespace(agents=("keeper_1", "keeper_2")))
-    monkeypatch.setattr(swarm_choice, "find_running", lambda which: up)
-    assert "Missing argument 'agent'. These are up: keeper_1, keeper_2" in told("vocabulary")

@@ -48,7 +48,7 @@ def test_help_imports_nothing_that_takes_long():
         (["up", "keepaway", "--pace", "fast"], 2, "is not one of 'lockstep', 'realtime'"),
         (["train", "keeper_1", "A", "-p", "ball"], 2, "is not NAME=TARGET"),
         (["examples", "delte", "keeper_1", "3"], 2, "Did you mean 'delete'"),
-        (["library", "list", "-l", "nowhere"], 1, "is neither a folder nor a known library"),
+        (["library", "list", "-l", "nowhere"], 1, "is neither a folder nor a library"),
         (["library", "show", "A", "--agent", "keeper_1"], 1, "no swarm is up"),
     ],
 )
@@ -85,4 +85,4 @@ def test_who_interrupts_down_learns_how_to_end_the_rest(tmp_path, monkeypatch):
     monkeypatch.setattr(supervision, "stop", interrupted)
     result = hitab("down", "--run-dir", str(tmp_path))
     assert result.exit_code == 130
-    assert f"`hitab down --run-dir {tmp_path}` ends what is left of it" in result.stderr
+    assert f"end what is left of it: `hitab down --run-dir {tmp_path}`" in result.stderr

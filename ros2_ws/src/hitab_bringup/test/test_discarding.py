@@ -18,14 +18,15 @@ def discarded(monkeypatch) -> list[str]:
 
     def discard(agent):
         done.append(agent)
-        return SimpleNamespace(message="discarded")
+        return SimpleNamespace(message="discarded", remedies=[])
 
     def status(agent):
         several = agent == "keeper_1"
         return AgentStatus(
             agent=agent,
-            mode=AgentStatus.TRAINING,
-            behavior="Chase",
+            mode=AgentStatus.PERFORMING if several else AgentStatus.TRAINING,
+            behavior="Rest" if several else "Chase",
+            training="Chase",
             examples=14 if several else 2,
             default_examples=7 if several else 1,
         )

@@ -130,10 +130,10 @@ def test_a_swarm_that_has_crashed_and_its_processes_are_reported():
         (lost,) = [f for f in runs.leftovers() if str(left.pid) in f.text]
         left.communicate()
     assert crashed.level == "warning"
-    assert f"red has ended without `hitab down` ({folder.path})" in crashed.text
+    assert f"red has ended without being stopped ({folder.path})" in crashed.text
     assert "`hitab down red`" in crashed.way_out
     assert lost.text == f"processes {left.pid} of a killed run in {folder.path}"
-    assert lost.way_out == f"`hitab down --run-dir {folder.path}`"
+    assert f"`hitab down --run-dir {folder.path}`" in lost.way_out
 
 
 def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
@@ -158,6 +158,6 @@ def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
         say(link, "b")
         found = one(runs.faults())
         assert (found.level, found.text) == ("warning", "a: nothing heard on /scan")
-        assert found.way_out == "`hitab status --swarm red` shows it"
+        assert "`hitab status`" in found.way_out
         monkeypatch.setattr(runs, "MANY", 1)
         assert "were not asked" in one(runs.faults()).text

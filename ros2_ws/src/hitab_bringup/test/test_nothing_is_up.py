@@ -12,7 +12,7 @@ from hitab_client import RosLink, SwarmError, domain_ids, swarm_choice
 from hitab_client.identity import new_identity
 from hitab_ros import qos
 
-ERROR = "error: no swarm answers in ROS domain {}; start one, such as `hitab up keepaway`"
+ERROR = "error: no swarm answers in ROS domain {}\n  start keepaway: `hitab up keepaway`"
 CALLS = {
     "demonstrate keeper_1 Stop",
     "perform keeper_1 Stop",
@@ -53,9 +53,9 @@ def test_verbs_that_need_a_swarm_fail_with_the_remedy(impatient, capfd):
             make_app()(call.split())
         told = capfd.readouterr()
         assert (ended.value.code, told.out) == (1, ""), call
-        first, last = told.err.splitlines()
+        first, *rest = told.err.splitlines()
         assert first.startswith("No swarm runs in ROS domain "), call
-        assert last == ERROR.format(domain_ids.chosen_by_user()), call
+        assert "\n".join(rest) == ERROR.format(domain_ids.chosen_by_user()), call
 
 
 def test_what_the_registry_knows_is_said_before_ros_is_loaded(nothing_up):

@@ -74,8 +74,9 @@ def test_a_training_that_resumes_is_announced_with_the_ways_out(folder):
     status = AgentStatus(agent="lone", mode=AgentStatus.TRAINING, behavior="Chase", examples=8)
     idle = AgentStatus(agent="other", mode=AgentStatus.IDLE)
     assert announcements([status, idle], folder) == [
-        'lone resumes the training of "Chase" (8 examples); `hitab save lone` or '
-        "`hitab discard lone` ends it"
+        'lone resumes the training of "Chase" (8 examples)\n'
+        "  save the training of lone: `hitab save lone`\n"
+        "  discard the training of lone: `hitab discard lone`"
     ]
     assert announcements([status] * 8, folder)[-1] == "... and 3 more"
 
@@ -88,7 +89,7 @@ def test_a_swarm_that_goes_down_names_the_trainings_that_it_keeps(folder):
         kept.close()
     assert left_to_resume(folder) == [
         f'{agent} has an unsaved training of "Chase" ({examples}); it is kept, and the next '
-        "`hitab up` of the swarm resumes it"
+        "start of the swarm resumes it"
         for agent, examples in (("a", "2 examples"), ("b", "1 example"))
     ]
     TrainingJournal(folder / "state" / "a", "keepaway").archive()

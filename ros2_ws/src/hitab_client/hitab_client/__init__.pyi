@@ -1,5 +1,5 @@
-from . import called_as as called_as
 from . import command_options as command_options
+from . import commands as commands
 from . import completion as completion
 from . import console as console
 from . import dds_profile as dds_profile
@@ -23,7 +23,7 @@ from .errors import LessonError as LessonError
 from .errors import NamesTakenError as NamesTakenError
 from .errors import SwarmError as SwarmError
 from .learned import Learned as Learned
-from .learned import learned_of as learned_of
+from .learned import Training as Training
 from .path_tracker import PathTracker as PathTracker
 from .ros_link import RosLink as RosLink
 from .run_folder import RunFolder as RunFolder

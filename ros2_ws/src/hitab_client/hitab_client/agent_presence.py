@@ -12,7 +12,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import has, some
+from hitab_core import Do, has, some
 from hitab_ros import names, qos, refuse_other_definitions
 
 DISCOVERY_SECONDS = 8.0
@@ -100,7 +100,7 @@ class AgentPresence:
         """
         for agent in agents:
             if agent in self.strangers:
-                raise SwarmError(other_swarm(agent, self.strangers[agent], self.identity))
+                raise other_swarm(agent, self.strangers[agent], self.identity)
 
     def discover(self) -> None:
         """Look for new agents."""
@@ -225,23 +225,23 @@ class AgentPresence:
         """
         self.refuse_strangers((agent,))
         if agent not in self.statuses:
-            raise SwarmError(self._absence(agent, waited))
+            raise self._absence(agent, waited)
         return self.statuses[agent]
 
-    def _absence(self, agent: str, waited: float) -> str:
-        """Return an error text for an agent that did not answer for some seconds."""
+    def _absence(self, agent: str, waited: float) -> SwarmError:
+        """Return the error for an agent that did not answer for some seconds."""
         if agent in self.expected or agent in self.statuses:
             return self.processes.reason(agent) or self._unexplained(agent, waited)
         known = {*self.statuses, *self.expected}
         if not known:
-            return f'no agent "{agent}" answers, and no other does; `hitab up` starts a swarm'
-        return f'no agent "{agent}" answers {has(known, agent)}; `hitab status` shows all'
+            return SwarmError(f'no agent "{agent}" answers, and no other does', Do.UP())
+        return SwarmError(f'no agent "{agent}" answers {has(known, agent)}', Do.STATUS())
 
-    def _unexplained(self, agent: str, waited: float) -> str:
+    def _unexplained(self, agent: str, waited: float) -> SwarmError:
         pid = self.processes.pid(agent)
         running = f"; its process ({pid}) still runs" if pid else ""
         silent = f"{agent} has been silent for {round(waited, 1):g} s"
-        return f"{silent}{running}; see `hitab logs {agent}`"
+        return SwarmError(f"{silent}{running}", Do.LOGS(node=agent))
 
 
 def _pacer(seconds: float) -> Callable[[], bool]:

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_client.called_as import as_called
-from hitab_core import HitabError, in_lines
+from hitab_client.commands import with_commands
+from hitab_core import HitabError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -43,18 +43,15 @@ def live(shown: Any) -> Live:
 def line(text: str, style: str = "") -> Text:
     """Return a line for a table, a tree or a group, to be shown as it is.
 
-    Commands in it are named as the user calls `hitab`. What does not fit the terminal is wrapped.
+    What does not fit the terminal is wrapped.
     """
     from rich.text import Text
 
-    return Text(as_called(text), style=style, overflow="fold")
+    return Text(text, style=style, overflow="fold")
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> Table:
-    """Return a table; what does not fit the terminal is wrapped, never cut.
-
-    Commands in it are named as the user calls `hitab`.
-    """
+    """Return a table; what does not fit the terminal is wrapped, never cut."""
     from rich.table import Table
 
     made = Table(box=None, pad_edge=False, title=title or None, title_justify="left")
@@ -74,19 +71,28 @@ def err() -> Console:
 
 def say(text: str) -> None:
     """Print a result in plain text, at once also into a pipe or a file."""
-    print(as_called(text), flush=True)
+    print(text, flush=True)
 
 
 def note(text: str) -> None:
     """Print a message that is not a result."""
-    print(as_called(text), file=sys.stderr)
+    print(text, file=sys.stderr)
 
 
-def error(text: str) -> None:
-    """Print an error: what is wrong, and below it the ways out, if it is long."""
+def error(wrong: str | HitabError) -> None:
+    """Print an error: what is wrong, and below it what to do."""
     from rich.markup import escape
 
-    err().print(f"[bold red]error:[/] {escape(in_lines(as_called(text)))}", soft_wrap=True)
+    if isinstance(wrong, HitabError):
+        wrong = with_commands(wrong.problem, wrong.remedies)
+    err().print(f"[bold red]error:[/] {escape(wrong)}", soft_wrap=True)
+
+
+def say_answer(answer: Any, text: str = "") -> None:
+    """Print what a service has done, or another text, and below it what can be done next."""
+    from hitab_ros.conversions import remedies_of  # here because the help imports this module
+
+    say(with_commands(text or answer.message, remedies_of(answer.remedies)))
 
 
 def show(json: str | None, data: Any, *shown: Any) -> None:

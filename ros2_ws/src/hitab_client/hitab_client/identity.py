@@ -8,6 +8,9 @@ from __future__ import annotations
 import re
 import secrets
 
+from hitab_client.errors import SwarmError
+from hitab_core import Do
+
 BY_HAND = "nodes started by hand"
 """Stands for all nodes that no `hitab up` has started, in place of a swarm's identity."""
 
@@ -54,27 +57,25 @@ def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
     return not heard and not started_by_it
 
 
-def other_swarm(node: str, heard: str, meant: str) -> str:
-    """Return an error text for a node of another swarm than the one in question."""
+def other_swarm(node: str, heard: str, meant: str) -> SwarmError:
+    """Return the error for a node of another swarm than the one in question."""
     from hitab_client.run_folder import registered_swarms  # which needs `is_identity`
 
     left = [record.swarm for _, record in registered_swarms() if record.identity == heard]
     if meant == BY_HAND and left:
-        return (
-            f'{node} is left of swarm "{left[0]}", which has ended without `hitab down`; '
-            f"`hitab down {left[0]}` ends what is left of it, and `hitab up` starts it again"
+        return SwarmError(
+            f'{node} is left of swarm "{left[0]}", which has ended without being stopped',
+            Do.DOWN(swarm=left[0]),
+            Do.UP(swarm=left[0]),
         )
     if meant == BY_HAND:
-        return (
+        return SwarmError(
             f"{node} belongs to swarm {heard}, which was not started from here (another "
             f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {heard}"
         )
-    if not heard:
-        return (
-            f"{node} was started by hand and does not belong to swarm {meant}; "
-            "stop one of the two, or start it in another ROS_DOMAIN_ID"
-        )
-    return (
-        f"{node} belongs to swarm {heard}, not to swarm {meant}; choose the swarm with "
-        "--swarm NAME, or stop one of the two with `hitab down NAME`"
+    whose = f"swarm {heard}" if heard else BY_HAND
+    return SwarmError(
+        f"{node} belongs to {whose}, not to swarm {meant}; choose the swarm with --swarm NAME, or "
+        "stop one of the two",
+        Do.DOWN(),
     )

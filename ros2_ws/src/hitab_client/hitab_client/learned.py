@@ -1,30 +1,27 @@
-"""What an agent has learned, rebuilt from the answer of its service `get_behavior`."""
+"""What an agent has learned, as it publishes it and as its service `get_behavior` answers."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any
 
-from hitab_core import (
-    START,
-    Automaton,
-    Example,
-    FeatureKind,
-    HitabError,
-    Scale,
-    TransitionTree,
-    Use,
-)
-from hitab_core.learning import TREE, ClassifierSpec, learn_transitions
-from hitab_ros.conversions import example_of
+from hitab_msgs.msg import Question
+
+from hitab_core import START, Automaton, Example, FeatureKind, Scale, TransitionTree, Use
+from hitab_core.learning import Arc, Categories, Fork, Leaf, Node, Test, Threshold
+from hitab_core.training import TrainingCost
+from hitab_ros.conversions import cost_of, example_of
+
+NOTHING: Mapping[str, TransitionTree] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
 class Learned:
-    """One automaton of an agent, as `GetBehavior` describes it.
+    """One automaton of an agent.
 
     Attributes:
         origin: basic, hand-written, trained or training.
@@ -35,6 +32,8 @@ class Learned:
         features: labels, in the order of the examples' values.
         units, scales: of the features.
         examples: all of them.
+        trees: of the states that have one.
+        readable: names of the examples' readings.
     """
 
     name: str
@@ -48,6 +47,8 @@ class Learned:
     units: tuple[str, ...]
     scales: tuple[Scale, ...]
     examples: tuple[Example, ...]
+    trees: Mapping[str, TransitionTree] = field(default_factory=lambda: NOTHING)
+    readable: tuple[str, ...] = ()
     version: int = 0
     versions: tuple[int, ...] = ()
     created: str = ""
@@ -63,32 +64,25 @@ class Learned:
 
     @cached_property
     def automaton(self) -> Automaton | None:
-        """The automaton with its trees; None if it has none, or they are unknown."""
-        known = ClassifierSpec.parse(self.classifier or TREE).name == TREE
-        if not self.examples or not known:
+        """The automaton with its trees; None if it has none."""
+        if not self.trees:
             return None
-        try:
-            learned = learn_transitions(self.examples, self.scales, self.classifier or TREE)
-            labels = dict.fromkeys(
-                s for e in self.examples for s in (e.state, e.next_state) if s != START
-            )
-            return Automaton(
-                self.name,
-                tuple(map(Use.parse, labels)),
-                tuple(map(Use.parse, self.features)),
-                learned,
-                self.parameters,
-                self.examples,
-                self.description,
-            )
-        except HitabError:
-            return None
+        labels = dict.fromkeys(
+            s for e in self.examples for s in (e.state, e.next_state) if s != START
+        )
+        return Automaton(
+            self.name,
+            tuple(map(Use.parse, labels)),
+            tuple(map(Use.parse, self.features)),
+            self.trees,
+            self.parameters,
+            self.examples,
+            self.description,
+        )
 
     def tree(self, state: str) -> TransitionTree | None:
         """Return the tree of a state, if it has one."""
-        automaton = self.automaton
-        function = automaton.transitions.get(state) if automaton else None
-        return function if isinstance(function, TransitionTree) else None
+        return self.trees.get(state)
 
     def decides(self, state: str, values: Sequence[float]) -> Mapping[str, float]:
         """Return the probability of each next state; nothing if that is unknown."""
@@ -98,26 +92,96 @@ class Learned:
         return tree.explain(values, self.features).distribution
 
 
+@dataclass(frozen=True)
+class Training(Learned):
+    """What an agent is being trained, as it publishes it.
+
+    Attributes:
+        revision: counts up with each change.
+        done, undone: what undo and redo would change, each in words, oldest first.
+        searched: whether all questions were looked for, and the cost is known.
+        questions: that are open.
+        answered: those that were answered, and how, oldest first.
+        cost: what the training has cost so far; None: unknown.
+    """
+
+    revision: int = 0
+    done: tuple[str, ...] = ()
+    undone: tuple[str, ...] = ()
+    searched: bool = False
+    questions: tuple[Question, ...] = ()
+    answered: tuple[str, ...] = ()
+    cost: TrainingCost | None = None
+
+
 def learned_of(answer: Any) -> Learned:
     """Return the content of an answer of `GetBehavior`."""
-    scales = [Scale(FeatureKind(f.kind), f.period, tuple(f.categories)) for f in answer.features]
     return Learned(
-        name=answer.name,
+        **_fields(answer.automaton),
         origin=answer.origin,
-        description=answer.description,
-        classifier=answer.classifier,
-        parameters=tuple(answer.parameters),
-        arguments=tuple(answer.arguments),
-        states=tuple(answer.states),
-        features=tuple(f.name for f in answer.features),
-        units=tuple(f.unit for f in answer.features),
-        scales=tuple(scales),
-        examples=tuple(example_of(e) for e in answer.examples),
         version=answer.version,
         versions=tuple(answer.versions),
         created=answer.created,
         note=answer.note,
         difference=answer.difference,
         trimmed=tuple(answer.trimmed),
-        chosen=tuple(answer.chosen_states),
     )
+
+
+def training_of(message: Any) -> Training:
+    """Return the content of a message about a training."""
+    return Training(
+        **_fields(message.automaton),
+        origin="training",
+        revision=message.revision,
+        done=tuple(message.done),
+        undone=tuple(message.undone),
+        searched=message.searched,
+        questions=tuple(message.questions),
+        answered=tuple(message.answered),
+        cost=cost_of(message.cost) if message.cost.automaton else None,
+    )
+
+
+def _fields(message: Any) -> dict[str, Any]:
+    scales = tuple(
+        Scale(FeatureKind(f.kind), f.period, tuple(f.categories)) for f in message.features
+    )
+    return {
+        "name": message.name,
+        "description": message.description,
+        "classifier": message.classifier,
+        "parameters": tuple(message.parameters),
+        "arguments": tuple(message.arguments),
+        "states": tuple(message.states),
+        "chosen": tuple(message.chosen_states),
+        "features": tuple(f.name for f in message.features),
+        "units": tuple(f.unit for f in message.features),
+        "scales": scales,
+        "readable": tuple(message.readable),
+        "examples": tuple(map(example_of, message.examples)),
+        "trees": MappingProxyType({tree.state: _tree(tree, scales) for tree in message.trees}),
+    }
+
+
+def _tree(message: Any, scales: tuple[Scale, ...]) -> TransitionTree:
+    """Return the tree in a message, whose nodes come each before its branches."""
+    made: list[Node] = []
+    for node in reversed(message.nodes):
+        counts = tuple(int(count) if count.is_integer() else count for count in node.counts)
+        numbers = tuple(node.numbers)
+        if node.kind == node.LEAF:
+            made.append(Leaf(counts))
+            continue
+        test: Test
+        match node.kind:
+            case node.THRESHOLD:
+                test = Threshold(numbers[0])
+            case node.ARC:
+                test = Arc(start=numbers[1], end=numbers[2], period=numbers[0])
+            case _:
+                test = Categories(tuple(map(int, numbers)))
+        several = len(numbers) if node.kind == node.CATEGORY else 2
+        branches = tuple(made.pop() for _ in range(several))
+        made.append(Fork(node.feature, test, counts, branches))
+    return TransitionTree.of(made.pop(), message.labels, scales)

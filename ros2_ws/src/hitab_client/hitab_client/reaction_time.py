@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import state_home
-from hitab_core import newer_format
+from hitab_core import Do, newer_format
 from hitab_core.library.durable_files import file_errors, write_durably
 
 if TYPE_CHECKING:
@@ -54,8 +54,8 @@ def kept() -> Mapping[str, float]:
         found = {str(name): float(s) for name, s in content["seconds"].items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, yaml.YAMLError) as error:
         raise SwarmError(
-            f"{path} does not hold reaction times ({error}); correct it, or delete it and set "
-            "them again with `hitab reaction`"
+            f"{path} does not hold reaction times ({error}); correct it, or delete it",
+            Do.MEASURE_REACTION(),
         ) from None
     for seconds in found.values():
         check(seconds)
@@ -100,8 +100,8 @@ def check(seconds: float) -> float:
     if not 0.0 <= seconds <= LONGEST:
         wrong = "too long" if seconds > 0 else "not possible"
         raise SwarmError(
-            f"a reaction time of {seconds:g} s is {wrong}: give a number from 0 to {LONGEST:g}, "
-            "or measure yours with `hitab reaction --measure`"
+            f"a reaction time of {seconds:g} s is {wrong}: give a number from 0 to {LONGEST:g}",
+            Do.MEASURE_REACTION(),
         )
     return seconds
 
@@ -153,8 +153,5 @@ def measured(
         if at is not None:
             times.append(at - shown)
     if len(times) < math.ceil(rounds / 2):
-        raise SwarmError(
-            "the key was pressed too rarely; try again, or set the time, such as "
-            "`hitab reaction 0.3`"
-        )
+        raise SwarmError("the key was pressed too rarely; try again", Do.MEASURE_REACTION())
     return check(round(statistics.median(times), 2))

@@ -16,6 +16,7 @@ from rclpy.qos import QoSProfile
 from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import cheaply_not_interrupted
+from hitab_core import Do
 from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, Patience
 
 NODE = "hitab"
@@ -60,9 +61,7 @@ class RosLink:
                 signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
             )
         except RuntimeError as error:
-            raise SwarmError(
-                f"ROS does not start: {error}; `hitab doctor` looks for the cause"
-            ) from None
+            raise SwarmError(f"ROS does not start: {error}", Do.DOCTOR()) from None
         self.node = GuardedNode(
             name, context=self._context, parameter_overrides=[NO_TYPE_DESCRIPTIONS]
         )
@@ -165,7 +164,7 @@ class RosLink:
         service: str,
         request: Any,
         *,
-        missing: Callable[[], str],
+        missing: Callable[[], SwarmError],
         discovery: float = 8.0,
         seconds: float = CALL_SECONDS,
     ) -> Any:
@@ -179,7 +178,7 @@ class RosLink:
             kind: the type of the service.
             service: full name of the service.
             request: to send.
-            missing: returns the error text if the service is not there.
+            missing: returns the error if the service is not there.
             discovery: seconds to wait for the service to appear.
             seconds: seconds to wait for its answer.
 
@@ -191,7 +190,7 @@ class RosLink:
         if not self.spin_until(
             client.service_is_ready, discovery, 0.01, lambda: f"{service} to appear"
         ):
-            raise SwarmError(missing())
+            raise missing()
         if getattr(request, "request", None) == 0:
             self._requests += 1
             request.request, request.client = self._requests, self._name
@@ -214,7 +213,5 @@ class RosLink:
             for future in sent:
                 if not future.done():
                     client.remove_pending_request(future)
-        raise SwarmError(
-            f"{service} did not answer within {seconds:g} s; see the log of its process with "
-            f"`hitab logs {service.split('/')[-2]}`"
-        )
+        late = f"{service} did not answer within {seconds:g} s"
+        raise SwarmError(late, Do.LOGS(node=service.split("/")[-2]))

@@ -14,7 +14,7 @@ import psutil  # type: ignore[import-untyped]
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunRecord
-from hitab_core import some
+from hitab_core import Do, some
 from hitab_ros.exit_codes import FINAL
 from hitab_ros.names import WORLD
 
@@ -74,8 +74,9 @@ def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[di
         return list(found)
     except (OSError, Fault, ProtocolError, http.client.HTTPException) as error:
         raise SwarmError(
-            f'the supervisor of swarm "{record.swarm}" does not answer ({error}); '
-            "stop the rest with `hitab down`, then start it again with `hitab up`"
+            f'the supervisor of swarm "{record.swarm}" does not answer ({error})',
+            Do.DOWN(swarm=record.swarm),
+            Do.UP(swarm=record.swarm),
         ) from None
 
 
@@ -142,10 +143,10 @@ class RunProcesses:
         """Return the name of the process that runs an agent, or the world."""
         return self._process_of.get(name, name)
 
-    def reason(self, name: str) -> str:
+    def reason(self, name: str) -> SwarmError | None:
         """Return why an agent or the world does not answer, as far as its process shows it."""
         why = self.why_silent(name)
-        return why.of(name) if why is not None else ""
+        return None if why is None else SwarmError(why.of(name), Do.LOGS(node=why.process))
 
     def why_silent(self, name: str) -> Silence | None:
         """Return why an agent or the world does not answer; None: its process looks healthy."""
@@ -170,17 +171,16 @@ class RunProcesses:
         state = self._states.get(process)
         if state is None:
             return None
-        logs = f"see `hitab logs {process}`"
         said = state["statename"]
         restarts = said == "EXITED" and state.get("exitstatus", 0) != FINAL
         if said in ENDED and not restarts:
-            return Silence(process, f"has ended{_how(state)}; {logs}", lasts=True, state="ended")
+            return Silence(process, f"has ended{_how(state)}", lasts=True, state="ended")
         if said in STOPPED:
-            what = f"was stopped through its supervisor; {logs}"
+            what = "was stopped through its supervisor"
             return Silence(process, what, lasts=True, state="stopped")
         if said in STARTING or restarts:
             how = "" if said == "STARTING" else _how(state)
-            what = f"is being started again{how}; {logs}"
+            what = f"is being started again{how}"
             return Silence(process, what, lasts=False, state="restarting")
         pid = state["pid"]
         if is_suspended(pid):

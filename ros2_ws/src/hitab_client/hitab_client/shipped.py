@@ -13,7 +13,7 @@ from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
-from hitab_core import HitabError, did_you_mean, has, some
+from hitab_core import HitabError, has
 
 GROUP = "hitab.shipped"
 
@@ -93,8 +93,7 @@ def find_file(given: str, folder: str, what: str) -> Path:
             return candidate
     if path.is_dir():
         raise HitabError(f'no {what} "{given}": this is a folder; name a file in it')
-    there = sorted(p.stem for place in folders for p in place.glob("*.yaml"))
+    there = [p.stem for place in folders for p in place.glob("*.yaml")]
     if os.sep in given:
-        there = [str(p) for p in sorted(path.parent.glob("*.y*ml"))]
-    guess = did_you_mean(given, there) or f" There are: {some(there, len(there))}"
-    raise HitabError(f'no {what} "{given}": no such file, and no such {what} is shipped.{guess}')
+        there = [str(p) for p in path.parent.glob("*.y*ml")]
+    raise HitabError(f'no {what} "{given}": no such file {has(there, given)}')

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from hitab_msgs.msg import StopState
 from hitab_msgs.srv import Arm
 
-from hitab_client.errors import SwarmError
+from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_core import natural, some
 from hitab_ros import EmergencySwitch, names, qos, why_stopped
@@ -120,7 +120,7 @@ class Stops:
     def waiting(self) -> dict[str, str]:
         """Return the robots that may not act, and why."""
         return {
-            name: why_stopped(name, report.why, report.causes)
+            name: why_stopped(report.why, report.causes)
             for name, report in self._present()
             if report is not None and report.why
         }
@@ -139,16 +139,16 @@ class Stops:
         until = time.monotonic() + seconds
         while topic not in self._reports and time.monotonic() < until:
             self.look()
-            self.spin()
+            self._link.spin_until(lambda: topic in self._reports, REPEAT_S)
         if topic not in self._reports:
             there = some(self.names()) if self.names() else "none is there"
             raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
         request = Arm.Request(stop=self._reports[topic][1].stop)
         service = f"/{robot}/{names.ARM}"
-        missing = f"{robot} cannot be re-armed: nobody offers {service}"
+        missing = SwarmError(f"{robot} cannot be re-armed: nobody offers {service}")
         answer = self._link.call(Arm, service, request, missing=lambda: missing)
         if not answer.success:
-            raise SwarmError(f"{robot} may not act again: {answer.message}")
+            raise refused(answer, f"{robot} may not act again")
 
     @staticmethod
     def switch_all(
@@ -191,11 +191,13 @@ class Stops:
     @staticmethod
     def listen(ends: Sequence[Stops], seconds: float) -> None:
         """Hear for so long who is there, and what they say."""
-        until = time.monotonic() + seconds
-        while time.monotonic() < until:
+        for _ in range(2):  # to look is much work
+            until = time.monotonic() + seconds / 2
             for end in ends:
                 end.look()
-                end.spin()
+            while time.monotonic() < until:
+                for end in ends:
+                    end.spin()
 
     @staticmethod
     def settled(ends: Sequence[Stops]) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,7 +18,7 @@ from hitab_client.run_folder import (
     running_swarms,
     state_home,
 )
-from hitab_core import has
+from hitab_core import Do, Remedy, has
 
 if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
@@ -30,15 +29,13 @@ LOOK_SECONDS = 3.0
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 
 
-def only(
-    found: Sequence[Found], what: str = "swarms are up", way: str = WAY_TO_CHOOSE
-) -> Found | None:
+def only(found: Sequence[Found], what: str = "swarms are up", *remedies: Remedy) -> Found | None:
     """Return the only swarm of several; None if there is none.
 
     Args:
         found: the swarms.
         what: what they have in common.
-        way: how to choose one.
+        remedies: how to go on without choosing one.
 
     Raises:
         SwarmError: if there are several, with their distinct names, and what tells them apart.
@@ -51,7 +48,7 @@ def only(
             f"  {name}: ROS domain {record.domain_id}, {folder.path}"
             for name, (folder, record) in zip(names, found, strict=True)
         ]
-        raise SwarmError("\n".join((f"several {what}; {way}:", *lines)))
+        raise SwarmError("\n".join((f"several {what}; {WAY_TO_CHOOSE}:", *lines)), *remedies)
     return found[0] if found else None
 
 
@@ -88,12 +85,9 @@ def find_running(which: str | None) -> Found | None:
     found = only(meant(which, up), _called(which))
     if found is None:
         names = [name_to_choose(record) for _, record in up]
-        from hitab_client.shipped import shipped_names
-
-        is_shipped = which in shipped_names("swarms")
-        starts = f"`hitab up {which}` starts it" if is_shipped else "`hitab up` starts one"
-        others = f" {has(names, which)}" if names else f", and no other; {starts}"
-        raise SwarmError(f'no swarm "{which}" is up{others}')
+        if names:
+            raise SwarmError(f'no swarm "{which}" is up {has(names, which)}')
+        raise SwarmError(f'no swarm "{which}" is up, and no other', Do.UP(swarm=which))
     return found
 
 
@@ -155,34 +149,29 @@ def name_to_choose(record: RunRecord) -> str:
     return record.swarm if len(others) < 2 else record.identity
 
 
-def way_to_stop(folder: RunFolder, record: RunRecord) -> str:
-    """Return the command that stops a swarm of the registry, as short as it can be."""
+def way_to_stop(folder: RunFolder, record: RunRecord) -> Remedy:
+    """Return how to stop a swarm of the registry, or to end what is left of it."""
     if folder.path == RunFolder.of_swarm(record.swarm).path:
-        return f"`hitab down {name_to_choose(record)}`"
-    here = Path.cwd()
-    inside = folder.path.is_relative_to(here)
-    path = folder.path.relative_to(here) if inside else folder.path
-    return f"`hitab down --run-dir {shlex.quote(str(path))}`"
+        return Do.DOWN(swarm=name_to_choose(record))
+    return Do.DOWN_FOLDER(folder=folder.path)
 
 
-def none_is_up(domain_id: int | None) -> str:
-    """Return a text for when `find_meant` found none: what the registry knows, what comes next."""
+def none_is_up(domain_id: int | None) -> tuple[str, list[Remedy]]:
+    """Return what the registry knows when `find_meant` found none, and what a person can do."""
+    remedies: list[Remedy] = []
     where = f"under {state_home()}" if domain_id is None else f"in ROS domain {domain_id}"
     known = [f"No swarm runs {where}."]
     for folder, record in registered_swarms():
         if folder.supervisor(record) is None:
-            known.append(
-                f'"{record.swarm}" has ended without `hitab down`: {folder.path}. '
-                f"{way_to_stop(folder, record)} ends what is left of it, and `hitab up` starts it "
-                "again."
-            )
+            known.append(f'"{record.swarm}" has ended without being stopped: {folder.path}.')
+            remedies.append(way_to_stop(folder, record))
         else:
             known.append(
                 f'"{record.swarm}" runs in ROS domain {record.domain_id}; '
                 f"choose it with --swarm {name_to_choose(record)}, or unset ROS_DOMAIN_ID."
             )
     known.append(f"Looking for {LOOK_SECONDS:g} s for one that was started elsewhere ...")
-    return " ".join(known)
+    return " ".join(known), remedies
 
 
 def reported_on(link: RosLink) -> Iterator[str]:
@@ -216,7 +205,7 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
 
     if not link.spin_until(spaces, LOOK_SECONDS):
         which = f"namespace {namespace} of {where}" if namespace else where
-        raise SwarmError(f"no swarm answers in {which}; start one, such as `hitab up keepaway`")
+        raise SwarmError(f"no swarm answers in {which}", Do.UP(swarm="keepaway"))
     there: set[str] = set()
     while there != (there := spaces() or there):
         link.spin_until(lambda: False, SETTLE_SECONDS)
@@ -242,11 +231,11 @@ def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None
     """
     up = list(running_swarms())
     left = [found for found in registered_swarms() if found[0].supervisor(found[1]) is None]
-    way = "stop one with `hitab down NAME`, or all with `hitab down --all`"
+    ended, ways = "have ended without being stopped", (Do.DOWN(),)
     if which is None:
-        return only(up, way=way) or only(left, "swarms have ended without `hitab down`", way)
-    found = only(meant(which, up), _called(which), way) or only(
-        meant(which, left), f'swarms called "{which}" have ended without `hitab down`', way
+        return only(up, "swarms are up", *ways) or only(left, f"swarms {ended}", *ways)
+    found = only(meant(which, up), _called(which), *ways) or only(
+        meant(which, left), f'swarms called "{which}" {ended}', *ways
     )
     if found is not None:
         return found

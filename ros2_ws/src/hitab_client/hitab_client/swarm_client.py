@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from hitab_msgs.msg import AgentStatus, Command
+from hitab_msgs.msg import Training as TrainingMessage
 from hitab_msgs.srv import (
     AnswerQuestion,
     BeginTraining,
@@ -16,10 +17,9 @@ from hitab_msgs.srv import (
     GetBehavior,
     GetReport,
     GetVocabulary,
-    ListExamples,
-    ListQuestions,
     LoadLibrary,
     Perform,
+    ReadFeatures,
     SaveBehavior,
     SetCaution,
     SetMode,
@@ -27,19 +27,26 @@ from hitab_msgs.srv import (
 
 from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
 from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
-from hitab_client.errors import SwarmError
+from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import said_of
+from hitab_core import Do
 from hitab_ros import names, qos
-from hitab_ros.conversions import costs_of
+from hitab_ros.conversions import cost_of, remedies_of
 
 if TYPE_CHECKING:
-    from hitab_client.learned import Learned
+    from hitab_client.learned import Learned, Training
+    from hitab_client.world_client import WorldClient
     from hitab_core.training import TrainingCost
 
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
+DRAIN_SECONDS = 0.02
+"""For what has come while the link was not spun, such as of what another program has changed."""
+
+PUBLISHED_SECONDS = 15.0
+"""How long an agent may take to publish what it is being trained; it looks for questions first."""
+
 AT_ONCE = 50
 """Agents of a host create a service when a client appears; for so many at the same time."""
 
@@ -59,6 +66,10 @@ class SwarmClient(AgentPresence):
         demonstrator: name of the demonstrator; by default, the user.
         identity: of the swarm in question; empty: any.
         processes: of the swarm; they show why an agent does not answer.
+
+    Attributes:
+        acknowledgements: of distributions.
+        trainings: what the watched agents are being trained, as they have published it.
     """
 
     def __init__(
@@ -75,7 +86,9 @@ class SwarmClient(AgentPresence):
         self.demonstrator = demonstrator or getpass.getuser()
         self._publishers: dict[str, Any] = {}
         self._sequence = 0
-        self._acknowledgements = Acknowledgements(link, prefix)
+        self.acknowledgements = Acknowledgements(link, prefix)
+        self.trainings: dict[str, Training] = {}
+        self._followed: dict[str, Any] = {}
 
     # -- commanding -------------------------------------------------------------------------
 
@@ -90,6 +103,7 @@ class SwarmClient(AgentPresence):
         sequence: int = 0,
         seconds: float = ACKNOWLEDGE_SECONDS,
         demonstrator: str = "",
+        world: WorldClient | None = None,
     ) -> AgentStatus:
         """Command a behavior and wait until the agent has acknowledged it.
 
@@ -103,11 +117,15 @@ class SwarmClient(AgentPresence):
                 number once, so a lost command can be sent again with its number. 0: a new one.
             seconds: how long to wait.
             demonstrator: who commands; empty: the client's.
+            world: of the agent; None: it has none. An agent that is late in a stepped world is
+                waited for: it would take the command for an answer to what it perceived before.
 
         Raises:
             SwarmError: if the agent is missing, refuses, or does not acknowledge.
         """
         self.await_agent(agent)
+        if world is not None and world.is_paused:
+            self.link.spin_until(lambda: agent not in world.missing, seconds)
         publisher = self._commander(agent)
         if not sequence:
             sequence = self._sequence = max(self._sequence + 1, time.time_ns() // 1000)
@@ -131,14 +149,12 @@ class SwarmClient(AgentPresence):
             if self.link.spin_until(answered, RESEND_SECONDS):
                 break
         if not answered():
-            raise SwarmError(
-                self.processes.reason(agent)
-                or f"{agent} did not acknowledge the command within {seconds:g} s; "
-                f"check with `hitab examples list {agent}` whether it was recorded"
-            )
+            late = f"{agent} did not acknowledge the command within {seconds:g} s"
+            raise self.processes.reason(agent) or SwarmError(late, Do.EXAMPLES(agent=agent))
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:
-            raise SwarmError(said_of(agent, status.last_error))
+            remedies = remedies_of(status.last_remedies)
+            raise SwarmError(status.last_error, *remedies, where=agent)
         return status
 
     def _commander(self, agent: str) -> Any:
@@ -154,7 +170,7 @@ class SwarmClient(AgentPresence):
             0.01,
             lambda: f"{agent} to listen",
         ):
-            raise SwarmError(self._absence(agent, DISCOVERY_SECONDS))
+            raise self._absence(agent, DISCOVERY_SECONDS)
         return publisher
 
     # -- services ---------------------------------------------------------------------------
@@ -173,8 +189,77 @@ class SwarmClient(AgentPresence):
             missing=lambda: self._absence(agent, DISCOVERY_SECONDS),
         )
         if not getattr(answer, "success", True):
-            raise SwarmError(said_of(agent, answer.message))
+            raise refused(answer, agent)
+        if (revision := getattr(answer, "revision", None)) is not None:
+            # The status was sent before the answer, on another way.
+            self.link.spin_until(lambda: self._shows(agent, revision), RESEND_SECONDS, 0.01)
         return answer
+
+    def _shows(self, agent: str, revision: int) -> bool:
+        """Whether the status of an agent is at least of this revision of its training."""
+        status = self.statuses.get(agent)
+        if status is None or not revision:
+            return status is None or not status.training
+        return bool(status.training_revision >= revision)
+
+    # -- training ---------------------------------------------------------------------------
+
+    def training(self, agent: str, *, searched: bool = False) -> Training:
+        """Return what an agent is being trained, as it is after all that was asked of it here.
+
+        Args:
+            agent: that is trained.
+            searched: whether to wait until the agent has looked for questions.
+
+        Raises:
+            SwarmError: if it is not training anything, or does not publish it.
+        """
+        self.await_agent(agent)
+        self.link.spin_until(lambda: False, DRAIN_SECONDS, DRAIN_SECONDS)
+
+        def has_come() -> bool:
+            self.watch_training(agent)
+            wanted, there = self.statuses[agent].training_revision, self.trainings.get(agent)
+            if not wanted or there is None:
+                return not wanted
+            return there.revision >= wanted and (there.searched or not searched)
+
+        if not self.link.spin_until(
+            has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
+        ):
+            raise self.processes.reason(agent) or SwarmError(
+                "it does not publish what it is being trained", Do.LOGS(node=agent), where=agent
+            )
+        if not self.statuses[agent].training_revision:
+            raise SwarmError(
+                "it is not training anything",
+                Do.RESUME(agent=agent),
+                Do.TRAIN(agent=agent),
+                where=agent,
+            )
+        return self.trainings[agent]
+
+    def watch_training(self, agent: str) -> None:
+        """Keep what an agent is being trained in `trainings` from now on."""
+        if agent not in self._followed:
+            topic = names.of_agent(agent, names.TRAINING, self.prefix)
+            self._followed[agent] = self.link.subscribe(
+                TrainingMessage, topic, self._take_training, qos.LATCHED, temporary=True
+            )
+
+    def forget_training(self, agent: str) -> None:
+        """Have the agent not publish for this client any more what it is being trained."""
+        if (subscription := self._followed.pop(agent, None)) is not None:
+            self.link.node.destroy_subscription(subscription)
+            self.trainings.pop(agent, None)
+
+    def _take_training(self, message: TrainingMessage) -> None:
+        from hitab_client.learned import training_of  # here because it loads what learns
+
+        if message.automaton.name:
+            self.trainings[message.agent] = training_of(message)
+        else:
+            self.trainings.pop(message.agent, None)
 
     def begin(self, agent: str, automaton: str, **fields: Any) -> Any:
         """Begin to train an automaton; see BeginTraining.srv."""
@@ -188,34 +273,39 @@ class SwarmClient(AgentPresence):
         """Give up an agent's training with its unsaved examples; the agent is idle afterwards."""
         return self.ask(agent, SetMode, names.SET_MODE, mode=AgentStatus.IDLE, discard=True)
 
-    def edit_examples(
-        self,
-        agent: str,
-        action: str,
-        numbers: Sequence[int] = (),
-        next_state: str = "",
-        **fields: Any,
-    ) -> Any:
-        """Undo, redo, delete, relabel, retime or exchange features; see EditExamples.srv."""
-        return self.ask(
-            agent,
-            EditExamples,
-            names.EDIT_EXAMPLES,
-            action=action,
-            numbers=list(numbers),
-            next_state=next_state,
-            **fields,
-        )
+    def undo(self, agent: str) -> Any:
+        """Take back the last command or edit."""
+        return self._edit(agent, EditExamples.Request.UNDO)
+
+    def redo(self, agent: str) -> Any:
+        """Do again what was taken back last."""
+        return self._edit(agent, EditExamples.Request.REDO)
+
+    def delete(self, agent: str, numbers: Sequence[int]) -> Any:
+        """Remove examples."""
+        return self._edit(agent, EditExamples.Request.DELETE, numbers=list(numbers))
+
+    def relabel(self, agent: str, numbers: Sequence[int], state: str) -> Any:
+        """Change the next state of examples."""
+        edit = EditExamples.Request.RELABEL
+        return self._edit(agent, edit, numbers=list(numbers), next_state=state)
+
+    def retime(self, agent: str, numbers: Sequence[int], ago: float) -> Any:
+        """Have the commands of examples be due so many seconds before they were given."""
+        return self._edit(agent, EditExamples.Request.RETIME, numbers=list(numbers), ago=ago)
+
+    def choose_features(self, agent: str, features: Sequence[str]) -> Any:
+        """Learn from other features of the same examples."""
+        return self._edit(agent, EditExamples.Request.FEATURES, features=list(features))
+
+    def _edit(self, agent: str, action: int, **fields: Any) -> Any:
+        return self.ask(agent, EditExamples, names.EDIT_EXAMPLES, action=action, **fields)
 
     def behavior(self, agent: str, name: str = "", **fields: Any) -> Learned:
-        """Return a behavior as it was learned, or the training under way; see GetBehavior.srv."""
+        """Return a behavior as it was learned, or would be; see GetBehavior.srv."""
         from hitab_client.learned import learned_of  # here because it loads what learns
 
         return learned_of(self.ask(agent, GetBehavior, names.GET_BEHAVIOR, name=name, **fields))
-
-    def questions(self, agent: str) -> Any:
-        """Return what the agent asks about its training; see ListQuestions.srv."""
-        return self.ask(agent, ListQuestions, names.LIST_QUESTIONS)
 
     def answer(self, agent: str, number: int, choice: str = "", *, dismiss: bool = False) -> Any:
         """Answer a question of the agent; see AnswerQuestion.srv."""
@@ -243,11 +333,8 @@ class SwarmClient(AgentPresence):
 
     def report(self, agent: str, automaton: str = "") -> list[TrainingCost]:
         """Return what trainings cost the person, oldest first; see GetReport.srv."""
-        return costs_of(self.ask(agent, GetReport, names.GET_REPORT, automaton=automaton))
-
-    def list_examples(self, agent: str, automaton: str = "") -> Any:
-        """Return the examples of the current training, or of a trained behavior."""
-        return self.ask(agent, ListExamples, names.LIST_EXAMPLES, automaton=automaton)
+        report = self.ask(agent, GetReport, names.GET_REPORT, automaton=automaton)
+        return list(map(cost_of, report.costs))
 
     def save(self, agent: str, **fields: Any) -> Any:
         """Save what was trained; see SaveBehavior.srv."""
@@ -270,7 +357,7 @@ class SwarmClient(AgentPresence):
                 try:
                     yield agent, self.load_library(agent).message, True
                 except SwarmError as error:
-                    yield agent, str(error).removeprefix(f"{agent}: "), False
+                    yield agent, error.what, False
 
     def load_library(self, agent: str, path: str = "") -> Any:
         """Make an agent reload its library, or load another one."""
@@ -279,6 +366,10 @@ class SwarmClient(AgentPresence):
     def vocabulary(self, agent: str) -> Any:
         """Return what can be commanded, perceived and targeted."""
         return self.ask(agent, GetVocabulary, names.GET_VOCABULARY)
+
+    def read_features(self, agent: str, also: Sequence[str] = ()) -> Any:
+        """Return what the agent perceives at the moment; see ReadFeatures.srv."""
+        return self.ask(agent, ReadFeatures, names.READ_FEATURES, also=list(also))
 
     # -- distributing -----------------------------------------------------------------------
 
@@ -317,7 +408,7 @@ class SwarmClient(AgentPresence):
         meant = [name for name in receivers or self.mates_of(source) if name != source]
         if not meant:
             raise SwarmError(f"there is no other agent of the domain of {source} to send it to")
-        self._acknowledgements.await_hearing(meant)
+        self.acknowledgements.await_hearing(meant)
         answer = self.ask(
             source,
             Distribute,
@@ -327,6 +418,6 @@ class SwarmClient(AgentPresence):
             receivers=meant,
             start=start,
         )
-        return self._acknowledgements.gather(
+        return self.acknowledgements.gather(
             answer.sequence, answer.digest, meant, seconds, progress
         )

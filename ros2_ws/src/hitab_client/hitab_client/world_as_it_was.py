@@ -12,6 +12,7 @@ from hitab_msgs.srv import Control
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_client.world_client import WorldClient
+from hitab_core import Do
 
 
 @contextlib.contextmanager
@@ -32,8 +33,10 @@ def as_it_was(world: WorldClient) -> Iterator[WorldStatus]:
     problem = _restore(world, before)
     if problem is not None:
         raise SwarmError(
-            f"the world could not be restored to {before.mode} in {before.pace}: {problem}; check "
-            "with `hitab status`, then use `hitab world pace` and `hitab world resume`"
+            f"the world could not be restored to {before.mode} in {before.pace}: {problem}",
+            Do.STATUS(),
+            Do.PACE(),
+            Do.RESUME_WORLD(),
         ) from problem
 
 

@@ -9,18 +9,18 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
-from hitab_client.errors import SwarmError
+from hitab_client.errors import SwarmError, refused
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import some
+from hitab_core import Do, some
 from hitab_ros import names, qos
 from hitab_ros.stamps import seconds_of
 
-NO_WORLD = "no world answers; is a swarm with a world up? `hitab up SWARM.yaml` starts one"
+NO_WORLD = "no world answers; is a swarm with a world up?"
 NOT_SIMULATED = (
     "this swarm has no world: its swarm file names none, and none that was started by hand "
-    "answers; only a world can be driven (`hitab stop` stops robots)"
+    "answers; only a world can be driven"
 )
 STARTED_BY_HAND_SECONDS = 2.0  # to wait for a world that the swarm has not started
 SPEED_SECONDS = 1.0  # over which the world's speed is averaged
@@ -83,7 +83,7 @@ class WorldClient:
             SwarmError: naming both swarms.
         """
         if self.stranger is not None:
-            raise SwarmError(other_swarm("the world", self.stranger, self.identity))
+            raise other_swarm("the world", self.stranger, self.identity)
 
     def _take_state(self, state: WorldState) -> None:
         self.state = state
@@ -107,22 +107,26 @@ class WorldClient:
 
         is_lost = self._processes.is_lost
 
-        def decided() -> bool:
-            return self.status is not None or self.stranger is not None or is_lost(names.WORLD)
-
-        self.link.spin_until(decided, seconds, waiting_for=lambda: "the world")
+        self.link.spin_until(
+            lambda: self.status or self.stranger is not None or is_lost(names.WORLD),
+            seconds,
+            waiting_for=lambda: "the world",
+        )
         self.refuse_stranger()
         if self.status is None:
-            unexplained = _unexplained(seconds) if own else self._absent
-            raise SwarmError(self._reason() or unexplained)
+            late = f"the world has been silent for {seconds:g} s"
+            silent = SwarmError(late, Do.LOGS(node=names.WORLD))
+            raise self._reason() or (silent if own else self._absent)
         return self.status
 
     @property
-    def _absent(self) -> str:
+    def _absent(self) -> SwarmError:
         """Why there is no world, and what to do: a swarm of robots is not meant to have one."""
-        return NOT_SIMULATED if self._processes.are_known else NO_WORLD
+        if self._processes.are_known:
+            return SwarmError(NOT_SIMULATED)
+        return SwarmError(NO_WORLD, Do.UP())
 
-    def _reason(self) -> str:
+    def _reason(self) -> SwarmError | None:
         """Return why the world does not answer, as far as its process shows it."""
         return self._processes.reason(names.WORLD)
 
@@ -144,7 +148,7 @@ class WorldClient:
             missing=lambda: self._reason() or self._absent,
         )
         if not answer.success:
-            raise SwarmError(f"the world refuses: {answer.message}")
+            raise refused(answer, "the world refuses")
         return answer
 
     def control(self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0) -> Any:
@@ -214,10 +218,8 @@ class WorldClient:
             seconds,
             waiting_for=lambda: some(self.missing) or "the world",
         ):
-            raise SwarmError(
-                self._reason()
-                or f"the world did not {what} within {seconds:g} s; see `hitab logs {names.WORLD}`"
-            )
+            late = f"the world did not {what} within {seconds:g} s"
+            raise self._reason() or SwarmError(late, Do.LOGS(node=names.WORLD))
         assert self.state is not None
         return self.state
 
@@ -280,38 +282,28 @@ class WorldClient:
         while (seen := len(played())) < episodes:
             if progress is not None:
                 progress(seen)
-            so_far = len(self.episodes)
-            if not self._more_episodes_than(so_far, stall_seconds):
+            cycle = self._cycle
+
+            def ended(known: int = len(self.episodes)) -> bool:
+                return len(self.episodes) > known
+
+            # Nor is it a long episode, in real time.
+            if not self.link.spin_until(ended, stall_seconds) and self._cycle == cycle:
                 raise SwarmError(
                     f"no cycle was played for {stall_seconds:g} s after {seen} of {episodes} "
                     f"episodes{self._why_stalled()}"
                 )
         return played()
 
-    def _more_episodes_than(self, number: int, seconds: float) -> bool:
-        def cycle() -> int:
-            return -1 if self.status is None else int(self.status.cycle)
-
-        def ended() -> bool:
-            return len(self.episodes) > number
-
-        before = cycle()
-        while not self.link.spin_until(ended, seconds):
-            if cycle() == before:
-                return False
-            before = cycle()  # a long episode, in real time
-        return True
+    @property
+    def _cycle(self) -> int:
+        return -1 if self.status is None else int(self.status.cycle)
 
     def _why_stalled(self) -> str:
-        if self.status is None:
-            return ""
         if self.missing:
             return f"; no node answers for {', '.join(self.missing)}"
-        return f"; the world reports: {self.status.last_error}" if self.status.last_error else ""
-
-
-def _unexplained(waited: float) -> str:
-    return f"the world has been silent for {waited:g} s; see `hitab logs {names.WORLD}`"
+        problem = self.status.last_error if self.status is not None else ""
+        return f"; the world reports: {problem}" if problem else ""
 
 
 def by_name(entities: Iterable[Entity]) -> dict[str, Entity]:

@@ -26,27 +26,30 @@ class Thing(Protocol):
     say: str
 
 
+def no_reading(agent: str, feature: str) -> float:
+    """Raise, since nobody can ask the agents what they perceive."""
+    raise LessonError(f"nobody can ask {agent} what it perceives")
+
+
 @dataclass(frozen=True)
 class WorldView:
     """One moment.
 
     Attributes:
-        things: the true state of everything in the world.
+        things: the true state of everything in the world; None: there is no world.
         seconds: simulated seconds since the step of the lesson began.
         paths: the active states of each agent.
         said: the agents that have said something since the step began.
         ended: the outcomes of the episodes that have ended since the step began.
-        readings: returns what an agent perceives, given its name and a feature; NaN: no value.
-        has_world: whether there is a world that shows its true state.
+        reading: returns what an agent perceives, given its name and a feature; NaN: no value.
     """
 
-    things: Sequence[Thing]
+    things: Sequence[Thing] | None
     seconds: float = 0.0
     paths: Mapping[str, Sequence[str]] | None = None
     said: frozenset[str] = frozenset()
     ended: tuple[str, ...] = ()
-    readings: Callable[[str, str], float] | None = None
-    has_world: bool = True
+    reading: Callable[[str, str], float] = no_reading
 
     def thing(self, name: str, seen_from: str = "") -> Thing:
         """Return a thing by name, or ``closest KIND`` as seen from another thing.
@@ -54,7 +57,7 @@ class WorldView:
         Raises:
             LessonError: if there is no such thing.
         """
-        if not self.has_world:
+        if self.things is None:
             raise LessonError(
                 f'nobody knows where "{name}" is, since there is no world; ask for what an agent '
                 'perceives, such as {feature: "DistanceTo(ball)", below: 2}'
@@ -83,16 +86,6 @@ class WorldView:
         a, b = self.thing(one), self.thing(other, one)
         off = math.atan2(b.y - a.y, b.x - a.x) - a.heading
         return abs(math.degrees(math.atan2(math.sin(off), math.cos(off))))
-
-    def reading(self, agent: str, feature: str) -> float:
-        """Return the value of a feature that an agent perceives; NaN: it has none.
-
-        Raises:
-            LessonError: if nobody can ask the agents.
-        """
-        if self.readings is None:
-            raise LessonError(f"nobody can ask {agent} what it perceives")
-        return self.readings(agent, feature)
 
     def speed(self, name: str) -> float:
         """Return the speed of a thing, m/s."""

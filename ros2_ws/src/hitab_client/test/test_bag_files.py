@@ -68,11 +68,16 @@ def test_a_bag_says_of_itself_what_a_folder_says_of_it(tmp_path: Path) -> None:
     ]
 
 
+def request_in_an_older_recording(text: str) -> object:
+    return session_topics.request_of(text.replace('"action": 5', '"action": "retime"'))
+
+
 def test_a_request_is_read_as_it_was_written() -> None:
-    edit = EditExamples.Request(action="retime", numbers=[1, 4], ago=0.1 + 0.2)
+    edit = EditExamples.Request(action=EditExamples.Request.RETIME, numbers=[1, 4], ago=0.1 + 0.2)
     for service, request in (("begin", REQUEST), ("edit_examples", edit)):
         text = session_topics.request_text(service, request)
         assert session_topics.request_of(text) == (service, request)
+    assert request_in_an_older_recording(text) == ("edit_examples", edit)
     other = '{"service": "reboot", "request": {}}'
     for wrong in ("", "[]", other, text.replace("ago", "then"), text.replace("[1, 4]", "4")):
         with pytest.raises(ValueError, match="is no request to an agent"):

@@ -43,7 +43,7 @@ VIEW = WorldView(
     paths={"keeper_1": ["GotoBall", "ApproachBall(ball)"]},
     said=frozenset({"taker_1"}),
     ended=("taken",),
-    readings=lambda agent, feature: {"DistanceTo(ball)": 5.0}.get(feature, float("nan")),
+    reading=lambda agent, feature: {"DistanceTo(ball)": 5.0}.get(feature, float("nan")),
 )
 
 
@@ -98,7 +98,7 @@ def test_speakers_are_those_who_say_something():
 
 
 def test_without_a_world_only_what_agents_say_can_be_asked_for():
-    nowhere = WorldView((), 1.0, {"robot": ["GoFast"]}, has_world=False)
+    nowhere = WorldView(None, 1.0, {"robot": ["GoFast"]})
     assert Active(active="GoFast", agent="robot").holds(nowhere)
     with pytest.raises(LessonError, match='nobody knows where "robot" is'):
         nowhere.distance("robot", "ball")

@@ -81,8 +81,8 @@ class Agents:
         behaviors = [Behavior(name=name) for name in ("Forward", "GoTo(A)")]
         return SimpleNamespace(domain="test", behaviors=behaviors, targets=["goal", "home"])
 
-    def ask(self, agent: str, kind: Any, service: str) -> Any:
-        return SimpleNamespace(name="Wander", chosen_states=[], states=[], parameters=["B"])
+    def training(self, agent: str) -> Any:
+        return SimpleNamespace(name="Wander", chosen=[], states=[], parameters=["B"])
 
     def perform(self, agent: str, behavior: str, arguments: Any = ()) -> None:
         use = str(Use(behavior, tuple(arguments))) if behavior else ""
@@ -101,7 +101,7 @@ class Agents:
 
     def become(self, agent: str, mode: str, *path: str) -> None:
         self.statuses[agent] = AgentStatus(
-            agent=agent, mode=mode, active_path=path, behavior="Wander"
+            agent=agent, mode=mode, active_path=path, behavior="Wander", training="Wander"
         )
 
 

@@ -41,5 +41,5 @@ def test_a_flag_is_read_as_the_automaton_sees_it(automata, values, expected):
     read = zip(automata, values, strict=True)
     readings = [Reading(automaton=a, feature="Done", value=value) for a, value in read]
     answer = SimpleNamespace(readings=readings)
-    swarm = SimpleNamespace(statuses={"robot_1": None}, ask=lambda *_, **__: answer)
+    swarm = SimpleNamespace(statuses={"robot_1": None}, read_features=lambda *_, **__: answer)
     assert ConditionWatch(swarm)._reading("robot_1", "Done") == expected

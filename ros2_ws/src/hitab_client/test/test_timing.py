@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from hitab_msgs.msg import WorldStatus
 
-from hitab_client.demonstrating.timing import EARLIER_SECONDS, Due, due, earlier
+from hitab_client.demonstrating.commanding import EARLIER_SECONDS, due, earlier
 
 
 def world(mode: str = "running", pace: str = "realtime", factor: float = 1.0) -> Any:
@@ -15,12 +15,12 @@ def world(mode: str = "running", pace: str = "realtime", factor: float = 1.0) ->
 
 
 def test_a_reaction_time_is_scaled_by_the_pace_of_the_world_and_is_nothing_while_it_is_paused():
-    assert due(world(), 0.3, 70) == Due(0.3, 70)
-    assert due(world(factor=2.0), 0.3, 70) == Due(pytest.approx(0.6), 70)
-    assert due(world(pace="lockstep"), 0.3, 70) == Due(pytest.approx(0.9), 70)
-    assert due(world("paused"), 0.3, 70) == Due(0.0, 0)
+    assert due(world(), 0.3, 70) == (0.3, 70)
+    assert due(world(factor=2.0), 0.3, 70) == (pytest.approx(0.6), 70)
+    assert due(world(pace="lockstep"), 0.3, 70) == (pytest.approx(0.9), 70)
+    assert due(world("paused"), 0.3, 70) == (0.0, 0)
     without = SimpleNamespace(status=None, speed=1.0)
-    assert due(without, 0.3, 0) == Due(0.3, 0), "a robot's time is that of the person"
+    assert due(without, 0.3, 0) == (0.3, 0), "a robot's time is that of the person"
 
 
 def test_a_command_is_put_earlier_by_the_pace_of_the_world_even_while_it_is_paused():

@@ -1,8 +1,14 @@
 """A client that could not run has not waited: on a busy machine others are late, too."""
 
 import time
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+from hitab_msgs.msg import AgentStatus, Command
 
 from hitab_client.ros_link import RosLink
+from hitab_client.swarm_client import SwarmClient
 from hitab_ros.patience import BUSY_FACTOR
 
 
@@ -48,3 +54,35 @@ def test_there_is_an_end_to_that():
 
 def test_its_own_work_counts():
     assert looks(Late(0.0), 0.4, work=0.05) <= 5
+
+
+class Keeper:
+    """A link to a swarm whose keeper has missed a cycle of a stepped world, and comes back."""
+
+    def __init__(self) -> None:
+        self.world = SimpleNamespace(is_paused=True, missing=["keeper"])
+        self.missed: list[list[str]] = []
+        self.node = SimpleNamespace(create_publisher=lambda *_: self)
+
+    def subscribe(self, *arguments: Any) -> None:
+        pass
+
+    def get_subscription_count(self) -> int:
+        return 1
+
+    def publish(self, command: Command) -> None:
+        self.missed.append(list(self.world.missing))
+        self.status.last_command_sequence = command.sequence
+
+    def spin_until(self, done: Callable[[], Any], *_: Any, **more: Any) -> bool:
+        if not done():
+            self.world.missing.clear()
+        return bool(done())
+
+
+def test_an_agent_that_is_late_in_a_stepped_world_is_commanded_once_it_is_back():
+    link: Any = Keeper()
+    swarm = SwarmClient(link, ["keeper"])
+    link.status = swarm.statuses["keeper"] = AgentStatus(agent="keeper")
+    swarm.command("keeper", "GoFast", world=link.world)
+    assert link.missed == [[]]

@@ -1,5 +1,4 @@
 from . import commander_domain as commander_domain
-from . import hierarchy_players as hierarchy_players
 from .kind import CommanderKind as CommanderKind
 from .kind import OrderMap as OrderMap
 from .kind_reader import KIND_FILE as KIND_FILE
@@ -8,4 +7,3 @@ from .kind_reader import described_kind as described_kind
 from .kind_reader import kind_in as kind_in
 from .kind_reader import kind_text as kind_text
 from .kind_reader import read_kind as read_kind
-from .order_memory import ORDERS_FILE as ORDERS_FILE

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from statistics import fmean
 
 from hitab_commander.kind import Observation, Over
 from hitab_core.commanding import Number, Report
@@ -60,7 +61,7 @@ def summed_up(values: Iterable[float], over: Over) -> float:
         case Over.FRACTION:
             return sum(value != 0.0 for value in known) / len(known) if known else 0.0
         case Over.MEAN:
-            return math.fsum(known) / len(known) if known else NAN
+            return fmean(known) if known else NAN
         case Over.MINIMUM:
             return min(known, default=NAN)
         case Over.MAXIMUM:
@@ -68,22 +69,15 @@ def summed_up(values: Iterable[float], over: Over) -> float:
     raise ValueError(f"{over} does not aggregate over all members")
 
 
-def mean_position(positions: Iterable[Sequence[float]]) -> tuple[float, float] | None:
-    """Return the mean of some positions, m; None if there are none."""
+def of_positions(part: str, positions: Iterable[Sequence[float]]) -> float:
+    """Return the mean x or y, or the root mean square of the distances from the mean, m.
+
+    NaN: no position is known.
+    """
     known = [position for position in positions if len(position) == 2]
     if not known:
-        return None
-    return (
-        math.fsum(position[0] for position in known) / len(known),
-        math.fsum(position[1] for position in known) / len(known),
-    )
-
-
-def spread(positions: Iterable[Sequence[float]]) -> float:
-    """Return the root mean square of the distances from the mean position, m; NaN for none."""
-    known = [position for position in positions if len(position) == 2]
-    mean = mean_position(known)
-    if mean is None:
         return NAN
-    squares = ((x - mean[0]) ** 2 + (y - mean[1]) ** 2 for x, y in known)
-    return math.sqrt(math.fsum(squares) / len(known))
+    x, y = (fmean(values) for values in zip(*known, strict=True))
+    if part in "xy":
+        return x if part == "x" else y
+    return math.sqrt(fmean((p[0] - x) ** 2 + (p[1] - y) ** 2 for p in known))

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from hitab_commander.aggregation import mean_position, observed, summed_up
+from hitab_commander.aggregation import observed, of_positions, summed_up
 from hitab_commander.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
 from hitab_commander.roll_call import RollCall
 from hitab_core.commanding import OTHERS, Number, Order, Report
@@ -103,7 +103,12 @@ class CommanderBody:
     @property
     def position(self) -> tuple[float, float] | None:
         """The mean position of the group, m; None if unknown."""
-        return mean_position(report.position for _, report in self.present())
+        x, y = self.of_group("x"), self.of_group("y")
+        return None if math.isnan(x) else (x, y)
+
+    def of_group(self, part: str) -> float:
+        """Return the mean x or y of the group, or its spread, m; NaN if unknown."""
+        return of_positions(part, (report.position for _, report in self.present()))
 
     # -- hearing ----------------------------------------------------------------------------
 
@@ -124,15 +129,7 @@ class CommanderBody:
         if not (self.roll.round and known is not None and report.round == known.round):
             member.report = report
         member.latest, member.heard_at = report, now
-        if before is None or was_silent:
-            return True
-        return (
-            before.sequence != report.sequence
-            or before.epoch != report.epoch
-            or before.waits != report.waits
-            or list(before.flags) != list(report.flags)
-            or list(before.path) != list(report.path)
-        )
+        return before is None or was_silent or _activity(before) != _activity(report)
 
     def _change_time(self, report: Report, member: Member) -> None:
         """Switch to lockstep or to real time if a report shows that its world has."""
@@ -203,20 +200,16 @@ class CommanderBody:
 
     # -- perceiving -------------------------------------------------------------------------
 
-    def feature(self, feature: GroupFeature) -> float:
-        """Return a feature of the group; NaN if it has no value."""
-        asked, number = self._asked, self.number
-        return summed_up(
-            (observed(r, feature.of, asked, number) for _, r in self.present(feature.role)),
-            feature.over,
-        )
-
-    def feature_of(self, feature: GroupFeature, name: str | None) -> float:
-        """Return a feature of one subordinate; NaN if it is silent or unknown."""
-        for present, report in self.present():
-            if present == name:
-                return observed(report, feature.of, self._asked, self.number)
-        return NAN
+    def feature(self, feature: GroupFeature, name: str | None = None) -> float:
+        """Return a feature of the group, or of one subordinate; NaN if it has no value."""
+        if feature.over is Over.GROUP:
+            return self.of_group(feature.part)
+        asked, number, of = self._asked, self.number, feature.of
+        if feature.over is Over.VALUE:
+            values = (observed(r, of, asked, number) for one, r in self.present() if one == name)
+            return next(values, NAN)
+        present = self.present(feature.role)
+        return summed_up((observed(r, of, asked, number) for _, r in present), feature.over)
 
     @property
     def fraction_silent(self) -> float:
@@ -230,16 +223,14 @@ class CommanderBody:
         if pick.number:
             names = [n for n, m in self.members.items() if not pick.role or m.role == pick.role]
             return names[pick.number - 1] if pick.number <= len(names) else None
-        best: str | None = None
-        best_value = NAN
-        for name, report in self.present(pick.role):
-            value = observed(report, pick.of, self._asked, self.number)
-            if math.isnan(value):
-                continue
-            larger = value > best_value
-            if best is None or (larger if pick.over is Over.MAXIMUM else value < best_value):
-                best, best_value = name, value
-        return best
+        seen = {
+            name: value
+            for name, report in self.present(pick.role)
+            if not math.isnan(value := observed(report, pick.of, self._asked, self.number))
+        }
+        # Of equal ones, the first.
+        best = max if pick.over is Over.MAXIMUM else min
+        return best(seen, key=seen.__getitem__, default=None)
 
     # -- ordering ---------------------------------------------------------------------------
 
@@ -299,3 +290,9 @@ class CommanderBody:
                     self.give(order, name)
                     return True
         return False
+
+
+def _activity(report: Report) -> tuple[object, ...]:
+    """Return what a report says of an order and of what is done for it."""
+    number = report.epoch, report.sequence
+    return number, report.waits, list(report.flags), list(report.path)

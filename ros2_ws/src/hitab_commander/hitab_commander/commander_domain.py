@@ -12,7 +12,6 @@ from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
-from hitab_commander.aggregation import spread
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.kind import (
     CommanderKind,
@@ -80,12 +79,14 @@ def _feature(feature: GroupFeature) -> Feature:
     told = f"{feature.over} {feature.part or _in_words(of)}"
     if feature.role:
         told += f", of those with role {feature.role}"
-    if feature.over is Over.VALUE:
-        read = partial(_read_one, feature)
-        return Feature(feature.name, read, kind, parameters=(feature.parameter,), description=told)
-    if feature.over is Over.GROUP:
-        return Feature(feature.name, _GROUP[feature.part], kind, unit="m", description=told)
-    return Feature(feature.name, partial(_read_all, feature), kind, description=told)
+    return Feature(
+        feature.name,
+        lambda body, *chosen: body.feature(feature, *chosen),
+        kind,
+        unit="m" if feature.over is Over.GROUP else "",
+        parameters=(feature.parameter,) if feature.parameter else (),
+        description=told,
+    )
 
 
 def _in_words(of: Observation) -> str:
@@ -94,30 +95,6 @@ def _in_words(of: Observation) -> str:
         text += f" below {of.below:g}"
     return text + (f" above {of.above:g}" if of.above is not None else "")
 
-
-def _read_all(feature: GroupFeature, body: CommanderBody) -> float:
-    return body.feature(feature)
-
-
-def _read_one(feature: GroupFeature, body: CommanderBody, name: str | None) -> float:
-    return body.feature_of(feature, name)
-
-
-def _x(body: CommanderBody) -> float:
-    mean = body.position
-    return float("nan") if mean is None else mean[0]
-
-
-def _y(body: CommanderBody) -> float:
-    mean = body.position
-    return float("nan") if mean is None else mean[1]
-
-
-def _spread(body: CommanderBody) -> float:
-    return spread(report.position for _, report in body.present())
-
-
-_GROUP = {"x": _x, "y": _y, "spread": _spread}
 
 _SILENT = Feature(
     FRACTION_SILENT,

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+import time
 from dataclasses import replace
-from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent import RoundGate, Shared
+from hitab_agent import AgentNode, RoundGate
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
-from hitab_commander.lockstep import Lockstep, Round
-from hitab_commander.order_memory import OrderMemory, Remembered
-from hitab_core import Agent, HitabError, Mode, Use
-from hitab_core.commanding import Number, Order, Report
-from hitab_ros import GuardedNode, names, qos
+from hitab_commander.rounds import Lockstep, Round
+from hitab_core.commanding import Order, Report
+from hitab_ros import names, qos
 from hitab_ros.conversions import order_message
 from hitab_ros.stamps import time_of
 
@@ -32,87 +29,48 @@ class CommanderLink:
 
     In real time it decides at once when a subordinate's activity changes, when all have reported
     again, and when its own commander or a person has it perform something. In lockstep it decides
-    in its turn; see `hitab_commander.lockstep`.
+    in its turn; see `hitab_commander.rounds`.
     """
 
-    def __init__(
-        self,
-        node: GuardedNode,
-        agent: Agent,
-        shared: Shared,
-        settings: GroupSettings,
-        memory: OrderMemory,
-        group: GroupStatus,
-        *,
-        take_in: Callable[[msg.Percept], Any],
-        answer: Callable[[msg.Percept], Any],
-        tell: Callable[[], None],
-        awaited_orders: Callable[[], Collection[str]],
-    ) -> None:
-        """Start to receive reports and give orders.
-
-        Args:
-            node: of the commander.
-            agent: the commander, whose body is the group.
-            shared: what the agents of its process share.
-            settings: the members of the group.
-            memory: what was in force in the previous process.
-            group: publishes how the orders are carried out.
-            take_in: has the commander perceive.
-            answer: has it act on what it perceived.
-            tell: has it report to its own commander, if it has one.
-            awaited_orders: returns the topics of the orders that it waits for in a lockstep
-                round.
-        """
+    def __init__(self, node: AgentNode) -> None:
+        """Start to receive reports and give orders."""
+        agent, shared = node.agent, node.shared
+        settings = GroupSettings.declare(node)
         self._node = node
         self._agent = agent
-        self._ticker = shared.ticker
         self._outbox = shared.outbox
-        self._take_in = take_in
-        self._answer = answer
-        self._tell = tell
-        self._awaited_orders = awaited_orders
         self.body: CommanderBody = agent.body
-        self.group = group
+        self.group = GroupStatus(node)
         self._lockstep = Lockstep(self.body)
         self._gate = RoundGate(shared.orders)
-        self._memory = memory
-        self._kept: tuple[str, Number] = ("", (-1, -1))
         self.seconds = 0.0
         self._episode: Episode | None = None
         self._episodes: list[Episode] = []
         self._percept = msg.Percept()
         self._decided = False
         self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
-        if memory.damage:
-            node.get_logger().warning(memory.damage)
-        remembered = memory.remembered
+        noted = node.memory.values
+        epoch = noted.get("epoch")
         self.body.enlist(
             settings.roles,
-            memory.next_epoch(),
-            self._ticker.seconds(),
+            # Later than that of any earlier process, even if the clock went back.
+            max(time.time_ns(), epoch + 1 if isinstance(epoch, int) else 0),
+            time.monotonic(),
             asks_position=settings.asks_position,
         )
         self.body.on_order = self._on_order
-        self._take_up(remembered)
+        self._take_up(str(noted.get("order", "")) if node.memory.performed is not None else "")
         node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
-        self._ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
+        shared.ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates continue to follow their orders."""
 
-    def _take_up(self, remembered: Remembered) -> None:
-        """Resume what was in force in the previous process, or publish that there is no order."""
-        agent = self._agent
-        if remembered.epoch and agent.mode in (Mode.IDLE, Mode.PERFORMING):
-            behavior = remembered.behavior
-            try:
-                agent.perform(Use.parse(behavior) if behavior else None)
-            except HitabError as error:
-                self._node.get_logger().warning(f"cannot resume what was performed: {error}")
-        if remembered.label and not self.body.give_again(remembered.label):
+    def _take_up(self, order: str) -> None:
+        """Resume the order of the previous process, or publish that there is none."""
+        if order and not self.body.give_again(order):
             self._node.get_logger().warning(
-                f'the order in force, "{remembered.label}", no longer exists; '
+                f'the order in force, "{order}", no longer exists; '
                 "subordinates continue with it until another order is given"
             )
         if not self.body.order.sequence:
@@ -122,7 +80,7 @@ class CommanderLink:
 
     def _on_reports(self, message: msg.Reports) -> None:
         body = self.body
-        now = self._ticker.seconds()
+        now = time.monotonic()
         changed = restart = False
         newest = body.number
         for report in message.reports:
@@ -179,10 +137,10 @@ class CommanderLink:
         self.seconds = present.seconds
         self._episode = present.seed, present.episode
         with self._outbox.at_once():
-            self._take_in(percept)
+            self._node.take_in(percept)
         self._gate.begin(
             present.number,
-            self._awaited_orders(),
+            self._node.awaited_orders(),
             lambda: self._decide_round(present),
             look=present.look,
         )
@@ -190,16 +148,16 @@ class CommanderLink:
     def _decide_round(self, present: Round) -> None:
         """Decide, if that is due, and give the order of the round."""
         if self._lockstep.is_due(present):
-            self._answer(self._percept)
+            self._node.answer(self._percept)
         self._percept.restart = self._percept.look = self._percept.lockstep = False
         order = replace(self.body.order, round=present.number)
         self._orders.publish(order_message(self._agent.name, order))
-        self.remember()
+        self._node.remember()
 
     # -- deciding in real time --------------------------------------------------------------
 
     def _on_time(self) -> None:
-        self.body.now = self._ticker.seconds()
+        self.body.now = time.monotonic()
         if not (self._decided or self._lockstep.active):
             self.decide()
         self._decided = False
@@ -212,7 +170,7 @@ class CommanderLink:
         """
         if self._lockstep.active:
             self._lockstep.expect()
-            self.remember()
+            self._node.remember()
             return
         percept = self._percept
         percept.restart |= restart
@@ -220,30 +178,20 @@ class CommanderLink:
         self._decided = True
         with self._outbox.held():
             if self.body.ready:
-                self._take_in(percept)
-                self._answer(percept)
+                self._node.take_in(percept)
+                self._node.answer(percept)
                 percept.restart = False
             else:
                 self._agent.sense((), (), percept.cycle, self.seconds)
-                self._tell()
-        self.remember()
+                if self._node.superior is not None:
+                    self._node.superior.tell()
+        self._node.remember()
 
     # -- ordering ---------------------------------------------------------------------------
 
     def _on_order(self, order: Order) -> None:
         # First, so that a process killed in between does not return to the previous order.
-        self.remember()
+        self._node.remember()
         if not self._percept.lockstep:  # otherwise it is published at the end of the round
             self._orders.publish(order_message(self._agent.name, order))
         self.group.changed = True
-
-    def remember(self) -> None:
-        """Save what is performed and ordered, if that has changed."""
-        body, agent = self.body, self._agent
-        performed = str(agent.top) if agent.mode is Mode.PERFORMING else ""
-        if (performed, body.order.number) != self._kept:
-            self._kept = (performed, body.order.number)
-            order = body.order
-            # The order is obeyed even if it cannot be saved.
-            kept = Remembered(order.epoch, performed, order.name)
-            self._node.guard.run("remembering the order for a restart", self._memory.keep, kept)

@@ -10,10 +10,7 @@ from hitab_msgs import msg
 from hitab_agent import AgentNode
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.commander_link import CommanderLink
-from hitab_commander.group_settings import GroupSettings
-from hitab_commander.group_status import GroupStatus
 from hitab_commander.kind_reader import read_kind
-from hitab_commander.order_memory import OrderMemory
 from hitab_core import Domain, HitabError, Mode, some
 from hitab_ros.diagnostics import Level
 
@@ -33,12 +30,12 @@ class CommanderNode(AgentNode):
     def __init__(self, node_name: str = "commander", **options: Any) -> None:
         super().__init__(node_name, **options)
 
-    def _first_behavior(self) -> str:
-        """Return what to perform at the first start; the link resumes later performances."""
-        return self.settings.behavior
-
-    def remember(self) -> None:
-        """Do nothing: the link saves what is performed together with the order."""
+    def resumed(self) -> dict[str, Any]:
+        """Return what a restart resumes: what is performed, and the order in force."""
+        order = self.agent.body.order
+        # Before the link has taken up the order of the previous process, there is none.
+        there = {"epoch": order.epoch, "order": order.name} if order.epoch else {}
+        return super().resumed() | there
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain of the kind of commander in the file ``name``."""
@@ -75,18 +72,13 @@ class CommanderNode(AgentNode):
         level = Level.STALE if len(silent) == len(body.members) else Level.WARN
         return [(level, f"silent subordinates: {some(silent, NAMED_MAX)}")]
 
-    def tell(self) -> None:
-        """Report to its own commander, if it has one."""
-        if self.superior is not None:
-            self.superior.tell()
-
     def _decide(self) -> None:
         if self._link is None:
             return
         if self.agent.mode in (Mode.PERFORMING, Mode.TESTING):
             self._link.decide()
         else:
-            self._link.remember()
+            self.remember()
 
 
 def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
@@ -94,16 +86,4 @@ def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
 
     It ignores worlds, and decides itself when to perceive and when to act.
     """
-    agent, settings = node.agent, node.settings
-    return CommanderLink(
-        node,
-        agent,
-        node.shared,
-        GroupSettings.declare(node),
-        OrderMemory(Path(settings.state_dir).expanduser() / node.agent_name),
-        GroupStatus(node, agent, settings, lambda: node.status.faults),
-        take_in=node.take_in,
-        answer=node.answer,
-        tell=node.tell,
-        awaited_orders=node.awaited_orders,
-    )
+    return CommanderLink(node)

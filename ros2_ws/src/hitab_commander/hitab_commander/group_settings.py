@@ -32,28 +32,22 @@ class GroupSettings:
         Raises:
             HitabError: if there are no subordinates, or the number of roles differs from theirs.
         """
-        commander = names.own_name(node)
         strings = Parameter.Type.STRING_ARRAY
-        subordinates = _parameter(node, "subordinates", strings, "names of the subordinates")
-        if not subordinates:
-            raise HitabError(
-                f'the commander {commander} has no subordinates; give it -p subordinates:="[a, b]"'
-            )
+        subordinates = _parameter(node, "subordinates", strings, "names of the subordinates") or []
         roles = _parameter(node, "roles", [""], "roles of the subordinates, in the same order")
         if list(roles) == [""]:
             roles = [""] * len(subordinates)
-        if len(roles) != len(subordinates) or len(set(subordinates)) != len(subordinates):
+        if not subordinates or not len(subordinates) == len(roles) == len(set(subordinates)):
             raise HitabError(
-                f"the commander {commander} was given "
+                f"the commander {names.own_name(node)} was given "
                 f"{quantity(len(subordinates), 'subordinate')} and "
-                f"{quantity(len(roles), 'role')}; it needs a role for each, "
-                "and each subordinate once"
+                f"{quantity(len(roles), 'role')}; name each subordinate once, as in -p "
+                'subordinates:="[a, b]", and give a role to each or to none'
             )
         asks = _parameter(node, "asks_position", False, "have subordinates report their positions")
         return cls(dict(zip(subordinates, roles, strict=True)), asks)
 
 
 def _parameter(node: Node, name: str, default: Any, description: str) -> Any:
-    return node.declare_parameter(
-        name, default, ParameterDescriptor(description=description, read_only=True)
-    ).value
+    told = ParameterDescriptor(description=description, read_only=True)
+    return node.declare_parameter(name, default, told).value

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from hitab_msgs import msg
 
-from hitab_agent import AgentSettings
+from hitab_agent import AgentNode
 from hitab_commander.commander_body import CommanderBody
-from hitab_core import Agent
-from hitab_ros import GuardedNode, names, qos
+from hitab_ros import names, qos
 
 
 class GroupStatus:
@@ -19,36 +16,21 @@ class GroupStatus:
         changed: whether it has changed since it was last published.
     """
 
-    def __init__(
-        self,
-        node: GuardedNode,
-        agent: Agent,
-        settings: AgentSettings,
-        faults: Callable[[], list[str]],
-    ) -> None:
-        """Create the publisher.
-
-        Args:
-            node: to publish on.
-            agent: the commander, whose body is the group.
-            settings: of the commander.
-            faults: returns its lasting faults.
-        """
+    def __init__(self, node: AgentNode) -> None:
+        """Create the publisher."""
         self.changed = True
-        self._agent = agent
-        self._body: CommanderBody = agent.body
-        self._settings = settings
-        self._faults = faults
+        self._node = node
         self._doing: tuple[object, ...] = ()
         self._publisher = node.create_publisher(msg.CommanderStatus, names.GROUP, qos.LATCHED)
 
     def publish_if_changed(self) -> None:
         """Publish the status, if anything has changed."""
-        agent, body = self._agent, self._body
+        agent, settings = self._node.agent, self._node.settings
+        body: CommanderBody = agent.body
         path = agent.active_path
         # A member that has not reported is not disobeying.
         silent = [not body.knows_of(name) for name in body.members]
-        faults = self._faults()
+        faults = self._node.status.faults
         doing = (agent.mode, agent.behavior, path, silent, faults)
         if not self.changed and doing == self._doing:
             return
@@ -67,7 +49,7 @@ class GroupStatus:
             msg.CommanderStatus(
                 commander=agent.name,
                 kind=body.kind.name,
-                superior=self._settings.commander,
+                superior=settings.commander,
                 mode=agent.mode.value,
                 behavior=agent.behavior,
                 active_path=path,
@@ -76,6 +58,6 @@ class GroupStatus:
                 sequence=body.order.sequence,
                 subordinates=subordinates,
                 faults=faults,
-                swarm=self._settings.swarm,
+                swarm=settings.swarm,
             )
         )

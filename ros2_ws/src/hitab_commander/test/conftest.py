@@ -119,6 +119,7 @@ class Team:
 
     def _join(self, node_class: Any, name: str, **settings: Any) -> Any:
         settings = {
+            "swarm": "team",
             "state_dir": str(self.folder / "state"),
             "library": str(self.folder / "libraries" / name),
             **settings,

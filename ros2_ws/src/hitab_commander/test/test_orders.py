@@ -35,24 +35,20 @@ def test_an_order_has_each_subordinate_perform_what_it_means_for_its_role(team):
     team.until(lambda: [team.performs(name) for name in ANTS] == ["", ""])
 
 
-def test_who_joins_late_performs_the_current_order(team):
+def test_who_joins_late_or_is_restarted_performs_the_current_order_once(team):
     squad(team)
     team.perform("chief", "Attack")
+    team.ant("b", "chief", "carrier", behavior="Follow")
+    team.until(lambda: team.obeying() == [False, True])
+    assert team.begun("b") == ["Follow"], "it performs it already"
     team.perform("chief", "Retreat")
     team.ant("a", "chief", "scout")
     team.until(lambda: team.performs("a") == "Home")
     assert team.begun("a") == ["Home"]
-
-
-def test_who_is_restarted_performs_the_current_order(team):
-    squad(team)
-    team.ant("a", "chief", "scout")
-    team.perform("chief", "Attack")
-    team.until(lambda: team.performs("a") == "Search")
     team.end("a")
-    team.perform("chief", "Retreat")
+    team.perform("chief", "Attack")
     team.ant("a", "chief", "scout")
-    team.until(lambda: team.performs("a") == "Home")
+    team.until(lambda: team.performs("a") == "Search")
 
 
 def test_an_old_or_repeated_order_changes_nothing(team):
@@ -72,15 +68,6 @@ def test_an_old_or_repeated_order_changes_nothing(team):
         team.executor.spin_once(timeout_sec=0.1)
     team.until(lambda: team.performs("a") == "Wait")
     assert team.begun("a") == ["Search", "Home", "Wait"]
-
-
-def test_who_performs_the_ordered_behavior_already_is_not_restarted(team):
-    squad(team)
-    team.ant("b", "chief", "carrier", behavior="Follow")
-    team.perform("chief", "Attack")
-    team.until(lambda: team.statuses["b"].ordered == "Follow")
-    team.until(lambda: team.obeying() == [False, True])
-    assert team.begun("b") == ["Follow"]
 
 
 def test_the_orders_of_a_restarted_commander_are_newer_and_it_goes_on_where_it_was(team):
@@ -133,19 +120,6 @@ def test_the_demonstrator_wins_and_the_order_is_taken_up_afterwards(team):
     team.until(lambda: team.performs("a") == "Home")
     team.until(lambda: not team.statuses["a"].order_waits)
     assert team.begun("a") == ["Wait", "Home"]
-
-
-def test_an_order_that_cannot_be_obeyed_waits_and_tells_why(team):
-    kind = "commander: Squad\norders: {Sing: Sing, Retreat: Home}\n"
-    team.commander("chief", kind, ["a"])
-    team.ant("a", "chief")
-    team.perform("chief", "Sing")
-    team.until(lambda: team.statuses["a"].order_waits)
-    assert 'cannot obey the order "Sing": unknown behavior "Sing" (known: Follow, Home' in (
-        team.statuses["a"].last_error
-    )
-    team.perform("chief", "Retreat")
-    team.until(lambda: team.performs("a") == "Home")
 
 
 def test_an_order_is_passed_on_through_commanders_of_commanders_on_arrival(team):

@@ -5,6 +5,7 @@ import math
 from hitab_msgs import msg, srv
 
 from hitab_ros import names, qos
+from hitab_ros.diagnostics import Level
 
 CREW = """\
 commander: Crew
@@ -36,6 +37,16 @@ ANTS = ["a", "b"]
 
 def crew(team, **settings):
     return team.commander("chief", CREW, ANTS, **settings)
+
+
+def perceiving_crew(team, *xs, **settings):
+    """Return a chief whose subordinates perceive this, and who knows it."""
+    chief = crew(team, **settings)
+    for name, x in zip(ANTS, xs, strict=True):
+        team.ant(name, "chief")
+        team.perceive(name, x, 0.0, 0.0)
+    await_value(team, "MeanX", sum(xs) / len(xs))
+    return chief
 
 
 def await_value(team, feature, value, name="chief"):
@@ -109,15 +120,13 @@ def test_states_inside_the_ordered_behavior_are_reported_only_to_a_commander_tha
 
 
 def test_a_subordinate_that_falls_silent_is_left_out_and_counted(team):
-    crew(team)
-    for name, x in (("a", 1.0), ("b", 5.0)):
-        team.ant(name, "chief")
-        team.perceive(name, x, 0.0, 0.0)
-    await_value(team, "MeanX", 3.0)
+    chief = perceiving_crew(team, 1.0, 5.0)
     team.end("b")
     await_value(team, "FractionSilent", 0.5)
     assert team.sees("chief", "MeanX") == 1.0
     team.until(lambda: [s.silent for s in team.groups["chief"].subordinates] == [False, True])
+    assert chief.troubles() == [(Level.WARN, "silent subordinates: b")]
+    assert chief.diagnose().level == Level.WARN
     team.ant("b", "chief")
     await_value(team, "FractionSilent", 0.0)
 
@@ -169,7 +178,7 @@ def test_a_commander_is_trained_as_an_agent_is_and_its_flag_reaches_its_own_comm
         team.perceive(name, 0.0, 0.0, 1.0)
     await_value(team, "AllDone", 1.0)
     team.command("chief", "Done")
-    listed = team.ask(srv.ListExamples, "chief", names.LIST_EXAMPLES).examples
+    listed = team.ask(srv.GetBehavior, "chief", names.GET_BEHAVIOR).automaton.examples
     assert [(e.state, e.next_state, list(e.values)) for e in listed] == [
         ("Start", "Run", [0.0]),
         ("Run", "Run", [0.0]),
@@ -193,20 +202,13 @@ def test_a_commander_is_trained_as_an_agent_is_and_its_flag_reaches_its_own_comm
 def test_features_of_a_commander_are_features_of_a_subordinate_for_its_own(team):
     top = "commander: Top\norders: {Go: Rest}\nfeatures: {Far: {mean: MeanX}, X: {group: x}}\n"
     team.commander("general", top, ["chief"])
-    crew(team, superior="general")
-    for name, x in (("a", 2.0), ("b", 4.0)):
-        team.ant(name, "chief")
-        team.perceive(name, x, 0.0, 0.0)
+    perceiving_crew(team, 2.0, 4.0, superior="general")
     await_value(team, "Far", 3.0, "general")
     await_value(team, "X", 3.0, "general")
 
 
 def test_a_training_goes_on_after_the_commander_was_restarted(team):
-    crew(team)
-    for name in ANTS:
-        team.ant(name, "chief")
-        team.perceive(name, 1.0, 0.0, 0.0)
-    await_value(team, "MeanX", 1.0)
+    perceiving_crew(team, 1.0, 1.0)
     team.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
     team.command("chief", "Search")
     team.until(lambda: [team.performs(name) for name in ANTS] == ["Search", "Search"])
@@ -215,19 +217,6 @@ def test_a_training_goes_on_after_the_commander_was_restarted(team):
     team.until(lambda: team.statuses["chief"].examples == 2)
     team.until(lambda: team.obeying() == [True, True])
     assert team.begun("a") == ["Search"]
-
-
-def test_the_automaton_of_a_commander_begins_at_start_with_each_episode(team):
-    crew(team)
-    for name in ANTS:
-        team.ant(name, "chief")
-        team.perceive(name, 1.0, 0.0, 0.0)
-    await_value(team, "MeanX", 1.0)
-    team.ask(srv.BeginTraining, "chief", names.BEGIN, automaton="Plan", features=["MeanX"])
-    team.command("chief", "Search")
-    team.until(lambda: team.nodes["chief"].agent.active_path == ["Search"])
-    team.perceive("a", 1.0, 0.0, 0.0, episode=1)
-    team.until(lambda: team.nodes["chief"].agent.active_path == ["Start"])
 
 
 def begin_plan(team):
@@ -272,11 +261,7 @@ def test_an_episode_that_is_played_again_begins_at_start_once_all_have_told_of_i
 
 
 def test_the_time_of_a_commander_goes_on_when_a_subordinate_is_gone(team):
-    crew(team)
-    for name in ANTS:
-        team.ant(name, "chief")
-        team.perceive(name, 1.0, 0.0, 0.0)
-    await_value(team, "MeanX", 1.0)
+    perceiving_crew(team, 1.0, 1.0)
     team.end("b")
     await_value(team, "FractionSilent", 0.5)
     link = team.nodes["chief"]._link

@@ -40,6 +40,8 @@ from .learning.transition_tree import TransitionTree as TransitionTree
 from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
 from .plain import plain_domain as plain_domain
+from .remedies import Do as Do
+from .remedies import Remedy as Remedy
 from .repertoire import Repertoire as Repertoire
 from .saving import to_be_saved as to_be_saved
 from .seeding import agent_seed as agent_seed
@@ -49,17 +51,13 @@ from .transition_function import HandWritten as HandWritten
 from .use import NAME as NAME
 from .use import NAME_RULE as NAME_RULE
 from .use import Use as Use
-from .vocabulary import did_you_mean as did_you_mean
 from .vocabulary import has as has
 from .vocabulary import unknown as unknown
 from .wording import RADIANS as RADIANS
 from .wording import each_once as each_once
-from .wording import gist as gist
-from .wording import in_lines as in_lines
 from .wording import natural as natural
 from .wording import numbered as numbered
 from .wording import quantity as quantity
-from .wording import said_of as said_of
 from .wording import shown_unit as shown_unit
 from .wording import shown_value as shown_value
 from .wording import some as some

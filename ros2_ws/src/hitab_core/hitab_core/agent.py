@@ -31,6 +31,7 @@ from hitab_core.library.change import refused_name
 from hitab_core.library.contents import Losses
 from hitab_core.library.edition import Edition
 from hitab_core.library.provenance import Provenance
+from hitab_core.remedies import Do, Remedy
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
@@ -131,18 +132,17 @@ class Agent:
         return self.context.repertoire
 
     @property
-    def library_digest(self) -> str:
-        """Digest of what this agent has learned, as far as it has loaded it.
-
-        Other agents in the process may have added to a shared library since.
-        """
-        return self.edition.digest
-
-    @property
     def faults(self) -> tuple[str, ...]:
-        """What it has lost, each with the way out: behaviors, and an interrupted training."""
+        """What it has lost: behaviors, and an interrupted training."""
         damage = self.journal.damage
         return (*self.edition.losses.faults, *([damage] if damage else ()))
+
+    @property
+    def remedies(self) -> tuple[Remedy, ...]:
+        """What a person can do about `faults`, and about what its repertoire lacks."""
+        lost = [Do.CHECK_LIBRARY()] if self.edition.losses else []
+        damaged = [Do.DISCARD(agent=self.name)] if self.journal.damage else []
+        return (*lost, *damaged, *self.repertoire.remedies)
 
     @property
     def active_path(self) -> list[str]:
@@ -172,12 +172,6 @@ class Agent:
         """The flags that the top-level behavior has raised and that are still up."""
         running = self.running
         return frozenset() if running is None else frozenset(running.raised)
-
-    def lower_flags(self) -> None:
-        """Lower the flags of the top-level behavior, as a commander's new order does."""
-        running = self.running
-        if running is not None:
-            running.raised.clear()
 
     @property
     def running(self) -> Running | None:
@@ -259,11 +253,6 @@ class Agent:
             self.perform(None)
         return False
 
-    def act(self) -> tuple[Sequence[float], str]:
-        """Return what the body does now, and what it says."""
-        values, say = self.body.act()
-        return values, say
-
     # -- performing -------------------------------------------------------------------------
 
     def check_saved(self, name: str) -> None:
@@ -274,8 +263,7 @@ class Agent:
         """
         if name == self.training and name not in self.repertoire:
             raise TrainingError(
-                f'"{name}" is being trained and not saved yet; save it first: '
-                f"`hitab save {self.name}`"
+                f'"{name}" is being trained and not saved yet', Do.SAVE(agent=self.name)
             )
 
     def perform(self, use: Use | None) -> None:
@@ -341,16 +329,16 @@ class Agent:
         """
         if self.unsaved and not discard:
             raise TrainingError(
-                f'"{self.training}" has {quantity(self.unsaved, "unsaved example")}; save it '
-                f"first (`hitab save {self.name}`), or discard it (`hitab discard {self.name}`)"
+                f'"{self.training}" has {quantity(self.unsaved, "unsaved example")}',
+                Do.SAVE(agent=self.name),
+                Do.DISCARD(agent=self.name),
             )
         if self.journal.damage and not discard:
-            raise TrainingError(
-                f"{self.journal.damage}; or discard that training (`hitab discard {self.name}`)"
-            )
+            raise TrainingError(self.journal.damage, Do.DISCARD(agent=self.name))
         name = curriculum.name or resume
         if name in self.edition.losses.reasons:
-            raise LostBehaviorError(refused_name(name, "trained", self.edition.losses))
+            losses = self.edition.losses
+            raise LostBehaviorError(refused_name(name, "trained", losses), *losses.remedies[name])
         examples: tuple[Example, ...] = ()
         if resume:
             curriculum, examples = resumed(
@@ -383,14 +371,11 @@ class Agent:
         session = self._session()
         if self.mode in (Mode.IDLE, Mode.PERFORMING):
             raise TrainingError(
-                f"{self.name} is {self.mode}, not in training mode; `hitab train {self.name}` "
-                f'goes on with "{self.training}", and then it takes commands'
+                f'it is {self.mode}, and the training of "{self.training}" waits',
+                Do.RESUME(agent=self.name),
             )
         if self.mode is Mode.TESTING:
-            raise TrainingError(
-                f'"{self.training}" is being tested; go to training mode to take over before '
-                f"commanding (`hitab train {self.name}`)"
-            )
+            raise TrainingError(f'"{self.training}" is being tested', Do.RESUME(agent=self.name))
         if 0 < seen < self._episode_since:
             raise TrainingError(
                 f"the command was for cycle {seen}, but a new episode has begun in cycle "
@@ -505,10 +490,7 @@ class Agent:
             refused = "nothing can be saved: " if to_save else ""
             if to_save and self._latest_saved:
                 refused += f'"{self._latest_saved}" has been saved already, and '
-            raise TrainingError(
-                f"{refused}{self.name} is not training anything; begin a training first "
-                f"(`hitab train {self.name} NAME -f FEATURE`)"
-            )
+            raise TrainingError(f"{refused}it is not training anything", Do.TRAIN(agent=self.name))
         return self.session
 
     # -- library ----------------------------------------------------------------------------
@@ -527,7 +509,8 @@ class Agent:
         edition = library.edition(strict=False)
         if edition.losses.reasons.keys() - self.edition.losses.reasons.keys():
             raise LibraryError(
-                f"{self.name} keeps what it knew: {'; '.join(edition.losses.faults)}"
+                f"it keeps what it knew: {'; '.join(edition.losses.faults)}",
+                *(remedy for ways in edition.losses.remedies.values() for remedy in ways),
             )
         self.take_up(edition, library=library)
         return sorted(self.edition.files)
@@ -589,10 +572,11 @@ class Agent:
                 use = self.awaited
         losses = edition.losses
         gone = sorted(losses.reasons.keys() & self.edition.files.keys())
-        kept = f"{self.name} keeps what it knew:"
+        kept = "it keeps what it knew:"
         if gone:
             raise LostBehaviorError(
-                f"{kept} {', '.join(gone)} would be lost: {'; '.join(losses.faults)}"
+                f"{kept} {', '.join(gone)} would be lost: {'; '.join(losses.faults)}",
+                *(remedy for name in gone for remedy in losses.remedies[name]),
             )
         try:
             if use is not None:
@@ -666,4 +650,4 @@ def _first_edition(library: BehaviorLibrary) -> Edition:
     except FolderInUseError:
         raise
     except LibraryError as error:
-        return library.editions.of({}, Losses.of_unread(str(error), library.domain))
+        return library.editions.of({}, Losses.of_unread(error.problem, library.domain))

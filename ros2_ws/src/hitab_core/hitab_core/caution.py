@@ -16,6 +16,7 @@ from hitab_core.advice.evidence import Evidence
 from hitab_core.automaton import OWN_FEATURES
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
+from hitab_core.remedies import Do
 from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
 from hitab_core.running.senses import value_or_nan
 from hitab_core.transition_function import TransitionFunction
@@ -54,15 +55,15 @@ class Caution:
         """
         if when_unsure not in list(WhenUnsure):
             raise TrainingError(unknown("caution", when_unsure, list(WhenUnsure)))
-        for option, number in (("--support", support), ("--distance", distance)):
+        for option, number in (("support", support), ("distance", distance)):
             if not 0 <= number < float("inf"):
                 raise TrainingError(f"{option} must be a number of at least 0, not {number:g}")
         asks = when_unsure != WhenUnsure.GO_ON
         if asks and not (support or distance):
             raise TrainingError(
-                f'"{when_unsure}" needs to know when an agent is unsure: with fewer examples than '
-                "--support, or farther than --distance from any, such as "
-                f"`hitab test AGENT --when-unsure {when_unsure} --distance 3`"
+                f'"{when_unsure}" needs to know when an agent is unsure: with how few examples '
+                "(support), or how far from any (distance)",
+                Do.CAUTION(when_unsure=when_unsure),
             )
         return cls(WhenUnsure(when_unsure), support, distance)
 
@@ -137,7 +138,7 @@ class CautionMonitor:
         features, state = running.automaton.features, running.active
         rated = self._rated.get((id(function), state))
         if rated is None or rated[0] is not function:
-            scales = [context.repertoire.scale_of(use) for use in features]
+            scales = [context.repertoire.domain.scale_of(use) for use in features]
             evidence = Evidence.of(state, examples, scales, [str(use) for use in features])
             rated = function, Confidences(function, evidence)
             self._rated[id(function), state] = rated

@@ -315,6 +315,10 @@ class Domain:
         """Return a feature by name, of the domain or of the engine itself."""
         return OWN[name] if name in OWN else self.features[name]
 
+    def scale_of(self, use: Use) -> Scale:
+        """Return how the values of a feature compare."""
+        return self.feature(use.name).scale
+
     def check_feature(self, use: Use, parameters: Iterable[str] = ()) -> None:
         """Check that ``use`` can be a feature of an automaton with these parameters.
 

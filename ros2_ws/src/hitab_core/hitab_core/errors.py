@@ -1,8 +1,38 @@
 """Errors a user can cause and fix: each names the thing, the place and the way out."""
 
+from __future__ import annotations
+
+from hitab_core.remedies import Remedy
+
 
 class HitabError(Exception):
-    """Base of all errors that a user, not a programmer, has to fix."""
+    """Base of all errors that a user, not a programmer, has to fix.
+
+    Args:
+        what: is wrong, in one clause.
+        remedies: what a person can do, as data; ``str`` words them plainly.
+        where: the place or the one concerned, such as ``Chase.hfa.yaml:14`` or ``keeper_1``.
+
+    Attributes:
+        what: is wrong.
+        remedies: what a person can do.
+        where: the place or the one concerned; may be empty.
+    """
+
+    def __init__(self, what: str = "", *remedies: Remedy, where: str = "") -> None:
+        super().__init__(what, *remedies)
+        self.what = what
+        self.remedies = remedies
+        self.where = where
+
+    @property
+    def problem(self) -> str:
+        """Where and what is wrong, without the ways out."""
+        return f"{self.where}: {self.what}" if self.where else self.what
+
+    def __str__(self) -> str:
+        """Return what is wrong and the ways out, in plain words."""
+        return "; ".join((self.problem, *map(str, self.remedies)))
 
 
 class VocabularyError(HitabError):

@@ -13,7 +13,7 @@ import numpy as np
 from hitab_core.agent import Agent, Mode
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
-from hitab_core.errors import FeatureValueError, TrainingError
+from hitab_core.errors import FeatureValueError, HitabError, TrainingError
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.training.curriculum import Curriculum
@@ -78,8 +78,9 @@ class LearningAgent:
             self._temporary = tempfile.TemporaryDirectory(prefix="hitab-")
             library = self._temporary.name
         self.agent = Agent(name, domain, BehaviorLibrary(library, domain), seed=seed)
+        ways = {remedy for ways in self.agent.edition.losses.remedies.values() for remedy in ways}
         for fault in self.agent.faults:
-            warnings.warn(fault, stacklevel=2)
+            warnings.warn(str(HitabError(fault, *sorted(ways, key=str))), stacklevel=2)
         self._cycle = 0
         self._period = period
         self._size: int | None = None
@@ -179,7 +180,7 @@ class LearningAgent:
             )
         agent.tick()
         self._size = len(percept)  # not before: what it has not could be what is wrong with it
-        return tuple(map(float, agent.act()[0]))
+        return tuple(map(float, agent.body.act()[0]))
 
     def learn(self) -> Automaton:
         """Learn from the examples; what was learned decides from now on, beginning at Start.

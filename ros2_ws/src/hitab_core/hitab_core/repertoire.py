@@ -6,9 +6,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NoReturn
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
-from hitab_core.domain import BasicBehavior, Domain, Scale
+from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
+from hitab_core.remedies import Do, Remedy
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
 
@@ -62,20 +63,28 @@ class Repertoire:
     def vacancies(self) -> tuple[str, ...]:
         """What is missing because it was taken out of the domain and not trained since.
 
-        One text per behavior: what it is needed for, and the way out. A trained behavior that is
-        lost leaves no vacancy, but takes along what is made of it; see `lost`.
+        One text per behavior, with what it is needed for. A trained behavior that is lost leaves
+        no vacancy, but takes along what is made of it; see `lost`.
         """
         return tuple(
-            f'"{name}" was taken out, and nothing is done in its place; {self._need(name)}'
-            f"train it with `hitab train AGENT {name}`, or load it from a file with "
-            "`hitab library import FILE --agent AGENT`"
-            for name in sorted(self.domain.taken_out)
-            if self._automata.get(name) is self.domain.automata[name]
+            f'"{name}" was taken out, and nothing is done in its place{self._need(name)}'
+            for name in self._vacant
         )
+
+    @property
+    def remedies(self) -> tuple[Remedy, ...]:
+        """What a person can do about the vacancies."""
+        trained = [Do.TRAIN(behavior=name) for name in self._vacant]
+        return (*trained, Do.IMPORT()) if trained else ()
+
+    @property
+    def _vacant(self) -> list[str]:
+        out, automata = sorted(self.domain.taken_out), self.domain.automata
+        return [name for name in out if self._automata.get(name) is automata[name]]
 
     def _need(self, name: str) -> str:
         users = [user for user in self._automata if name in self.needed_by(user)[:-1]]
-        return f"it is needed for {', '.join(sorted(users))}; " if users else ""
+        return f"; it is needed for {', '.join(sorted(users))}" if users else ""
 
     def __contains__(self, name: object) -> bool:
         return name in self._parameters
@@ -99,9 +108,9 @@ class Repertoire:
 
     def _refuse_lost(self, name: str) -> None:
         if name in self.lost:
-            raise LostBehaviorError(self.lost[name])
+            raise LostBehaviorError(self.lost[name], Do.CHECK_LIBRARY())
         if self._unread and name not in self._parameters:
-            raise LostBehaviorError(f'"{name}" is unknown, and {self._unread}')
+            raise LostBehaviorError(f'"{name}" is unknown, and {self._unread}', Do.CHECK_LIBRARY())
 
     def is_one_shot(self, use: Use) -> bool:
         """Whether a state is executed only once per entry and so gets no default example."""
@@ -114,10 +123,6 @@ class Repertoire:
         """Whether a state never moves the robot."""
         behavior = self.domain.behaviors.get(use.name)
         return behavior is not None and behavior.stands_still
-
-    def scale_of(self, feature: Use) -> Scale:
-        """Return how the values of a feature compare."""
-        return self.domain.feature(feature.name).scale
 
     def check_state(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
         """Check that ``use`` can be a state of an automaton with these parameters.
@@ -142,14 +147,6 @@ class Repertoire:
         """
         self.get(use.name)
         self.check_state(use)
-
-    def check_feature(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
-        """Check that ``use`` can be a feature of an automaton with these parameters.
-
-        Raises:
-            VocabularyError: naming what is unknown or wrongly bound.
-        """
-        self.domain.check_feature(use, parameters)
 
     def check_new(self, automaton: Automaton) -> None:
         """Check an automaton, including its name, before training it.
@@ -186,7 +183,7 @@ class Repertoire:
             for state in automaton.states:
                 self.check_state(state, automaton.parameters)
             for feature in automaton.features:
-                self.check_feature(feature, automaton.parameters)
+                self.domain.check_feature(feature, automaton.parameters)
         except VocabularyError as error:
             raise VocabularyError(f'automaton "{automaton.name}": {error}') from None
 

@@ -10,9 +10,6 @@ from functools import lru_cache
 NAMED_MAX = 5
 """Maximum number of names in a sentence, if nothing else is said."""
 
-TOLD_BY_CHECK = re.compile("`hitab library (restore|delete) ")
-"""Remedies that `hitab library check` tells, too."""
-
 
 def quantity(number: float, noun: str, plural: str = "") -> str:
     """Return a number with its noun, such as ``1 example`` or ``3 examples``.
@@ -71,45 +68,7 @@ def each_once(texts: Iterable[tuple[str, str]]) -> list[str]:
     concerned: dict[str, list[str]] = {}
     for name, text in texts:
         concerned.setdefault(text, []).append(name)
-    return [said_of(some(names), text) for text, names in concerned.items()]
-
-
-def said_of(name: str, text: str) -> str:
-    """Return a text after the name of the one it is about, unless it begins with that name.
-
-    Examples:
-        >>> said_of("ann", "unknown mode"), said_of("ann", "ann is idle")
-        ('ann: unknown mode', 'ann is idle')
-    """
-    return text if re.match(rf"{re.escape(name)}\b", text) else f"{name}: {text}"
-
-
-LONG = 160
-"""Characters: two lines of a terminal. A longer text is shown in several."""
-
-
-def in_lines(text: str) -> str:
-    """Return a text with each clause of a long one on its own line: what is wrong, the remedies.
-
-    Args:
-        text: one sentence per line, with clauses that semicolons separate.
-    """
-    lines = text.split("\n")
-    return "\n".join(ln.replace("; ", ";\n  ") if len(ln) > LONG else ln for ln in lines)
-
-
-def gist(text: str) -> str:
-    """Return the first clause of a long text, if `hitab library check` tells the rest.
-
-    That are the files of a library that cannot be used; other texts are returned as they are.
-
-    Args:
-        text: what is wrong, then remedies, with semicolons between them.
-    """
-    first, rest = text.split("; ", 1) if "; " in text else (text, "")
-    if len(text) <= LONG or not TOLD_BY_CHECK.search(rest):
-        return text
-    return f"{first}; see `hitab library check`"
+    return [f"{some(names)}: {text}" for text, names in concerned.items()]
 
 
 @lru_cache(maxsize=8192)

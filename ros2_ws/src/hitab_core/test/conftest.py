@@ -11,7 +11,6 @@ from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_learning import learn_transitions
-from hitab_core.library.behavior_file import scale_of
 from hitab_core.use import Use
 
 Row = tuple[str, Sequence[float], str]
@@ -89,7 +88,7 @@ def teach(robot: Domain) -> Teach:
         mentioned = [label for e in examples for label in (e.state, e.next_state)]
         labels = [label for label in dict.fromkeys([*mentioned, *states]) if label != START]
         uses = tuple(Use.parse(feature) for feature in features)
-        scales = [scale_of(use, domain or robot) for use in uses]
+        scales = [(domain or robot).scale_of(use) for use in uses]
         return Automaton(
             name,
             tuple(Use.parse(label) for label in labels),

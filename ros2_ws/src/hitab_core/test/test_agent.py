@@ -12,6 +12,7 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.remedies import Do
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -62,7 +63,7 @@ def see(agent, x, cycle=1):
 def do(agent, x):
     see(agent, x)
     agent.tick()
-    return agent.act()[1]
+    return agent.body.act()[1]
 
 
 def teach_home(agent):
@@ -90,16 +91,16 @@ def test_what_is_taught_is_tested_saved_and_performed(make):
 
 def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
     agent = make()
-    with pytest.raises(TrainingError, match="begin a training first"):
+    with pytest.raises(TrainingError, match="it is not training anything"):
         agent.command(Use("Left"))
     teach_home(agent)
     agent.test()
-    with pytest.raises(TrainingError, match="training mode"):
+    with pytest.raises(TrainingError, match='"Home" is being tested'):
         agent.command(Use("Left"))
     agent.perform(Use("Right"))
-    refused = "ann is performing, not in training mode; `hitab train ann`"
-    with pytest.raises(TrainingError, match=refused):
+    with pytest.raises(TrainingError, match="it is performing") as refused:
         agent.command(Use("Left"))
+    assert refused.value.remedies == (Do.RESUME(agent="ann"),)
     assert len(agent.session.examples) == 4
 
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import signal
@@ -21,6 +22,8 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.commit import COMMIT, commit
 from hitab_core.library.differences import difference
 from hitab_core.library.durable_files import locked
+from hitab_core.library.provenance import Provenance
+from hitab_core.remedies import Do
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]
@@ -200,14 +203,14 @@ def test_a_behavior_that_was_deleted_is_brought_back_and_what_uses_it_is_not_bla
     library.remove("Approach", anyway=True)
     with pytest.raises(LibraryError) as refused:
         again(library).load()
-    way = f"bring version 1 back with `hitab library restore Approach 1 -l {library.folder}`"
-    assert f'uses behavior "Approach", which is no longer in the library; {way}' in str(
-        refused.value
-    )
-    (fault,) = again(library).edition(strict=False).losses.faults
-    assert way in fault
-    assert "distribute" not in fault
-    assert "file in its place" not in fault
+    told = 'uses behavior "Approach", which was deleted; bring its version 1 back'
+    assert told in str(refused.value)
+    losses = again(library).edition(strict=False).losses
+    (fault,) = losses.faults
+    assert told in fault
+    restored, given_up = losses.remedies["Control"]
+    assert restored == Do.RESTORE(behavior="Approach", version=1, folder=library.folder)
+    assert given_up.code is Do.DELETE
 
 
 def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_used(
@@ -277,8 +280,8 @@ def test_an_edit_is_accepted_once_it_is_right(library: BehaviorLibrary) -> None:
     with pytest.raises(LibraryError, match="must be a number"):
         again(library).accept_edits("Approach")
     path.write_text(path.read_text().replace("four", "2.5"))
-    with pytest.raises(LibraryError, match=f"hitab library accept {path}"):
-        again(library).load()
+    losses = again(library).edition(strict=False).losses
+    assert losses.remedies["Approach"][0] == Do.ACCEPT(file=path)
     assert again(library).accept_edits("Approach") == ["Approach"]
     accepted = again(library).file("Approach")
     assert accepted.automaton.examples[2].features == (2.5,)
@@ -348,6 +351,23 @@ def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
     assert again(other).load().keys() == {"Approach", "Control", "Keepaway"}
     assert again(other).digest == library.digest
     assert not (other.folder / COMMIT).exists()
+
+
+def test_whoever_reads_is_told_if_an_interrupted_change_cannot_be_finished(
+    library: BehaviorLibrary, teach: Teach, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with library.change() as change:
+        change.save(teach("New", [], [("Start", [], "GoSlow")]), "tree", Provenance())
+        change.announce()
+
+    def read_only(*args: object) -> None:
+        raise OSError(errno.EROFS, "read-only")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("hitab_core.library.durable_files.os.replace", read_only)
+        with pytest.raises(LibraryError, match="the disk is read-only; copy it to a writable one"):
+            again(library).load()
+    assert "New" in again(library).load()
 
 
 def test_a_note_of_changes_that_leads_out_of_the_folder_is_refused(

@@ -101,8 +101,9 @@ def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
         'Control.hfa.yaml:10: state "Approach" uses behavior "Approach", which is neither in': (
             repacked(control, keepaway)
         ),
-        '"Approach" comes after Control': repacked(control, approach, keepaway),
-        '"Approach" is in the bundle twice': repacked(approach, approach, control, keepaway),
+        "each once and after what it uses": repacked(control, approach, keepaway),
+        "each once and after": repacked(approach, approach, control, keepaway),
+        "and nothing else": repacked(approach, keepaway, control),
         'Control.hfa.yaml:4: is called "Keepaway"': (
             repacked(approach, ("Control", keepaway[1]), keepaway)
         ),

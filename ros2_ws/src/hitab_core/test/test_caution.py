@@ -59,9 +59,9 @@ def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
 def test_a_caution_that_means_nothing_is_refused() -> None:
     for when, support, distance, why in [
         ("stop", 1.0, 1.0, 'unknown caution "stop"'),
-        ("halt", -1.0, 0.0, "--support must be a number of at least 0, not -1"),
+        ("halt", -1.0, 0.0, "support must be a number of at least 0, not -1"),
         ("halt", 0.0, float("nan"), "at least 0"),
-        ("halt", 0.0, 0.0, "`hitab test AGENT --when-unsure halt --distance 3`"),
+        ("halt", 0.0, 0.0, "say when an agent is unsure"),
     ]:
         with pytest.raises(TrainingError, match=why):
             Caution.parse(when, support, distance)

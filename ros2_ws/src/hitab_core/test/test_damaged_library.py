@@ -15,6 +15,7 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle
+from hitab_core.remedies import Do
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -111,20 +112,23 @@ def test_an_agent_starts_with_what_is_sound_and_names_what_is_not(
     agent.perform(Use("Other"))
     assert agent.mode is Mode.PERFORMING
     (fault,) = agent.faults
-    where = file_of(agent, "Low")
-    assert fault.startswith(f"the file of Low, {where}, cannot be used: line ")
-    assert "; it is needed for High, Middle, Patrol; bring version 1 back with " in fault
-    assert f"`hitab library restore Low 1 -l {agent.library.folder}`" in fault
-    assert f"`hitab library delete Low -l {agent.library.folder}`" in fault
+    folder = agent.library.folder
+    assert fault.startswith(f"Low is lost: its file in {folder} cannot be used: Low.hfa.yaml:")
+    assert fault.endswith("; it is needed for High, Middle, Patrol")
+    assert agent.edition.losses.remedies["High"] == (
+        Do.RESTORE(behavior="Low", version=1, folder=folder),
+        Do.DELETE(behavior="Low", folder=folder),
+    )
+    assert agent.remedies == (Do.CHECK_LIBRARY(),)
 
 
 @pytest.mark.parametrize(
     ("name", "reason"),
     [
-        ("Low", "the file of Low, "),
-        ("Middle", "Middle needs Low, whose file "),
-        ("High", "High needs Middle, which needs Low, whose file "),
-        ("Patrol", "Patrol needs Low, whose file "),
+        ("Low", "Low is lost: "),
+        ("Middle", "Middle needs Low: "),
+        ("High", "High needs Middle, which needs Low: "),
+        ("Patrol", "Patrol needs Low: "),
     ],
 )
 def test_nothing_stands_in_for_what_is_lost_and_whoever_asks_for_it_learns_why(
@@ -134,7 +138,9 @@ def test_nothing_stands_in_for_what_is_lost_and_whoever_asks_for_it_learns_why(
     agent = make()
     assert name not in agent.repertoire
     assert name not in agent.repertoire.names()
-    with pytest.raises(LostBehaviorError, match=f"^{reason}.*Low.hfa.yaml,? cannot be used"):
+    with pytest.raises(
+        LostBehaviorError, match=f"^{reason}its file in .* cannot be used: Low.hfa.yaml"
+    ):
         agent.perform(Use(name))
     assert agent.mode is Mode.IDLE
     teach(agent, "New", "Right", save=False)
@@ -166,7 +172,7 @@ def test_a_trained_behavior_that_uses_a_hand_written_one_made_of_a_lost_one_is_l
     teach(trained, "Round", "Patrol")
     damage(trained, "Low")
     with pytest.raises(
-        LostBehaviorError, match=r"^Round needs Patrol, which needs Low, whose file "
+        LostBehaviorError, match=r"^Round needs Patrol, which needs Low: its file "
     ):
         make().perform(Use("Round"))
 
@@ -184,13 +190,13 @@ def test_behaviors_that_use_each_other_are_lost_and_others_are_not(
         agent.perform(Use("Low"))
 
 
-def test_a_file_that_was_edited_can_be_accepted_by_the_command_that_the_fault_names(
+def test_a_file_that_was_edited_can_be_accepted_as_the_fault_proposes(
     trained: Agent, make: Make
 ) -> None:
     path = file_of(trained, "Low")
     path.write_text(path.read_text().replace('description: ""', 'description: "mine"'))
     agent = make()
-    assert f"run: hitab library accept {path}" in agent.faults[0]
+    assert Do.ACCEPT(file=path) in agent.edition.losses.remedies["Low"]
     agent.library.accept_edits("Low")
     agent.reload()
     assert agent.faults == ()
@@ -229,7 +235,7 @@ def test_an_agent_that_is_up_keeps_what_it_has_when_a_reload_would_lose_it(
 ) -> None:
     trained.perform(Use("Other"))
     damage(trained, "Low")
-    with pytest.raises(LibraryError, match="ann keeps what it knew: the file of Low, "):
+    with pytest.raises(LibraryError, match="it keeps what it knew: Low is lost: "):
         trained.reload()
     assert sorted(trained.edition.files) == ["High", "Low", "Middle", "Other"]
     assert trained.behavior == "Other"

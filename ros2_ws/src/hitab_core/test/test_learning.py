@@ -73,7 +73,7 @@ def test_a_function_is_learned_from_the_examples_of_its_state_alone(examples):
 
 def test_default_examples_leave_the_rest_of_the_world_to_keeping_on():
     functions = learn_transitions(EXAMPLES[:4], SCALES)
-    assert functions["GoFast"].root_.threshold == math.nextafter(4, 9)
+    assert functions["GoFast"].root_.test.threshold == math.nextafter(4, 9)
     assert decisions(functions["GoFast"], [(4.0, 0.0), (4.0001, 0.0), (100.0, 0.0)]) == [
         "GoSlow",
         "GoFast",

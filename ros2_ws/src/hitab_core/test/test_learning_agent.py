@@ -62,9 +62,11 @@ def test_a_command_after_learning_is_a_correction():
 def test_a_damaged_library_is_a_warning_and_what_is_lost_is_refused_with_the_reason(tmp_path):
     file = shuttle(LearningAgent(cart(), tmp_path / "library")).save()
     file.write_text("nothing")
-    with pytest.warns(UserWarning, match=r"the file of Shuttle, .* cannot be used"):
+    with pytest.warns(
+        UserWarning, match=r"Shuttle is lost: .* cannot be used: .*; bring version 1 of"
+    ):
         agent = LearningAgent(cart(), tmp_path / "library")
-    with pytest.raises(LostBehaviorError, match="the file of Shuttle"):
+    with pytest.raises(LostBehaviorError, match="Shuttle is lost"):
         agent.perform("Shuttle")
 
 

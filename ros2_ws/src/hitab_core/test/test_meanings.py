@@ -404,7 +404,7 @@ def test_a_command_while_testing_is_refused_and_changes_nothing():
     session = Agent().train()
     session.command(Use("A"))
     session.test()
-    with pytest.raises(TrainingError, match="training mode"):
+    with pytest.raises(TrainingError, match="is being tested"):
         session.command(Use("B"))
     assert len(session.examples) == 2
 

@@ -13,6 +13,7 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import make_bundle
+from hitab_core.remedies import Do
 from hitab_core.training.training_session import Curriculum
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
@@ -70,7 +71,7 @@ def agent_of(domain: Domain, folder: Path, name: str = "ann") -> Agent:
 def does(agent: Agent, x: float = 0.0) -> str:
     agent.sense([x], [])
     agent.tick()
-    return agent.act()[1]
+    return agent.body.act()[1]
 
 
 def teach(agent: Agent) -> None:
@@ -93,12 +94,11 @@ def test_what_is_missing_where_and_the_way_out_is_said_until_it_is_trained(tmp_p
     agent = agent_of(REST, tmp_path, "bob")
     (missing,) = agent.repertoire.vacancies
     assert missing == (
-        '"Servo" was taken out, and nothing is done in its place; it is needed for Match, Play; '
-        "train it with `hitab train AGENT Servo`, or load it from a file with "
-        "`hitab library import FILE --agent AGENT`"
+        '"Servo" was taken out, and nothing is done in its place; it is needed for Match, Play'
     )
+    assert agent.remedies == (Do.TRAIN(behavior="Servo"), Do.IMPORT())
     teach(agent)
-    assert agent.repertoire.vacancies == ()
+    assert agent.repertoire.vacancies == agent.remedies == ()
 
 
 def test_what_is_trained_fills_the_gap_while_the_hand_written_ones_are_performed(

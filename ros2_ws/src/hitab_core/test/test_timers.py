@@ -235,4 +235,4 @@ def test_flags_are_no_names_of_targets_and_parameters() -> None:
 @pytest.mark.parametrize("text", ["SecondsSince(Wait)", "SecondsSince", "SecondsInState(Done)"])
 def test_a_timer_of_anything_else_is_refused_with_what_there_is(text: str) -> None:
     with pytest.raises(VocabularyError, match="must read Seconds"):
-        Repertoire(robot()).check_feature(Use.parse(text))
+        robot().check_feature(Use.parse(text))

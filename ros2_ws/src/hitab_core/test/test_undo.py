@@ -78,7 +78,7 @@ class Trained:
     def do(self, x: float) -> str:
         self.see(x)
         self.agent.tick()
-        return self.agent.act()[1]
+        return self.agent.body.act()[1]
 
     def command(self, label: str) -> None:
         self.agent.command(Use(label))
@@ -434,6 +434,7 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             trained.command(("Left", "Right")[commands % 2])
             trained.session.delete([commands])
             trained.session.relabel([commands - 1], Use("Stay"))
+            trained.session.asked.count(trained.session.log)
             command = len(looks)
             examples = trained.session.examples
             looks.clear()

@@ -53,7 +53,7 @@ class RelayWatch:
 
     def _hear(self, relay: msg.StopState) -> None:
         self._unheard_s = 0.0
-        self._tell(why_stopped(relay.name, relay.why, relay.causes))
+        self._tell(why_stopped(relay.why, relay.causes))
 
     def _look(self) -> None:
         self._give_sign()

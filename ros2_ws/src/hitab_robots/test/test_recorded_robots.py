@@ -114,7 +114,7 @@ def test_a_robot_is_trained_from_a_recording_bit_for_bit(
         stage.cycles(3)
         stage.until(lambda: stage.recorder.count > 100)
         stage.recorder.close()
-        learned = stage.node.agent.library_digest
+        learned = stage.node.agent.edition.digest
         stage.executor.remove_node(stage.node)
         stage.node.destroy_node()
         stage.executor.shutdown()
@@ -130,4 +130,4 @@ def test_a_robot_is_trained_from_a_recording_bit_for_bit(
         assert done.saved == ["Roam"]
         assert done.commands == 2
         assert done.compared > 3
-        assert offline.agent.library_digest == learned
+        assert offline.agent.edition.digest == learned

@@ -7,30 +7,45 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hitab_core import HitabError
+from hitab_core import HitabError, Remedy
+from hitab_ros.conversions import remedy_messages
 from hitab_ros.plain_text import plain
 from hitab_ros.recent_requests import RecentRequests
 
 Serve = Callable[[Any, Any], str]
 """Carries out a request, fills in the response and returns its message."""
 
+Answered = Callable[[Exception | None], None]
+"""Called with how a request was refused, or None if it was not."""
+
 
 def what_went_wrong(error: Exception) -> str:
-    """Describe an error, with its place in the code unless it is a user's error."""
+    """Say what is wrong, without the ways out; of a fault of the code, with its place."""
     try:
         said = str(error)
     except Exception:  # a foreign error without a usable text
         said = "(no description)"
     if isinstance(error, HitabError):
-        return plain(said)
+        return plain(error.problem)
     places = traceback.extract_tb(error.__traceback__)
     place = f" in {Path(places[-1].filename).name}:{places[-1].lineno}" if places else ""
     return plain(f"{type(error).__name__}{place}: {said}")
 
 
-def answering(
-    serve: Serve, answered: Callable[[str], None] = lambda error: None
-) -> Callable[[Any, Any], Any]:
+def remedies_for(error: Exception | None) -> tuple[Remedy, ...]:
+    """Return what a person can do about an error."""
+    return error.remedies if isinstance(error, HitabError) else ()
+
+
+def refuse(response: Any, error: Exception) -> Any:
+    """Have a response say why a request is refused, as far as it has fields for that."""
+    if hasattr(response, "message"):
+        response.message = what_went_wrong(error)
+        response.remedies = remedy_messages(remedies_for(error))
+    return response
+
+
+def answering(serve: Serve, answered: Answered = lambda error: None) -> Callable[[Any, Any], Any]:
     """Return a service callback, for use on a `GuardedNode`, which answers with any exception.
 
     A repeated request with a number (fields ``request`` and ``client``) is not carried out again:
@@ -38,7 +53,7 @@ def answering(
 
     Args:
         serve: carries out a request; the text of its exception becomes the reply's message.
-        answered: called before the reply is sent, with the error, or "" on success.
+        answered: called before the reply is sent, with the error, or None on success.
     """
     recent: RecentRequests[Any] = RecentRequests()
 
@@ -54,10 +69,10 @@ def answering(
             response.success = True
         except Exception as error:
             recent.keep(client, number, error)
-            answered(what_went_wrong(error))
+            answered(error)
             raise
         recent.keep(client, number, response)
-        answered("")
+        answered(None)
         return response
 
     return answer

@@ -12,9 +12,10 @@ import math
 import re
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
-from rosidl_parser.definition import AbstractSequence, Array, NamespacedType
+from rosidl_parser.definition import AbstractNestedType, BasicType, NamespacedType
 
 from hitab_core import HitabError
 from hitab_ros.plain_text import plain
@@ -58,6 +59,7 @@ TIMES_OF_DAY = frozenset({"HostRoster.number", "Order.epoch", "Report.epoch"})
 """Such numbers, ns. One from the far future would make all later ones look old."""
 
 Check = Callable[[Any], None]
+"""Raises if a message, or a value, is wrong."""
 
 
 class BadMessage(HitabError):
@@ -71,8 +73,8 @@ def check(message: Any) -> None:
         BadMessage: naming the first field that is wrong.
     """
     kind: Any = type(message)
-    for one in _checks(kind):
-        one(message)
+    for field, one in _checks(kind):
+        one(getattr(message, field))
 
 
 def too_far_ahead(number: int) -> bool:
@@ -81,116 +83,60 @@ def too_far_ahead(number: int) -> bool:
 
 
 @functools.cache
-def _checks(kind: Any) -> tuple[Check, ...]:
+def _checks(kind: Any) -> tuple[tuple[str, Check], ...]:
+    """Return which fields of a type are checked, and how."""
     if not kind.__module__.startswith(f"{PACKAGE}."):
         return ()
-    found = []
-    fields = kind.get_fields_and_field_types()
-    for field, slot in zip(fields, kind.SLOT_TYPES, strict=True):
-        one = _check_of(kind.__name__, field, slot)
-        if one is not None:
-            found.append(one)
-    return tuple(found)
+    fields = zip(kind.get_fields_and_field_types(), kind.SLOT_TYPES, strict=True)
+    found = ((field, _check_of(f"{kind.__name__}.{field}", field, slot)) for field, slot in fields)
+    return tuple((field, one) for field, one in found if one is not None)
 
 
-def _check_of(message: str, field: str, slot: Any) -> Check | None:
-    """Return the check of one field; None if it needs none."""
-    place = f"{message}.{field}"
-    many = isinstance(slot, AbstractSequence | Array)
-    item = slot.value_type if many else slot
-    if isinstance(item, NamespacedType):
-        if item.namespaces[0] != PACKAGE:
-            return None
-        return _nested(place, field, many)
-    kind = getattr(item, "typename", "string")
-    if kind == "string" or not hasattr(item, "typename"):
-        text = _text_check(place)
-        return _texts(place, field, text) if many else lambda m: text(getattr(m, field))
-    if many:
-        return _numbers(place, field, kind)
-    if kind in ("double", "float"):
-        return None if field in MAY_BE_INFINITE else _number(place, field)
-    if place in TIMES_OF_DAY:
-        return _time_of_day(place, field)
-    return None
+def _check_of(place: str, field: str, slot: Any) -> Check | None:
+    """Return the check of a field's values; None if they need none."""
+    if isinstance(slot, AbstractNestedType):
+        most = VALUES_MAX if isinstance(slot.value_type, BasicType) else ITEMS_MAX
+        return partial(_check_items, place, most, _check_of(place, field, slot.value_type))
+    if isinstance(slot, NamespacedType):
+        return check if slot.namespaces[0] == PACKAGE else None
+    if not isinstance(slot, BasicType):
+        limit = LONG_TEXT_MAX if place in LONG_TEXTS else TEXT_MAX
+        limit = PATH_TEXT_MAX if place in PATHS else limit
+        return partial(_check_text, place, limit, field in SEVERAL_LINES)
+    if slot.typename in ("double", "float") and field not in MAY_BE_INFINITE:
+        return partial(_check_number, place)
+    return partial(_check_time_of_day, place) if place in TIMES_OF_DAY else None
 
 
-def _nested(place: str, field: str, many: bool) -> Check:
-    def nested(message: Any) -> None:
-        items: Sequence[Any] = getattr(message, field)
-        _check_count(place, items, ITEMS_MAX)
-        for item in items:
-            check(item)
-
-    def one(message: Any) -> None:
-        check(getattr(message, field))
-
-    return nested if many else one
+def _check_items(place: str, most: int, one: Check | None, values: Sequence[Any]) -> None:
+    if len(values) > most:
+        raise BadMessage(f"{place} has {len(values)} items; the limit is {most}")
+    if one is not None:
+        for value in values:
+            one(value)
 
 
-def _text_check(place: str) -> Callable[[str], None]:
-    limit = LONG_TEXT_MAX if place in LONG_TEXTS else TEXT_MAX
-    limit = PATH_TEXT_MAX if place in PATHS else limit
-    lines, named = place.partition(".")[2] in SEVERAL_LINES, place in NAMES
-
-    def text(value: str) -> None:
-        if len(value) > limit:
-            raise BadMessage(f"{place} has {len(value)} characters; the limit is {limit}")
-        if named and NAME.match(value) is None:
-            raise BadMessage(f"{place}: {_shown(value)} is not a name; {NAME_RULE}")
-        if not (value.isprintable() or (lines and "\0" not in value)):
-            raise BadMessage(f"{place}: {_shown(value)} has control characters; remove them")
-
-    return text
+def _check_text(place: str, limit: int, lines: bool, value: str) -> None:
+    if len(value) > limit:
+        raise BadMessage(f"{place} has {len(value)} characters; the limit is {limit}")
+    if place in NAMES and NAME.match(value) is None:
+        raise BadMessage(f"{place}: {_shown(value)} is not a name; {NAME_RULE}")
+    if not (value.isprintable() or (lines and "\0" not in value)):
+        raise BadMessage(f"{place}: {_shown(value)} has control characters; remove them")
 
 
 def _shown(value: str) -> str:
     return plain(f'"{value}"', 80, lines=False)
 
 
-def _texts(place: str, field: str, text: Callable[[str], None]) -> Check:
-    def texts(message: Any) -> None:
-        values: Sequence[str] = getattr(message, field)
-        if values:
-            _check_count(place, values, ITEMS_MAX)
-            for value in values:
-                text(value)
-
-    return texts
+def _check_number(place: str, value: float) -> None:
+    if math.isinf(value):
+        raise BadMessage(f"{place} is infinite; give a finite number, or NaN for a missing one")
 
 
-def _numbers(place: str, field: str, kind: str) -> Check:
-    real = kind in ("double", "float") and field not in MAY_BE_INFINITE
-
-    def numbers(message: Any) -> None:
-        values = getattr(message, field)
-        _check_count(place, values, VALUES_MAX)
-        if real and any(map(math.isinf, values)):
-            raise BadMessage(f"{place} has an infinite number; NaN stands for a missing one")
-
-    return numbers
-
-
-def _number(place: str, field: str) -> Check:
-    def number(message: Any) -> None:
-        if math.isinf(getattr(message, field)):
-            raise BadMessage(f"{place} is infinite; give a finite number")
-
-    return number
-
-
-def _time_of_day(place: str, field: str) -> Check:
-    def time_of_day(message: Any) -> None:
-        number = getattr(message, field)
-        if too_far_ahead(number):
-            raise BadMessage(
-                f"{place} is {number} ns, more than {AHEAD_S / 3600.0:g} h ahead of this "
-                "machine's clock; set the clocks of all machines"
-            )
-
-    return time_of_day
-
-
-def _check_count(place: str, items: Sequence[Any], most: int) -> None:
-    if len(items) > most:
-        raise BadMessage(f"{place} has {len(items)} items; the limit is {most}")
+def _check_time_of_day(place: str, number: int) -> None:
+    if too_far_ahead(number):
+        raise BadMessage(
+            f"{place} is {number} ns, more than {AHEAD_S / 3600.0:g} h ahead of this machine's "
+            "clock; set the clocks of all machines"
+        )

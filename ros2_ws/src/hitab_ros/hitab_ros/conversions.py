@@ -1,45 +1,78 @@
-"""Conversions between messages and the engine's own types."""
+"""Conversions between messages and the engine's own types, most of which have the same fields."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, fields
-from typing import Any
+import functools
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import fields
+from operator import attrgetter
+from typing import Any, TypeVar
 
 from hitab_msgs import msg
 
-from hitab_core import Example, ExampleKind, Feature, Scale, Use
+from hitab_core import Do, Example, ExampleKind, Feature, Remedy, Scale, Use
 from hitab_core.commanding import Order, Report
 from hitab_core.training import TrainingCost
+
+Data = TypeVar("Data")
+
+
+@functools.cache
+def _shared(kind: Any, data: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]]]:
+    """Return the fields that a message and a dataclass have both, and what reads them."""
+    there = {field.name for field in fields(data)}
+    names = tuple(name for name in kind.get_fields_and_field_types() if name in there)
+    return names, attrgetter(*names)
+
+
+def message_of(kind: Any, data: Any, /, **others: Any) -> Any:
+    """Return a message with the values of a dataclass's fields, except for ``others``."""
+    kinds: Any = (kind, type(data))
+    names, read = _shared(*kinds)
+    return kind(**{**dict(zip(names, read(data), strict=True)), **others})
+
+
+def data_of(kind: type[Data], message: Any, /, **others: Any) -> Data:
+    """Return a dataclass with the values of a message's fields, except for ``others``."""
+    kinds: Any = (type(message), kind)
+    names, read = _shared(*kinds)
+    return kind(**{**dict(zip(names, read(message), strict=True)), **others})
+
+
+def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
+    """Return remedies as messages, each once."""
+    return [
+        msg.Remedy(
+            code=remedy.code.name,
+            names=[name for name, _ in remedy.arguments],
+            values=[value for _, value in remedy.arguments],
+        )
+        for remedy in dict.fromkeys(remedies)
+    ]
+
+
+def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
+    """Return the remedies in messages, without those that this version does not know."""
+    return tuple(
+        Remedy(Do[m.code], tuple(zip(m.names, m.values, strict=False)))
+        for m in messages
+        if m.code in Do.__members__
+    )
 
 
 def example_message(example: Example) -> msg.Example:
     """Return an example as a message."""
-    return msg.Example(
-        number=example.number,
-        state=example.state,
-        next_state=example.next_state,
-        values=list(example.features),
-        kind=example.kind.value,
-        command=example.command,
-        cycle=example.cycle,
-        ago=example.ago,
-        readings=list(example.readings),
-    )
+    return message_of(msg.Example, example, values=example.features, kind=example.kind.value)
 
 
 def example_of(message: Any) -> Example:
     """Return the example in a message."""
-    return Example(
-        message.state,
-        tuple(message.values),
-        message.next_state,
-        ExampleKind(message.kind),
-        message.number,
-        message.command,
-        message.cycle,
-        message.ago,
-        tuple(message.readings),
+    return data_of(
+        Example,
+        message,
+        features=tuple(message.values),
+        kind=ExampleKind(message.kind),
+        readings=tuple(message.readings),
     )
 
 
@@ -55,56 +88,30 @@ def use_of(name: str, arguments: Sequence[str]) -> Use:
 
 def order_message(commander: str, order: Order) -> msg.Order:
     """Return an order as a message."""
-    return msg.Order(
+    return message_of(
+        msg.Order,
+        order,
         commander=commander,
-        epoch=order.epoch,
-        sequence=order.sequence,
         order=order.name,
         receivers=list(order.behaviors),
         behaviors=list(order.behaviors.values()),
-        report=list(order.report),
-        report_position=order.report_position,
-        report_states=order.report_states,
-        report_period=order.report_period,
-        round=order.round,
     )
 
 
 def order_of(message: msg.Order) -> Order:
     """Return the order in a message; receivers without a behavior are left out."""
-    return Order(
-        message.epoch,
-        message.sequence,
-        message.order,
-        dict(zip(message.receivers, message.behaviors, strict=False)),
-        tuple(message.report),
-        message.report_position,
-        message.report_states,
-        message.report_period,
-        message.round,
+    return data_of(
+        Order,
+        message,
+        name=message.order,
+        behaviors=dict(zip(message.receivers, message.behaviors, strict=False)),
+        report=tuple(message.report),
     )
 
 
 def report_message(report: Report) -> msg.Report:
-    """Return a report as a message, which has the same fields and can be read as a report."""
-    return msg.Report(
-        agent=report.agent,
-        epoch=report.epoch,
-        sequence=report.sequence,
-        waits=report.waits,
-        mode=report.mode,
-        path=list(report.path),
-        flags=list(report.flags),
-        values=report.values,
-        position=report.position,
-        cycle=report.cycle,
-        episode=report.episode,
-        seed=report.seed,
-        seconds=report.seconds,
-        round=report.round,
-        look=report.look,
-        restart=report.restart,
-    )
+    """Return a report as a message, which can be read as a report."""
+    return message_of(msg.Report, report)
 
 
 def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> msg.Feature:
@@ -124,11 +131,10 @@ def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> 
 
 
 def cost_message(cost: TrainingCost) -> msg.TrainingCost:
-    """Return what a training cost as a message, which has the same fields."""
-    return msg.TrainingCost(**asdict(cost))
+    """Return what a training cost as a message."""
+    return message_of(msg.TrainingCost, cost)
 
 
-def costs_of(report: Any) -> list[TrainingCost]:
-    """Return the costs in an answer of GetReport.srv, oldest first."""
-    names = [field.name for field in fields(TrainingCost)]
-    return [TrainingCost(*(getattr(cost, name) for name in names)) for cost in report.costs]
+def cost_of(message: Any) -> TrainingCost:
+    """Return what a training cost from a message."""
+    return data_of(TrainingCost, message)

@@ -18,7 +18,6 @@ from rclpy.node import Node
 
 from hitab_ros import names, qos
 from hitab_ros.checks import too_far_ahead
-from hitab_ros.fault_texts import STOPPED_BY
 from hitab_ros.stamps import as_time, nanoseconds
 
 
@@ -124,4 +123,4 @@ def stopped_by(state: EmergencyStop) -> str:
     if not state.engaged:
         return ""
     why = f" ({state.reason})" if state.reason else ""
-    return f"{STOPPED_BY} {state.by or 'somebody'}{why}"
+    return f"emergency stop by {state.by or 'somebody'}{why}"

@@ -5,9 +5,6 @@ from __future__ import annotations
 STOPPED = "stopped"
 """Begins the fault of a robot that has to stand still."""
 
-STOPPED_BY = "emergency stop by"
-"""Begins what says who has stopped all robots."""
-
 NOT_PUBLISHED = "nobody publishes it"
 """There is no publisher: the driver is not running, or cannot be reached."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from hitab_core import quantity
+from hitab_core import Remedy, quantity
 from hitab_ros.plain_text import plain
 
 FAULTS_MAX = 50
@@ -25,16 +25,18 @@ class Faults:
     def __init__(self, changed: Callable[[], None] = lambda: None) -> None:
         self.changed = changed
         self.by_key: dict[str, str] = {}
+        self._remedies: dict[str, tuple[Remedy, ...]] = {}
 
     def __bool__(self) -> bool:
         return bool(self.by_key)
 
-    def set(self, key: str, text: str) -> bool:
+    def set(self, key: str, text: str, *remedies: Remedy) -> bool:
         """Keep a fault until `clear` is called with its key; return whether it is new.
 
         Args:
             key: what fails; one fault is kept per key.
-            text: what is wrong and, if there is one, the way out. An empty text clears the fault.
+            text: what is wrong. An empty text clears the fault.
+            remedies: what a person can do about it.
         """
         if not text:
             self.clear(key)
@@ -43,7 +45,7 @@ class Faults:
         before = self.by_key.get(key)
         if before == text or (before is None and len(self.by_key) >= FAULTS_MAX):
             return False
-        self.by_key[key] = text
+        self.by_key[key], self._remedies[key] = text, remedies
         self.changed()
         return before is None
 
@@ -55,6 +57,11 @@ class Faults:
     def text(self, key: str) -> str:
         """Return the fault under a key; "" if there is none."""
         return self.by_key.get(key, "")
+
+    @property
+    def remedies(self) -> list[Remedy]:
+        """What a person can do about the faults."""
+        return [remedy for key in self.by_key for remedy in self._remedies[key]]
 
     def texts(self) -> list[str]:
         """Return the faults as a status shows them."""

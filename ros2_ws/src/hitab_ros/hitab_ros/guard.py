@@ -16,13 +16,33 @@ from typing import Any
 from rclpy.serialization import deserialize_message, serialize_message
 
 from hitab_core import HitabError
-from hitab_ros.answering import what_went_wrong
+from hitab_ros.answering import refuse, remedies_for, what_went_wrong
 from hitab_ros.checks import BYTES_MAX, BadMessage, check
 from hitab_ros.faults import Faults
 from hitab_ros.sparing_log import SparingLog
 
 TRACE_MAX = 6000
 """Maximum characters of a logged trace."""
+
+
+class _Guarding:
+    """What is done in this context raises nothing; it may be entered again and again."""
+
+    def __init__(self, guard: Guard, key: str) -> None:
+        self._guard = guard
+        self._key = key
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> bool:
+        faults = self._guard.faults
+        if isinstance(error, Exception):
+            self._guard.failed(self._key, error)
+            return True
+        if error is None and self._key in faults.by_key:
+            faults.clear(self._key)
+        return False
 
 
 class Guard:
@@ -56,8 +76,8 @@ class Guard:
             trace = "".join(traceback.format_exception(error))
             self.log(f"{text}\n{trace}", (key, type(error), place), TRACE_MAX)
         else:
-            self.log(text)
-        self.faults.set(key, text)
+            self.log(f"{key} failed: {error}")
+        self.faults.set(key, text, *remedies_for(error))
 
     def run(self, key: str, call: Callable[..., Any], *arguments: Any) -> bool:
         """Call a function; return whether it returned instead of raising.
@@ -67,48 +87,30 @@ class Guard:
             call: the function; its result is ignored.
             arguments: of the call.
         """
-        try:
+        with _Guarding(self, key):
             call(*arguments)
-        except Exception as error:
-            self.failed(key, error)
-            return False
-        if key in self.faults.by_key:
-            self.faults.clear(key)
-        return True
+            return True
+        return False
 
     def wrap(
         self, key: str, callback: Callable[..., Any], otherwise: Any = None
     ) -> Callable[..., Any]:
         """Return a callback that returns ``otherwise`` instead of raising."""
-        faults, failing = self.faults, self.faults.by_key
+        guarding = _Guarding(self, key)
 
-        if inspect.iscoroutinefunction(callback):
-
-            @functools.wraps(callback)
-            async def guarded_coroutine(*arguments: Any) -> Any:
-                try:
-                    answer = await callback(*arguments)
-                except Exception as error:
-                    self.failed(key, error)
-                    return otherwise
-                if key in failing:
-                    faults.clear(key)
-                return answer
-
-            return guarded_coroutine
+        @functools.wraps(callback)
+        async def guarded_coroutine(*arguments: Any) -> Any:
+            with guarding:
+                return await callback(*arguments)
+            return otherwise
 
         @functools.wraps(callback)
         def guarded(*arguments: Any) -> Any:
-            try:
-                answer = callback(*arguments)
-            except Exception as error:
-                self.failed(key, error)
-                return otherwise
-            if key in failing:
-                faults.clear(key)
-            return answer
+            with guarding:
+                return callback(*arguments)
+            return otherwise
 
-        return guarded
+        return guarded_coroutine if inspect.iscoroutinefunction(callback) else guarded
 
     def wrap_topic(
         self, key: str, kind: Any, callback: Callable[..., Any], *, checked: bool = True
@@ -162,22 +164,14 @@ class Guard:
                 serialize_message(answer)
             except BadMessage as error:
                 self.log(f"{key}: refused a request: {error}", key)
-                return refusal(type(response), error)
+                return refuse(type(response)(), error)
             except HitabError as error:
-                return refusal(type(response), error)
+                return refuse(type(response)(), error)
             except Exception as error:
                 self.failed(key, error)
-                return refusal(type(response), error)
+                return refuse(type(response)(), error)
             if key in self.faults.by_key:
                 self.faults.clear(key)
             return answer
 
         return guarded
-
-
-def refusal(kind: type[Any], error: Exception) -> Any:
-    """Return a refusing response, with the reason if it has a field for that."""
-    response = kind()
-    if hasattr(response, "message"):
-        response.message = what_went_wrong(error)
-    return response

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from hitab_core import HitabError
+from hitab_core import Do, HitabError
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -27,15 +27,14 @@ STATUS_TYPES = (STATUS_TYPE, "hitab_msgs/msg/WorldStatus")
 COMMAND = "command"
 STATUS = "status"
 TRANSITIONS = "transitions"
+TRAINING = "training"
 PERCEPT = "percept"
 BEGIN = "begin"
 SET_MODE = "set_mode"
 GET_REPORT = "get_report"
-LIST_QUESTIONS = "list_questions"
 ANSWER_QUESTION = "answer_question"
 SET_CAUTION = "set_caution"
 EDIT_EXAMPLES = "edit_examples"
-LIST_EXAMPLES = "list_examples"
 SAVE = "save"
 PERFORM = "perform"
 PERFORM_UNTIL_DONE = "perform_until_done"  # an action
@@ -110,7 +109,8 @@ def of_agent(agent: str, name: str, prefix: str = "") -> str:
     if _RELATIVE.match(agent) is None:
         raise HitabError(
             f'"{agent}" cannot be the name of an agent: name it without its namespace, such as '
-            "keeper_1, and choose its swarm with --swarm; `hitab status` shows all"
+            "keeper_1, and choose its swarm by the swarm's name",
+            Do.STATUS(),
         )
     return f"{prefix}/{agent}/{name}"
 

@@ -37,7 +37,6 @@ SERVICES: Mapping[str, Any] = {
     names.BEGIN: srv.BeginTraining,
     names.SET_MODE: srv.SetMode,
     names.EDIT_EXAMPLES: srv.EditExamples,
-    names.LIST_QUESTIONS: srv.ListQuestions,
     names.ANSWER_QUESTION: srv.AnswerQuestion,
     names.SET_CAUTION: srv.SetCaution,
     names.SAVE: srv.SaveBehavior,
@@ -45,6 +44,12 @@ SERVICES: Mapping[str, Any] = {
     names.LOAD_LIBRARY: srv.LoadLibrary,
 }
 """The services whose requests change what an agent learns or does."""
+
+SEARCHED = "list_questions"
+"""Stands for a request without fields: the agent has looked for questions, and numbered them."""
+
+_ACTIONS = ("", "undo", "redo", "delete", "relabel", "retime", "features")
+"""What older recordings call the actions of EditExamples."""
 
 PERCEPTS_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE
@@ -54,9 +59,8 @@ PERCEPTS_QOS = QoSProfile(
 
 def request_text(service: str, request: Any) -> str:
     """Return a request to one of these services as JSON; `request_of` returns the same request."""
-    fields = {
-        name: _plain(getattr(request, name)) for name in request.get_fields_and_field_types()
-    }
+    there = request.get_fields_and_field_types() if request is not None else ()
+    fields = {name: _plain(getattr(request, name)) for name in there}
     return json.dumps({"service": service, "request": fields})
 
 
@@ -69,6 +73,10 @@ def request_of(text: str) -> tuple[str, Any]:
     try:
         read = json.loads(text)
         service, fields = read["service"], read["request"]
+        if service == SEARCHED:
+            return service, None
+        if isinstance(fields.get("action"), str):
+            fields["action"] = _ACTIONS.index(fields["action"])
         kind = SERVICES[service].Request
         if fields.keys() != kind.get_fields_and_field_types().keys():
             raise ValueError("it has other fields")

@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from hitab_ros import names, qos
 from hitab_ros.emergency_stop import EmergencySwitch, stopped_by
-from hitab_ros.fault_texts import STOPPED, STOPPED_BY
+from hitab_ros.fault_texts import STOPPED
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import StopMachine, StopState
@@ -66,9 +66,9 @@ class Stop:
 
     @property
     def why(self) -> str:
-        """Why the robot may not act, and the way out; empty: it may."""
+        """Why the robot may not act; empty: it may."""
         machine = self.machine
-        return why_stopped(names.own_name(self._node), machine.why, machine.causes.values())
+        return why_stopped(machine.why, machine.causes.values())
 
     def _emergency(self, state: msg.EmergencyStop) -> None:
         self.machine.cause(self.EMERGENCY, stopped_by(state))
@@ -137,20 +137,13 @@ def stop_report(
     return report
 
 
-def why_stopped(name: str, why: str, causes: Iterable[str]) -> str:
-    """Return why a robot may not act, and the way out; empty: it may.
+def why_stopped(why: str, causes: Iterable[str]) -> str:
+    """Return why a robot may not act; empty: it may.
 
     Args:
-        name: of the robot.
         why: it was stopped.
         causes: why it has to stand still as yet.
     """
-    arm = f"`hitab arm {name}` lets it act again"
-    now = list(causes)
     if not why:
         return ""
-    if not now:
-        return f"{STOPPED}: {why}; that is over, and {arm}"
-    engaged = any(cause.startswith(STOPPED_BY) for cause in now)
-    first = "`hitab go` releases it" if engaged else "mend that"
-    return f"{STOPPED}: {'; '.join(now)}; {first}, then {arm}"
+    return f"{STOPPED}: {'; '.join(causes) or f'{why}; that is over'}"

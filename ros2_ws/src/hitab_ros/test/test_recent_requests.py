@@ -32,12 +32,6 @@ def test_a_request_is_recognized_by_its_client_and_number_for_a_while():
     assert recent.came_of("ann", 1) is None
 
 
-def test_requests_without_a_number_are_not_remembered():
-    recent = RecentRequests()
-    recent.keep("ann", 0, "first")
-    assert recent.came_of("ann", 0) is None
-
-
 def test_memory_does_not_grow_without_end(monkeypatch):
     monkeypatch.setattr(recent_requests, "MOST", 3)
     recent = RecentRequests()

@@ -25,9 +25,8 @@ from hitab_client.bootstrapping import (
 )
 from hitab_client.run_folder import state_home
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.jobs import Connected
 from hitab_studio.swarm_finder import Target
-from hitab_studio.swarm_link import SwarmLink
+from hitab_studio.swarm_link import Connected, SwarmLink
 
 Step = Callable[[Bootstrapping], Generation]
 
@@ -129,7 +128,7 @@ class GenerationMaker:
             making.said.append(text)
             show(0, 0, text)
 
-        def job(swarm: Connected) -> Generation:  # in the link's thread
+        def job(swarm: Connected) -> Generation:  # in a thread
             def progress(done: int, total: int, doing: str) -> None:
                 if stopping.is_set():
                     raise SwarmError(f"It was stopped; {steps.left or 'nothing has changed'}.")
@@ -154,14 +153,13 @@ class GenerationMaker:
         try:
             # It needs nobody in the link's sense: a step that is ended at the first silence of its
             # agent could not resume the training, and says by itself who does not answer.
-            await self._link.do(job, [f"agent {making.agent}"])
+            await self._link.do(job, making.agent)
         except SwarmError as error:
             making.problem = str(error)
         except Exception as error:
             logging.getLogger(__name__).exception("a generation of %s", making.behavior)
             making.problem = what_went_wrong(error)
         making.has_ended = True
-        self._link.refresh(making.agent)
         self._changed()
 
 

@@ -1,7 +1,4 @@
-"""What the link's thread passes to the pages: frozen, so that two threads can read it.
-
-Received ROS messages are never changed; everything else here is immutable.
-"""
+"""What is known of the swarm. It is replaced, never changed, so that pages see what is new."""
 
 from __future__ import annotations
 
@@ -124,18 +121,3 @@ class Known:
             else (SILENT, "")
             for name, s in self.statuses.items()
         }
-
-
-@dataclass(frozen=True)
-class Trouble:
-    """An error in the link's thread.
-
-    Attributes:
-        text: a description for people.
-        session: the page that caused it; "" if unknown.
-        agent: the agent whose viewing pages caused it; "" if unknown.
-    """
-
-    text: str
-    session: str = ""
-    agent: str = ""

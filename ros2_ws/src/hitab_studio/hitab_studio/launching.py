@@ -13,8 +13,9 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from hitab_client import SwarmError
+from hitab_client.commands import called
 from hitab_client.shipped import shipped_folders, shipped_names
-from hitab_core import did_you_mean
+from hitab_core import has
 
 MOST_LINES = 40
 """Of the command's output, which are kept."""
@@ -159,8 +160,8 @@ def unknown(name: str) -> str:
     if name in shipped:
         return ""
     return (
-        f'No swarm "{name}" is shipped.{did_you_mean(name, shipped)} Start one of your own with '
-        "`hitab up` and its file."
+        f'No swarm "{name}" is shipped {has(shipped, name)}. Start one of your own with '
+        f"`{called()} up` and its file."
     )
 
 

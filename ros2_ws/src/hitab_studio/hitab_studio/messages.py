@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import dataclass
 
 SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
@@ -12,8 +11,6 @@ SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
 
 MOST = 3
 """Messages that are shown at once; an older one makes room."""
-
-_WORD = re.compile(r"[a-z]+(?=[\s,;:.']|$)")
 
 
 @dataclass
@@ -70,16 +67,3 @@ class Messages:
         now, before = self._clock(), len(self.shown)
         self.shown = [message for message in self.shown if message.until >= now]
         return len(self.shown) < before
-
-
-def sentence(text: str, names: Collection[str]) -> str:
-    """Return a text that begins with a capital letter, unless it begins with a name.
-
-    Args:
-        text: such as ``the world is paused`` or ``keeper_1 performs Chase``.
-        names: of agents and things; they are written as they are.
-    """
-    word = _WORD.match(text)
-    if word is None or word[0] in names:
-        return text
-    return text[:1].upper() + text[1:]

@@ -1,22 +1,27 @@
-"""Observes the connected swarm; in the link's thread."""
+"""Observes the connected swarm."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any
 
-from hitab_msgs.msg import CommanderStatus
-
-from hitab_client import SignsOfLife, Stops, SwarmError
-from hitab_client.identity import BY_HAND, is_own
+from hitab_client import (
+    CommandView,
+    RosLink,
+    SignsOfLife,
+    Stops,
+    SwarmClient,
+    SwarmError,
+    WorldClient,
+)
+from hitab_client.identity import BY_HAND
 from hitab_client.recording import Recorder
-from hitab_ros import EmergencySwitch, names, qos
+from hitab_ros import EmergencySwitch, names
 from hitab_studio.agent_watch import AgentWatch
-from hitab_studio.jobs import Connected
 from hitab_studio.known import Known
 from hitab_studio.markers import Markers
 from hitab_studio.processes import Processes
@@ -34,62 +39,61 @@ SOON = 1.0
 """s; a world that is there is heard by then."""
 
 
-class Complain(Protocol):
-    """Shows an error: on a page, on those that view an agent, or on all."""
-
-    def __call__(
-        self, agent: str, text: str, error: Exception | None = None, session: str = ""
-    ) -> None:
-        """Show an error."""
-
-
 class Observer:
     """What is known of one swarm, from its connection to its end.
 
     Args:
-        swarm: the swarm to observe.
+        link: the node to use.
+        agents, world: of the swarm to observe.
         known: what is known at first.
         viewing: what pages show at present; kept up to date by the caller.
-        complain: called with errors.
+        complain: called with a text and its `agent`, `session` and `error`, if there are any.
+        do: does something with the swarm in a thread; see `SwarmLink.do`.
         options: what a person has chosen of the robots' topics.
 
     Attributes:
         known: what is known now.
+        watches: of the viewed agents, by name.
         colors: of states, in the markers for other viewers.
     """
 
     def __init__(
         self,
-        swarm: Connected,
+        link: RosLink,
+        agents: SwarmClient,
+        world: WorldClient,
         known: Known,
         viewing: Viewing,
-        complain: Complain,
+        complain: Callable[..., None],
+        do: Callable[..., Awaitable[Any]],
         options: Options | None = None,
     ) -> None:
         self.known = known
         self.colors: Mapping[str, int] = {}
-        self._swarm = swarm
+        self._link, self._agents, self._world = link, agents, world
         self._viewing = viewing
         self._complain = complain
+        self._do = do
         target = known.target
         # It hands on what it hears, as long as it is there: those who stop all may end at once.
-        self._switch = EmergencySwitch(swarm.link.node, hands_on=True)
+        self._switch = EmergencySwitch(link.node, hands_on=True)
         if known.emergency is not None:
             self._switch.take(known.emergency)
-        self._stops = Stops(swarm.link, switch=self._switch)
+        self._stops = Stops(link, switch=self._switch)
         self._signs = SignsOfLife(
-            swarm.link,
+            link,
             (*target.agents, *([names.WORLD] if target.world else [])) if target else (),
             identity=target.identity if target else "",
         )
         self._processes = Processes(target.folder if target else "")
         self._remembered = RememberedScenes()
-        self._watches: dict[str, AgentWatch] = {}
-        self._group_topics: set[str] = set()
+        self.watches: dict[str, AgentWatch] = {}
+        identity = target.identity if target else ""
+        self._commanders = CommandView(link, agents.prefix, identity)
         self._recorder: Recorder | None = None
         self._recording_page = ""
-        self._markers = Markers(swarm.link)
-        self._robots = RobotWatch(swarm.link, options or Options())
+        self._markers = Markers(link)
+        self._robots = RobotWatch(link, options or Options())
         self._shown: object = None
 
     def _know(self, **changes: Any) -> None:
@@ -98,8 +102,8 @@ class Observer:
 
     def see(self) -> None:
         """Take the newest moment of the world."""
-        state = self._swarm.world.state
-        if state is None or state is self._shown or self._swarm.world.stranger is not None:
+        state = self._world.state
+        if state is None or state is self._shown or self._world.stranger is not None:
             return
         self._shown = state
         self._signs.take_signs_of([names.WORLD])
@@ -113,36 +117,38 @@ class Observer:
 
     def look(self) -> None:
         """Update what has changed about the agents."""
-        swarm, known = self._swarm, self.known
+        known = self.known
         if self._switch.state is not known.emergency:
             self._know(emergency=self._switch.state)
         self._stops.look()
-        if swarm.world.status is not known.world:
-            self._know(world=swarm.world.status)
-        statuses = swarm.agents.statuses
+        if self._world.status is not known.world:
+            self._know(world=self._world.status)
+        statuses = self._agents.statuses
         heard = {name for name, it in statuses.items() if known.statuses.get(name) is not it}
         if heard:
             self._signs.take_signs_of(heard)
             is_new = bool(heard - known.statuses.keys())
             joined = time.monotonic() if is_new else known.joined
             self._know(statuses=MappingProxyType(dict(statuses)), joined=joined)
+        groups = self._commanders.groups
+        if any(known.groups.get(name) is not group for name, group in groups.items()):
+            self._know(groups=MappingProxyType(dict(groups)))
         self._listen()
         wanted = {agent for agents in self._viewing.focus.values() for agent in agents}
-        for agent in wanted & statuses.keys() - self._watches.keys():
-            self._watches[agent] = AgentWatch(
-                swarm.link,
+        for agent in wanted & statuses.keys() - self.watches.keys():
+            self.watches[agent] = AgentWatch(
+                self._agents,
                 agent,
-                partial(statuses.get, agent),
+                self._do,
                 partial(self._learns, agent),
-                partial(self._complain, agent),
-                swarm.agents.prefix,
+                partial(self._complain, agent=agent),
             )
-        for agent in self._watches.keys() - wanted:
-            self._watches.pop(agent).close()
-        for agent, watch in self._watches.items():
+        for agent in self.watches.keys() - wanted:
+            self.watches.pop(agent).close()
+        for agent, watch in self.watches.items():
             watch.look()
             self._keep_scenes(agent, watch)
-        watched = {name: watch.known for name, watch in self._watches.items()}
+        watched = {name: watch.known for name, watch in self.watches.items()}
         if watched.keys() != known.watched.keys():
             self._know(watched=MappingProxyType(watched))
         elif any(known.watched[name] is not it for name, it in watched.items()):
@@ -165,8 +171,8 @@ class Observer:
 
     def _learns(self, agent: str) -> None:
         # At once: in a paused world the next placement is a moment of the same cycle.
-        self.with_watch(agent, partial(self._keep_scenes, agent))
-        watched = {name: watch.known for name, watch in self._watches.items()}
+        self._keep_scenes(agent, self.watches[agent])
+        watched = {name: watch.known for name, watch in self.watches.items()}
         self._know(watched=MappingProxyType(watched))
 
     def _keep_scenes(self, agent: str, watch: AgentWatch) -> None:
@@ -178,11 +184,6 @@ class Observer:
             if self._remembered.kept is not self.known.moments:
                 self._know(moments=self._remembered.kept)
 
-    def with_watch(self, agent: str, do: Callable[[AgentWatch], None]) -> None:
-        """Do something with the watcher of an agent, if there is one."""
-        if (watch := self._watches.get(agent)) is not None:
-            do(watch)
-
     def may_show(self, choices: tuple[Choice, ...]) -> None:
         """Know which swarms a person may choose."""
         target = self.known.target
@@ -191,29 +192,25 @@ class Observer:
 
     def keep_house(self) -> None:
         """Find agents that have joined or left."""
-        swarm = self._swarm
-        node = swarm.link.node
-        swarm.agents.discover()
+        node = self._link.node
+        self._agents.discover()
         before, now = self.known.gone, time.monotonic()
         gone = {
             name: before.get(name, now)
-            for name in swarm.agents.statuses
-            if node.count_publishers(names.of_agent(name, names.STATUS, swarm.agents.prefix)) == 0
+            for name in self._agents.statuses
+            if node.count_publishers(names.of_agent(name, names.STATUS, self._agents.prefix)) == 0
         }
         if gone != before:
             self._know(gone=MappingProxyType(gone))
         self._leave_alone()
         self._find_robots()
-        for topic in swarm.link.topics_of_type("hitab_msgs/msg/CommanderStatus"):
-            if topic not in self._group_topics:
-                self._group_topics.add(topic)
-                swarm.link.subscribe(CommanderStatus, topic, self._take_group, qos.LATCHED)
+        self._commanders.discover()
         self._markers.look(self.known.scene, self.known.doing(), self.colors)
         if self._recorder is not None:
             self._recorder.look()
             self._know(recorded=self._recorder.count)
             if self._recorder.problem:
-                self._complain("", self._recorder.problem, session=self._recording_page)
+                self._complain(self._recorder.problem, session=self._recording_page)
                 self.stop_recording()
 
     def _find_robots(self) -> None:
@@ -224,26 +221,20 @@ class Observer:
             if known.robots is None and known.statuses and time.monotonic() > known.joined + SOON:
                 self._know(robots=Robots())
             if known.statuses:
-                self._robots.find(known.statuses, self._swarm.agents.prefix)
+                self._robots.find(known.statuses, self._agents.prefix)
         elif known.robots is not None:
             self._robots.close()
             self._know(robots=None)
 
     def _leave_alone(self) -> None:
         """Notice swarms that were started elsewhere, and show nothing of their world."""
-        swarm, known = self._swarm, self.known
-        if swarm.world.stranger is not None and known.scene is not None:
+        known = self.known
+        if self._world.stranger is not None and known.scene is not None:
             self._know(scene=None)
         if known.target is not None and known.target.identity == BY_HAND:
-            heard = {*swarm.agents.strangers.values(), swarm.world.stranger or ""} - {""}
+            heard = {*self._agents.strangers.values(), self._world.stranger or ""} - {""}
             if (elsewhere := tuple(sorted(heard))) != known.elsewhere:
                 self._know(elsewhere=elsewhere)
-
-    def _take_group(self, status: CommanderStatus) -> None:
-        target = self.known.target
-        if target is None or not is_own(status.swarm, target.identity, started_by_it=False):
-            return
-        self._know(groups=MappingProxyType({**self.known.groups, status.commander: status}))
 
     def stop_robots(self, engaged: bool, by: str, reason: str) -> list[str]:
         """Stop all robots and worlds, or release them; return who is there."""
@@ -251,12 +242,12 @@ class Observer:
         return self._stops.names()
 
     def arm(self, agent: str) -> None:
-        """Let an agent's robot act again.
+        """Let an agent's robot act again; to be called as a job.
 
         Raises:
             SwarmError: if it may not.
         """
-        self._stops.arm(f"{self._swarm.agents.prefix}/{agent}".strip("/"), ARM_S)
+        self._stops.arm(f"{self._agents.prefix}/{agent}".strip("/"), ARM_S)
 
     # -- recording; to be called as jobs ----------------------------------------------------
 
@@ -268,7 +259,7 @@ class Observer:
         """
         if self._recorder is not None:
             raise SwarmError(f"already recording to {self._recorder.path}")
-        self._recorder = Recorder(self._swarm.link, path)
+        self._recorder = Recorder(self._link, path)
         self._recording_page = session
         self._know(recording=path, recorded=0)
 

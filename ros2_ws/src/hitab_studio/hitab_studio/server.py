@@ -15,6 +15,7 @@ from hitab_client import SwarmError
 from hitab_client.recording.recordings import recording
 from hitab_studio.access import AccessControl, is_loopback
 from hitab_studio.launching import Startable
+from hitab_studio.remedy_words import told
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Finder
 
@@ -121,7 +122,7 @@ def serve(
         try:
             await stop_robots(page)
         except SwarmError as error:
-            raise HTTPException(503, str(error)) from None
+            raise HTTPException(503, told(error)) from None
         finally:
             if known is None:
                 studio.close(page)

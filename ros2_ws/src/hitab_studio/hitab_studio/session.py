@@ -19,17 +19,15 @@ from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import Watched
 from hitab_studio.generations import GenerationMaker
-from hitab_studio.jobs import Connected
 from hitab_studio.launching import Launcher, Startable
-from hitab_studio.locks import Holder, Locks
 from hitab_studio.lost import Lost
-from hitab_studio.messages import Messages, sentence
+from hitab_studio.messages import Messages
 from hitab_studio.present import EMPTY, Present
 from hitab_studio.reactions import Reactions
 from hitab_studio.replay import Player
 from hitab_studio.scene import frame, roster, said_message
 from hitab_studio.store import Store
-from hitab_studio.swarm_link import SwarmLink
+from hitab_studio.swarm_link import Connected, SwarmLink
 
 T = TypeVar("T")
 
@@ -72,7 +70,7 @@ class Shared:
     Attributes:
         link: to the swarm.
         store: what is known.
-        locks: who holds which agent.
+        held: by agent, the page that holds it: nobody else may command it.
         keys: which key commands which behavior.
         launcher: starts and stops swarms.
         generations: makes generations of what a team performs.
@@ -86,7 +84,7 @@ class Shared:
         self.store = Store()
         self.launcher = Launcher(startable, self.store.touch)
         self.generations = GenerationMaker(link, self.store.touch)
-        self.locks = Locks()
+        self.held: dict[str, Session] = {}
         self.keys = behavior_keys.Keys(behavior_keys.file())
         self.reactions = Reactions()
         self.present = Present(self.store.palette)
@@ -98,6 +96,7 @@ class Session:
 
     Attributes:
         shared: what it shares with the other pages.
+        name: for the people at other pages.
         demonstrator: name of the person, under which the reaction time is kept.
         chosen: names of the things selected in the field.
         agent: the one among them, or in the list, that is viewed and commanded.
@@ -118,7 +117,7 @@ class Session:
         self.shared = shared
         self.demonstrator = demonstrator or getpass.getuser()
         self.id = key
-        self.holder = Holder(key, f"demonstrator {number}")
+        self.name = f"demonstrator {number}"
         self.chosen: list[str] = []
         self.agent = ""
         self.tab = "teach"
@@ -172,8 +171,7 @@ class Session:
     @property
     def locked(self) -> bool:
         """Whether another demonstrator holds the agent."""
-        holder = self.shared.locks.holder(self.agent)
-        return holder is not None and holder.session != self.id
+        return self.shared.held.get(self.agent, self) is not self
 
     def close_dialog(self) -> None:
         """Close the dialog, if one is open."""
@@ -189,7 +187,7 @@ class Session:
             self.asked = None
             self.compare = None
             self.table = Table()
-        self.shared.link.focus(self.id, [agent] if agent else [])
+        self.shared.link.viewing.look_at(self.id, [agent] if agent else [])
         self.touch()
 
     def choose(self, names: list[str]) -> None:
@@ -262,7 +260,7 @@ class Session:
         """Have the link do something; meanwhile the page says that it is busy.
 
         Args:
-            job: does it, after all else that this page or, with an agent, anybody asked of it.
+            job: does it; with an agent, after all else that anybody asked of it.
             agent: whom it concerns, if one alone.
             needs: an agent or the world without which it cannot be done, if not that agent.
 
@@ -273,8 +271,7 @@ class Session:
             raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
         self.busy += 1
         try:
-            lines = [f"page {self.id}", *([f"agent {agent}"] if agent else [])]
-            return await self.shared.link.do(job, lines, needs or agent)
+            return await self.shared.link.do(job, agent, needs or agent)
         finally:
             self.busy -= 1
             self.touch()
@@ -307,10 +304,26 @@ class Session:
             raise SwarmError(f"{agent} {absent}.")
         if why := self.shared.generations.why_busy:
             raise SwarmError(why)
-        self.shared.locks.claim(agent, self.holder)
-        answer = await self.ask(lambda swarm: job(swarm, agent), agent)
-        self.shared.link.refresh(agent)
-        return answer
+        self.hold(agent)
+        return await self.ask(lambda swarm: job(swarm, agent), agent)
+
+    async def request(self, verb: Callable[..., T], *given: Any, **fields: Any) -> T:
+        """Have a verb of the swarm's client done with the agent; see `ask_agent`."""
+        return await self.ask_agent(
+            lambda swarm, agent: verb(swarm.agents, agent, *given, **fields)
+        )
+
+    def hold(self, agent: str) -> None:
+        """Hold an agent, or keep holding it.
+
+        Raises:
+            SwarmError: if another demonstrator holds it.
+        """
+        holder = self.shared.held.setdefault(agent, self)
+        if holder is not self:
+            raise SwarmError(
+                f"{agent} is being trained by {holder.name}; press Take over this agent first"
+            )
 
     # -- telling ----------------------------------------------------------------------------
 
@@ -320,9 +333,7 @@ class Session:
 
     def tell(self, text: str, kind: str = "good") -> None:
         """Show a short message."""
-        known = self.shared.store.known
-        things = known.scene.names if known.scene is not None else ()
-        self.messages.say(sentence(text, {*known.agents, *known.groups, *things}), kind)
+        self.messages.say(text, kind)
         self.touch()
 
     def settle(self) -> None:
@@ -331,11 +342,6 @@ class Session:
         if lost is not None and lost.is_taken(self.shared.store.known):
             self.lost = None
             self.tell(f"{lost.agent} has taken {lost.behavior} after all")
-
-    def tell_other(self, session: str, text: str) -> None:
-        """Show a message on another page, if it is still open."""
-        if (other := self.shared.sessions.get(session)) is not None:
-            other.tell(text, "bad")
 
     def drop_old_messages(self) -> None:
         """Remove expired messages."""

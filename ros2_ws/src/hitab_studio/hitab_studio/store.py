@@ -1,4 +1,4 @@
-"""What all pages share. Like the pages, it belongs to the server's thread."""
+"""What all pages share."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Store:
     """What is known of the swarm, and what else pages share.
 
     Attributes:
-        known: the latest from the link's thread.
+        known: of the swarm.
         version: raised with each change that pages show.
         palette: the colors of states.
         placements: where things were before they were placed, newest last, for undo.

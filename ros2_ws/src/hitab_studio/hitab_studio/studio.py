@@ -1,8 +1,4 @@
-"""The studio: what all pages share, and what keeps each of them up to date.
-
-The studio, the store and the sessions belong to the server's thread. What the link's thread knows
-arrives through a mailbox, frozen (`swarm_link.py` states the rule).
-"""
+"""The studio: what all pages share, and what keeps each of them up to date."""
 
 from __future__ import annotations
 
@@ -12,9 +8,8 @@ import secrets
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from hitab_studio.known import Known, Trouble
+from hitab_studio.known import Known
 from hitab_studio.launching import Startable
-from hitab_studio.mailbox import Mailbox
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import Scene, said_message
 from hitab_studio.session import Session, Shared
@@ -47,23 +42,20 @@ class Studio:
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
     ) -> None:
-        link = SwarmLink(find, self._hear, choose, options)
+        link = SwarmLink(find, self._take, self._complain, choose, options)
         self.shared = shared = Shared(link, startable)
         self.link = shared.link
         self.store = shared.store
-        self.locks = shared.locks
         self.sessions = shared.sessions
         self.present = shared.present
         self._orders: dict[str, tuple[int, int]] = {}
         self._numbers = 0
         self._place: tuple[object, ...] = ()
         self._painted = 0
-        self._mailbox: Mailbox[Known | Trouble] | None = None
         self._replays: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
         """Start; call this in the server's loop."""
-        self._mailbox = Mailbox(asyncio.get_running_loop(), self._take)
         self._replays = asyncio.create_task(self._play())
         self.link.start()
 
@@ -71,12 +63,7 @@ class Studio:
         """End."""
         if self._replays is not None:
             self._replays.cancel()
-        await asyncio.to_thread(self.link.stop)
-
-    def _hear(self, news: Known | Trouble) -> None:
-        """Take news from the link; runs in the link's thread."""
-        if self._mailbox is not None:
-            self._mailbox.post(news)
+        await self.link.stop()
 
     # -- pages ------------------------------------------------------------------------------
 
@@ -96,21 +83,16 @@ class Studio:
     def close(self, session: Session) -> None:
         """Remove a page that has gone and finished its requests; release its agents."""
         self.sessions.pop(session.id, None)
-        self.locks.leave(session.id)
-        self.link.focus(session.id, [])
+        for agent in [agent for agent, by in self.shared.held.items() if by is session]:
+            del self.shared.held[agent]
+        self.link.viewing.look_at(session.id, [])
         self.store.touch()
 
     # -- moments ----------------------------------------------------------------------------
 
-    def _take(self, news: Sequence[Known | Trouble]) -> None:
-        """Take news from the link: what is known now, and errors."""
-        for trouble in news:
-            if isinstance(trouble, Trouble):
-                self._complain(trouble)
-        told = [known for known in news if isinstance(known, Known)]
-        if not told:
-            return
-        before, known = self.store.known, told[-1]
+    def _take(self, known: Known) -> None:
+        """Take what is known of the swarm now."""
+        before = self.store.known
         self.store.take(known)
         if (known.target != before.target or known.shown is None) and self.present.roster:
             self._spread([self.present.clear()])
@@ -128,8 +110,8 @@ class Studio:
         if scene is not None and (moves or does or falls_silent):
             if self._draw(scene):
                 messages.append(self.present.roster)
-            seen = {id(k.scene): k.scene for k in told if k.scene is not before.scene}
-            messages += [said_message(s) for s in seen.values() if s is not None and s.said]
+            if moves and scene.said:
+                messages.append(said_message(scene))
         orders = [json.dumps(order) for order in self._new_orders(known.groups)]
         self._spread([*messages, *orders])
 
@@ -143,7 +125,7 @@ class Studio:
         place = (target.domain_id, target.swarm, target.folder)
         if self._place and place != self._place:
             self._orders.clear()
-            self.locks.clear()
+            self.shared.held.clear()
             for session in self.sessions.values():
                 session.forget_agents()
         self._place = place
@@ -156,10 +138,10 @@ class Studio:
                 session.close_dialog()
                 session.tell(_dialog_closed(target), "note")
 
-    def _complain(self, trouble: Trouble) -> None:
-        for session in self.sessions.values():
-            if trouble.session in ("", session.id) and trouble.agent in ("", session.agent):
-                session.tell(trouble.text, "bad")
+    def _complain(self, text: str, *, session: str = "", agent: str = "") -> None:
+        for page in self.sessions.values():
+            if session in ("", page.id) and agent in ("", page.agent):
+                page.tell(text, "bad")
 
     def _draw(self, scene: Scene) -> bool:
         """Create the frame of a moment; return whether the roster has changed."""
@@ -167,7 +149,7 @@ class Studio:
         palette = self.store.palette
         if len(palette.states) != self._painted:
             self._painted = len(palette.states)
-            self.link.paint(palette.colors())
+            self.link.colors = palette.colors()
         return changed
 
     def _new_orders(self, groups: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from hitab_client import RunFolder, RunRecord
+from hitab_client.commands import called
 from hitab_client.domain_ids import chosen_by_user
 from hitab_client.identity import BY_HAND, is_identity
 from hitab_client.run_folder import Found, running_swarms
@@ -128,7 +129,7 @@ class Finder:
 
 def _none_in(folder: RunFolder) -> str:
     path = folder.path
-    return f"No swarm is up in {path}. `hitab up SWARM --run-dir {path}` starts one there."
+    return f"No swarm is up in {path}. `{called()} up SWARM --run-dir {path}` starts one there."
 
 
 def _choice(found: Found) -> Choice:

@@ -45,9 +45,8 @@ def agent(session: Session) -> str:
         return CHOOSE_FIRST
     if absent := absence(known, name):
         return f"{name} {absent}."
-    holder = session.shared.locks.holder(name)
-    if holder is not None and holder.session != session.id:
-        return f"{holder.name} holds {name}: take it over first."
+    if session.locked:
+        return f"{session.shared.held[name].name} holds {name}: take it over first."
     return session.shared.generations.why_busy
 
 
@@ -61,13 +60,13 @@ def training(session: Session) -> str:
 
 def undoing(session: Session) -> str:
     """Return why nothing can be undone."""
-    done = session.watched.history.done
+    done = session.watched.training.done if session.watched.training is not None else ()
     return training(session) or ("" if done else "There is nothing to undo.")
 
 
 def redoing(session: Session) -> str:
     """Return why nothing can be redone."""
-    undone = session.watched.history.undone
+    undone = session.watched.training.undone if session.watched.training is not None else ()
     return training(session) or ("" if undone else "There is nothing to redo.")
 
 

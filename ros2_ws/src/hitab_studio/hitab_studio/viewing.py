@@ -1,4 +1,4 @@
-"""What pages show at present, as the link's thread knows it."""
+"""What pages show at present."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 
 class Viewing:
-    """What pages show; belongs to the link's thread.
+    """What pages show.
 
     Attributes:
         focus: the agents that each session views.

@@ -136,12 +136,10 @@ class RobotStandIn:
 
     def __init__(self, context: Any, robot: str = ROBOT, yaw: float = 0.0) -> None:
         self.target = Target(context.get_domain_id(), "robots", (robot,), 1)
-        self.odometry: Odometry | None = Odometry(child_frame_id="base_link")
-        self.odometry.header.frame_id = "odom"
-        self.scan: LaserScan | None = LaserScan(
-            angle_min=-math.pi, angle_increment=math.pi / 2, range_min=0.1, range_max=5.0
-        )
-        self.scan.header.frame_id = "laser"
+        self.odometry: Odometry | None = None
+        self.scan: LaserScan | None = None
+        self.stand(0.0, 0.0, 0.0)
+        self.see()
         self.map: OccupancyGrid | None = None
         self.picture: CompressedImage | None = None
         self._context = context

@@ -12,7 +12,7 @@ class Link:
     def __init__(self) -> None:
         self.needed: list[str] = []
 
-    async def do(self, job: Any, lines: Any = (), needs: str = "") -> None:
+    async def do(self, job: Any, line: str = "", needs: str = "") -> None:
         self.needed.append(needs)
 
     def refresh(self, agent: str) -> None:

@@ -27,7 +27,7 @@ class Page:
         self.studio = studio
         self.session: Session = studio.open()
         self.session.look_at(ROBOT)
-        studio.link.connect(self.session.id, on=True)
+        studio.link.viewing.connect(self.session.id, on=True)
 
     @property
     def known(self) -> Any:
@@ -88,7 +88,6 @@ def test_a_robot_is_drawn_where_its_odometry_is_and_what_it_scans_where_that_is(
 def test_what_needs_a_world_is_not_offered_for_robots_and_one_is_seen_when_its_agent_has_ended(
     robot,
 ):
-    robot.stand(0.0, 0.0, 0.0)
 
     async def use(page: Page) -> None:
         await page.until(lambda: page.stands(0.0, 0.0, 0.0))
@@ -110,7 +109,7 @@ def test_what_needs_a_world_is_not_offered_for_robots_and_one_is_seen_when_its_a
 
 
 def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
-    robot.stand(0.0, 0.0, 0.0)
+
     robot.film(b"no picture")
     robot.draw_map([[0, 100]], 0.5, -1.0, 0.0, 0.0)
 
@@ -127,7 +126,7 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
         await page.until(lambda: page.stands(1.0, 0.0, 0.0))
         page.session.look_at("")
         await page.until(lambda: not robot.listeners("picture"))
-        page.studio.link.connect(page.session.id, on=False)
+        page.studio.link.viewing.connect(page.session.id, on=False)
         await page.until(lambda: robot.listeners("odometry") == 1)  # the agent's
 
     at_a_page(robot, use)

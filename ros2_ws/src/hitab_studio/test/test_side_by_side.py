@@ -3,21 +3,17 @@
 import asyncio
 import dataclasses
 import errno
-import sys
 import threading
 import time
-from collections.abc import Awaitable, Callable, Mapping
-from types import MappingProxyType
+from collections.abc import Awaitable, Callable
 from typing import Any
 
-import numpy as np
 import pytest
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording import bag_file
 from hitab_studio.actions import RequestQueue
 from hitab_studio.actions.registry import ACTIONS
-from hitab_studio.store import Store
 from hitab_studio.studio import Studio
 
 SECONDS = 60.0
@@ -76,18 +72,16 @@ def test_while_the_job_of_one_page_waits_the_field_moves_and_others_get_their_jo
     in_the_server(lambda: stand_in.target, use)
 
 
-@pytest.mark.parametrize("shared", ["page", "agent"])
-def test_jobs_of_one_page_and_jobs_with_one_agent_are_done_in_order(stand_in, shared):
-    """Else the second command of a page could come first, or two pages mix their commands."""
+def test_jobs_with_one_agent_are_done_in_order(stand_in):
+    """Else two pages mix their commands."""
 
     async def use(studio: Studio) -> None:
         one, two, three = studio.open(), studio.open(), studio.open()
         released, done = threading.Event(), []
-        agent, other = ("keeper_1", two) if shared == "agent" else ("", one)
-        first = asyncio.create_task(one.ask(waiting(released), agent))
+        first = asyncio.create_task(one.ask(waiting(released), "keeper_1"))
         await until(lambda: one.busy, "it has begun")
-        second = asyncio.create_task(other.ask(lambda swarm: done.append("second"), agent))
-        await until(lambda: other.busy == (2 if other is one else 1), "it was asked for")
+        second = asyncio.create_task(two.ask(lambda swarm: done.append("second"), "keeper_1"))
+        await until(lambda: two.busy, "it was asked for")
         await three.ask(lambda swarm: done.append("third"), "keeper_2")
         assert done == ["third"]
         released.set()
@@ -169,7 +163,7 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
         await until(lambda: other.watched.vocabulary.features, "the other agent answers")
         await until(lambda: looks.messages.shown, "it was not told")
         assert (
-            "The answer of keeper_2 to get_vocabulary cannot be read"
+            "The answer of keeper_2 about vocabulary cannot be read"
             in looks.messages.shown[0].text
         )
         assert not other.messages.shown
@@ -193,7 +187,7 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
     async def use(studio: Studio) -> None:
         page, other = studio.open(), studio.open()
         path = str(tmp_path / "run.mcap")
-        await page.ask(lambda _: studio.link.start_recording(path, page.id))
+        await page.ask(lambda _: studio.link.observer.start_recording(path, page.id))
         assert studio.store.known.recording == path
         await until(lambda: page.messages.shown, "it was not told")
         assert "run.mcap ends here: No space left" in page.messages.shown[0].text
@@ -205,75 +199,6 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
     in_the_server(lambda: stand_in.target, use)
 
 
-# -- nothing is shared by the threads -------------------------------------------------------
-
-
-def test_only_the_servers_thread_changes_what_pages_read(stand_in, monkeypatch):
-    """Else a page that is being made sees one half of a change."""
-    writers: dict[str, set[int]] = {}
-    change = Store.__setattr__
-
-    def noting(store: Store, name: str, value: object) -> None:
-        writers.setdefault(name, set()).add(threading.get_ident())
-        change(store, name, value)
-
-    monkeypatch.setattr(Store, "__setattr__", noting)
-
-    async def use(studio: Studio) -> None:
-        page = studio.open()
-        await until(lambda: studio.store.known.answers("keeper_1"), "it is there")
-        page.look_at("keeper_1")
-        await until(lambda: page.watched.readings, "it is looked at")
-        assert {"known", "version"} <= writers.keys()
-        assert set.union(*writers.values()) == {threading.get_ident()}
-        assert mutable_parts(studio.store.known) == []
-
-    in_the_server(lambda: stand_in.target, use)
-
-
-def mutable_parts(value: Any, place: str = "known") -> list[str]:
-    """Return where something frozen holds something that can be changed; messages do not count."""
-    if type(value).__module__.startswith("hitab_msgs."):
-        return []
-    if dataclasses.is_dataclass(value):
-        if not value.__dataclass_params__.frozen:  # type: ignore[attr-defined]
-            return [place]
-        parts = {f.name: getattr(value, f.name) for f in dataclasses.fields(value)}
-        return [m for k, v in parts.items() for m in mutable_parts(v, f"{place}.{k}")]
-    if isinstance(value, np.ndarray):
-        return [place] if value.flags.writeable else []
-    if isinstance(value, Mapping):
-        inside = [m for k, v in value.items() for m in mutable_parts(v, f"{place}[{k!r}]")]
-        return inside if isinstance(value, MappingProxyType) else [place]
-    if isinstance(value, tuple):
-        return [m for i, v in enumerate(value) for m in mutable_parts(v, f"{place}[{i}]")]
-    return [] if isinstance(value, str | int | float | bool | frozenset | None) else [place]
-
-
-def test_values_that_a_page_reads_at_once_are_of_one_moment(stand_in):
-    """All features of an answer have one value here; two at once come of a half-taken answer."""
-
-    async def use(studio: Studio) -> None:
-        page = studio.open()
-        await until(lambda: studio.store.known.answers("keeper_1"), "it is there")
-        page.look_at("keeper_1")
-        await until(lambda: page.watched.readings, "it is looked at")
-        answers: set[float] = set()
-        while len(answers) < 12:
-            for _ in range(20):
-                values = {history[-1] for history in page.watched.readings.values()}
-                assert len(values) == 1
-                answers |= values
-            await asyncio.sleep(0)
-
-    interval = sys.getswitchinterval()
-    sys.setswitchinterval(1e-5)
-    try:
-        in_the_server(lambda: stand_in.target, use)
-    finally:
-        sys.setswitchinterval(interval)
-
-
 # -- what a page asks for -------------------------------------------------------------------
 
 
@@ -282,7 +207,7 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
     begun, released, done = asyncio.Event(), asyncio.Event(), []
 
     async def first(session: Any, data: Any) -> None:
-        session.shared.locks.claim("keeper_1", session.holder)
+        session.hold("keeper_1")
         begun.set()
         await released.wait()
         done.append("first")
@@ -304,9 +229,9 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
         released.set()
         await asyncio.wait_for(performing, SECONDS)
         assert done == ["first"]
-        assert studio.locks.holder("keeper_1") == page.holder
+        assert studio.shared.held == {"keeper_1": page}
         studio.close(page)
-        assert studio.locks.holder("keeper_1") is None
+        assert not studio.shared.held
 
     asyncio.run(run())
 

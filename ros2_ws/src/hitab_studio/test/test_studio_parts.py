@@ -13,17 +13,19 @@ from hitab_client import Learned
 from hitab_client.errors import SwarmError
 from hitab_core.domain import Scale
 from hitab_core.example import Example, ExampleKind
+from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
+from hitab_studio.actions import perform
 from hitab_studio.known import Known
 from hitab_studio.learned import effect, is_contradicted
-from hitab_studio.locks import Holder, Locks
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of
 from hitab_studio.store import Store
+from hitab_studio.studio import Studio
+from hitab_studio.swarm_finder import Target
 from hitab_studio.tree_rows import tree_rows
 
-ANNA, BEN = Holder("a", "Anna"), Holder("b", "Ben")
 DISTANCE = "DistanceTo(ball)"
 
 
@@ -61,6 +63,7 @@ def learned(*examples: Example) -> Learned:
         units=("m",),
         scales=(Scale(),),
         examples=examples,
+        trees=learn_transitions(examples, (Scale(),)),  # type: ignore[arg-type]
     )
 
 
@@ -121,17 +124,23 @@ def test_a_token_is_made_where_other_machines_reach_the_page():
 # -- who holds an agent ---------------------------------------------------------------------
 
 
-def test_an_agent_is_held_by_one_demonstrator_until_another_takes_it_or_he_leaves():
-    locks = Locks()
-    locks.claim("keeper_1", ANNA)
-    locks.claim("keeper_1", ANNA)
-    with pytest.raises(SwarmError, match="trained by Anna"):
-        locks.claim("keeper_1", BEN)
-    assert locks.take("keeper_1", BEN) == ANNA
-    locks.leave(ANNA.session)
-    assert locks.holder("keeper_1") == BEN
-    locks.leave(BEN.session)
-    assert locks.holder("keeper_1") is None
+def test_an_agent_is_commanded_by_one_demonstrator_until_another_takes_it():
+    async def use() -> None:
+        studio = Studio(lambda: Target(0))
+        anna, ben = studio.open(), studio.open()
+        anna.agent = ben.agent = "keeper_1"
+        anna.hold("keeper_1")
+        anna.hold("keeper_1")
+        with pytest.raises(SwarmError, match="trained by demonstrator 1; press Take over"):
+            ben.hold("keeper_1")
+        await perform(ben, {"do": "take"})
+        assert anna.messages.shown[0].text == "Demonstrator 2 has taken keeper_1"
+        studio.close(anna)
+        assert studio.shared.held == {"keeper_1": ben}
+        await perform(ben, {"do": "release"})
+        assert not studio.shared.held
+
+    asyncio.run(use())
 
 
 # -- moments --------------------------------------------------------------------------------

@@ -1,83 +1,80 @@
 """What the studio asks the selected agent, and when it asks again."""
 
-from dataclasses import replace
+import asyncio
+from collections.abc import Awaitable, Callable
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
 from hitab_msgs.msg import AgentStatus
+from hitab_msgs.srv import GetVocabulary
 
 from hitab_studio.agent_watch import AgentWatch
 
 
-class Node:
-    """Stands for a node whose services note that they were called, and refuse."""
+class Agents:
+    """Stands for a swarm's client that notes what it is asked."""
+
+    prefix = ""
 
     def __init__(self) -> None:
-        self.asked: list[str] = []
-
-    def subscribe(self, *arguments: Any, temporary: bool) -> None:
-        return None
-
-    @property
-    def node(self) -> Any:
-        return self
-
-    def create_client(self, kind: Any, name: str) -> Any:
-        def call(request: Any) -> Any:
-            self.asked.append(name.rpartition("/")[2])
-            future = SimpleNamespace(result=lambda: SimpleNamespace(success=False))
-            future.add_done_callback = lambda take: take(future)
-            return future
-
-        return SimpleNamespace(service_is_ready=lambda: True, call_async=call)
+        self.link = SimpleNamespace(subscribe=lambda *_, **__: None)
+        self.statuses = {"ann": AgentStatus(mode=AgentStatus.IDLE, library_digest="one")}
+        self.trainings: dict[str, Any] = {}
+        self.watch_training = lambda agent: None
 
 
 class Seen:
     """An agent as the studio sees it: its status, and what it is asked because of it."""
 
     def __init__(self) -> None:
-        self.status = AgentStatus(mode=AgentStatus.IDLE, library_digest="one")
-        self.node = Node()
-        self.watch = AgentWatch(
-            self.node,  # type: ignore[arg-type]
-            "keeper_1",
-            lambda: self.status,
-            lambda: None,
-            lambda *_: None,
-        )
-        known = self.watch.known
-        self.watch.known = replace(known, vocabulary=replace(known.vocabulary, domain="keepaway"))
-        self.look()
+        self.agents: Any = Agents()
+        self.asked = 0
+        self.watch = AgentWatch(self.agents, "ann", self.do, lambda: None, lambda *_, **__: None)
 
-    def look(self, **changes: Any) -> bool:
+    async def do(self, job: Callable[[Any], Any], *, needs: str) -> Any:
+        def ask(agent: str, kind: Any, *_: Any, **__: Any) -> Any:
+            self.asked += kind is GetVocabulary
+            return GetVocabulary.Response(domain="keepaway")
+
+        self.agents.ask = ask
+        return job(SimpleNamespace(agents=self.agents))
+
+    async def look(self, **changes: Any) -> bool:
         """Change the status; return whether the agent is then asked what it has learned."""
         for name, value in changes.items():
-            setattr(self.status, name, value)
-        self.node.asked.clear()
+            setattr(self.agents.statuses["ann"], name, value)
+        self.asked = 0
         self.watch.look()
-        return "get_vocabulary" in self.node.asked
+        await asyncio.sleep(0)
+        return self.asked > 0
 
 
-@pytest.fixture
-def seen() -> Seen:
-    return Seen()
+def seen(use: Callable[[Seen], Awaitable[None]]) -> None:
+    async def run() -> None:
+        agent = Seen()
+        assert await agent.look()
+        await use(agent)
+
+    asyncio.run(run())
 
 
-def test_nothing_new_is_not_asked_for_again(seen):
-    assert not seen.look()
-    assert not seen.look(mode=AgentStatus.PERFORMING)
+def test_what_was_learned_is_asked_for_when_the_digest_changes_or_something_was_distributed():
+    async def use(agent: Seen) -> None:
+        assert not await agent.look()
+        assert not await agent.look(mode=AgentStatus.PERFORMING)
+        assert await agent.look(library_digest="two")
+        assert await agent.look(distribution=5)
+        assert not await agent.look()
+
+    seen(use)
 
 
-def test_what_was_learned_is_asked_for_when_the_digest_changes_or_something_was_distributed(seen):
-    assert seen.look(library_digest="two")
-    assert seen.look(distribution=5)
-    assert not seen.look()
+def test_a_behavior_that_is_saved_again_as_it_was_is_asked_for():
+    """Its digest is the same, but its version and description may not be."""
 
+    async def use(agent: Seen) -> None:
+        assert not await agent.look(mode=AgentStatus.TRAINING, training="Chase")
+        assert not await agent.look(mode=AgentStatus.PERFORMING)
+        assert await agent.look(training="")
 
-def test_a_behavior_that_is_saved_again_as_it_was_is_asked_for(seen):
-    # Its digest is the same, but its version and description may not be.
-    assert not seen.look(mode=AgentStatus.TRAINING)
-    assert not seen.look(examples=4)
-    assert not seen.look(mode=AgentStatus.PERFORMING)
-    assert seen.look(examples=0)
+    seen(use)

@@ -58,7 +58,7 @@ def in_a_studio(use: Callable[[Studio, Session], None]) -> None:
     async def made() -> None:
         studio = Studio(lambda: Target(0))
         session = studio.open()
-        studio._take([Known(UP, 1, statuses=hears(ONE))])
+        studio._take(Known(UP, 1, statuses=hears(ONE)))
         use(studio, session)
 
     asyncio.run(made())
@@ -67,16 +67,16 @@ def in_a_studio(use: Callable[[Studio, Session], None]) -> None:
 def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
     def use(studio: Studio, session: Session) -> None:
         session.dialog = {"kind": "distribute", "behavior": "Chase", "receivers": [], "agent": ONE}
-        studio._take([Known(UP, 2, statuses=hears(ONE, "keeper_2"))])
+        studio._take(Known(UP, 2, statuses=hears(ONE, "keeper_2")))
         assert session.dialog, "its swarm is there"
-        studio._take([Known(OVER, 3)])
+        studio._take(Known(OVER, 3))
         assert "dialog" not in render("dialog", session)
         closed = "The dialog was closed: keepaway is not there any more."
         assert closed in render("messages", session)
-        studio._take([Known(UP, 4, statuses=hears(ONE))])
+        studio._take(Known(UP, 4, statuses=hears(ONE)))
         assert closed not in render("messages", session), "it is there again"
         session.dialog = {"kind": "help"}
-        studio._take([Known(UP, 4)])
+        studio._take(Known(UP, 4))
         assert session.dialog, "it is about no swarm"
 
     in_a_studio(use)

@@ -1,7 +1,6 @@
 """The studio acts on the swarm that is meant, or not at all."""
 
 import asyncio
-import contextlib
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
@@ -32,15 +31,18 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
     # It used to connect to ROS domain 0, whoever was there.
     done: list[object] = []
 
-    async def ask(link: SwarmLink) -> None:
-        await asyncio.wait_for(link.do(done.append), 30.0)
+    async def ask() -> None:
+        link = SwarmLink(
+            lambda: Target(0, problem="Which one?"), lambda _: None, lambda text, **_: None
+        )
+        link.start()
+        try:
+            await asyncio.wait_for(link.do(done.append), 30.0)
+        finally:
+            await link.stop()
 
-    link = SwarmLink(lambda: Target(0, problem="Which one?"), lambda _: None)
-    link.start()
-    with contextlib.ExitStack() as stack:
-        stack.callback(link.stop)
-        with pytest.raises(SwarmError, match=r"Which one\?"):
-            asyncio.run(ask(link))
+    with pytest.raises(SwarmError, match=r"Which one\?"):
+        asyncio.run(ask())
     assert done == []
 
 

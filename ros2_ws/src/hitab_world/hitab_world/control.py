@@ -9,7 +9,7 @@ from typing import Any, get_type_hints
 
 from hitab_msgs.msg import WorldStatus
 
-from hitab_world.settings import check_factor, check_pace
+from hitab_world.settings import WorldSettings
 
 
 @dataclass
@@ -76,6 +76,5 @@ class Control:
             value = values[name]
             if type(value) is not kind or (kind is int and value < 0):
                 raise TypeError(f"{name} is {value!r}")
-        check_pace(control.pace)
-        check_factor(control.factor)
+        WorldSettings(pace=control.pace, factor=control.factor)
         return control

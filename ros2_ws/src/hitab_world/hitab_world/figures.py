@@ -25,7 +25,10 @@ def declare_figures(node: Node, *kinds: type[Any]) -> Any:
     Raises:
         HitabError: for an invalid or unknown figure.
     """
-    values = [{figure.name: _declare(node, figure) for figure in fields(kind)} for kind in kinds]
+    values = [
+        {figure.name: declare(node, f"{GROUP}.{figure.name}", figure) for figure in fields(kind)}
+        for kind in kinds
+    ]
     known = {name for one in values for name in one}
     # rclpy ignores overrides of undeclared parameters; a misspelt one would go unnoticed.
     for override in getattr(node, "_parameter_overrides", {}):
@@ -36,11 +39,16 @@ def declare_figures(node: Node, *kinds: type[Any]) -> Any:
     return made if len(made) > 1 else made[0]
 
 
-def _declare(node: Node, figure: Field[Any]) -> Any:
+def declare(node: Node, name: str, figure: Field[Any], description: str = "") -> Any:
+    """Return the value of a parameter that has the default and the type of a figure.
+
+    Raises:
+        HitabError: if it has another type.
+    """
     default = figure.default
-    name = f"{GROUP}.{figure.name}"
+    descriptor = ParameterDescriptor(description=description, read_only=True)
     try:
-        return node.declare_parameter(name, default, ParameterDescriptor(read_only=True)).value
+        return node.declare_parameter(name, default, descriptor).value
     except InvalidParameterTypeException as error:
         raise HitabError(
             f"{figure.name} has the wrong type; give a value such as -p {name}:={default}"

@@ -52,9 +52,9 @@ def at_least(least: float, unit: str = "") -> Limit:
     return Limit(f"be at least {least:g} {unit}".rstrip(), lambda value: bool(value >= least))
 
 
-def between(low: int, high: int) -> Limit:
+def between(low: float, high: float) -> Limit:
     """Return the limit of a number between two others, inclusive."""
-    return Limit(f"lie between {low} and {high}", lambda value: bool(low <= value <= high))
+    return Limit(f"lie between {low:g} and {high:g}", lambda value: bool(low <= value <= high))
 
 
 def one_of(*names: str) -> Limit:

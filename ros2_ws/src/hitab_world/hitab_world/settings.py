@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
+from types import MappingProxyType
 
 from hitab_msgs.msg import WorldStatus
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
-from hitab_core import HitabError, unknown
+from hitab_world.figures import declare
+from hitab_world.parameters import NOT_NEGATIVE, Parameters, between, one_of
 
 DESCRIPTIONS = {
     "pace": "lockstep: the next cycle begins when every agent has answered; realtime",
@@ -22,17 +22,23 @@ DESCRIPTIONS = {
     "snapshot_period": "s; how often its state is saved for a restart; 0: never",
     "state_rate": "Hz; how often the true state is published while running",
 }
-_FLOATS = {
-    "factor": (0.01, 1000.0),
-    "deadline": (0.001, 3600.0),
-    "state_rate": (0.1, 1000.0),
-    "snapshot_period": (0.0, 3600.0),
-}
 
 
-@dataclass(frozen=True, slots=True)
-class WorldSettings:
+@dataclass(frozen=True)
+class WorldSettings(Parameters):
     """How a world is run; each field is a ROS parameter, described above."""
+
+    WORLD = "world"
+    LIMITS = MappingProxyType(
+        {
+            "pace": one_of(WorldStatus.LOCKSTEP, WorldStatus.REALTIME),
+            "factor": between(0.01, 1000.0),
+            "deadline": between(0.001, 3600.0),
+            "state_rate": between(0.1, 1000.0),
+            "snapshot_period": between(0.0, 3600.0),
+            "seed": NOT_NEGATIVE,
+        }
+    )
 
     pace: str = WorldStatus.REALTIME
     factor: float = 1.0
@@ -49,43 +55,6 @@ class WorldSettings:
         """Declare the parameters and return their values.
 
         Raises:
-            HitabError: if the pace is not one of the two.
+            HitabError: if one has another type, or is out of its range.
         """
-        values: dict[str, Any] = {}
-        for name, description in DESCRIPTIONS.items():
-            descriptor = ParameterDescriptor(description=description, read_only=True)
-            if name in _FLOATS:
-                low, high = _FLOATS[name]
-                limits = FloatingPointRange(from_value=low, to_value=high)
-                descriptor.floating_point_range = [limits]
-            elif name == "seed":
-                descriptor.integer_range = [IntegerRange(from_value=0, to_value=2**63 - 1, step=1)]
-            default = cls.__dataclass_fields__[name].default
-            values[name] = node.declare_parameter(name, default, descriptor).value
-        check_pace(values["pace"])
-        return cls(**values)
-
-
-def check_factor(factor: float) -> None:
-    """Check a speed as a factor of real time.
-
-    Raises:
-        HitabError: naming the smallest and the largest.
-    """
-    low, high = _FLOATS["factor"]
-    if not low <= factor <= high:
-        raise HitabError(
-            f"factor {factor:g} is out of range; give one from {low:g} to {high:g}, "
-            "or use pace lockstep"
-        )
-
-
-def check_pace(pace: str) -> None:
-    """Check the name of a pace.
-
-    Raises:
-        HitabError: naming the known ones.
-    """
-    paces = (WorldStatus.LOCKSTEP, WorldStatus.REALTIME)
-    if pace not in paces:
-        raise HitabError(unknown("pace", pace, paces))
+        return cls(**{s.name: declare(node, s.name, s, DESCRIPTIONS[s.name]) for s in fields(cls)})

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from hitab_msgs import msg
 from rclpy.node import Node
 
-from hitab_core import HitabError, some
+from hitab_core import Do, HitabError, some
 from hitab_ros import (
     EmergencySwitch,
     GuardedNode,
@@ -101,7 +101,7 @@ class WorldNode(GuardedNode):
         self.control.held = stopped_by(state)
         self.course.disturbed = True
         held = self.control.held
-        self.guard.faults.set("stop", f"{STOPPED}: {held}; `hitab go` releases it" if held else "")
+        self.guard.faults.set("stop", held and f"{STOPPED}: {held}", Do.GO())
         self._tell_of_stop()
 
     def _tell_of_stop(self) -> None:

@@ -7,11 +7,11 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core import HitabError, has, quantity, unknown
+from hitab_core import Do, HitabError, has, quantity, unknown
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_world.course import Course
-from hitab_world.settings import check_factor, check_pace
+from hitab_world.settings import WorldSettings
 from hitab_world.world import Placement
 from hitab_world.world_memory import WorldMemory
 from hitab_world.world_topics import WorldTopics
@@ -84,12 +84,11 @@ class WorldServices:
                 course.begin_episode()
                 done = f"episode {course.world.episode}"
             case actions.PACE:
-                check_factor(request.factor or control.factor)
+                pace = request.pace or control.pace
+                checked = WorldSettings(pace=pace, factor=request.factor or control.factor)
                 if request.pace:
-                    check_pace(request.pace)
-                    control.pace = request.pace
                     course.disturbed = True  # the agents must know whether the world waits
-                control.factor = request.factor or control.factor
+                control.pace, control.factor = checked.pace, checked.factor
                 done = f"pace {control.pace}, factor {control.factor:g}"
             case action:
                 known = (actions.PAUSE, actions.RESUME, actions.STEP, actions.RESET, actions.PACE)
@@ -111,16 +110,14 @@ class WorldServices:
 
     def _need_release(self) -> None:
         if held := self._course.control.held:
-            raise HitabError(f"{held}; `hitab go` releases it")
+            raise HitabError(held, Do.GO())
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
         course = self._course
         self._need_release()
         self._look()
         if missing := course.round_answers.missing:
-            raise HitabError(
-                f"nobody answers for {', '.join(missing)}; `hitab status` shows who is there"
-            )
+            raise HitabError(f"nobody answers for {', '.join(missing)}", Do.STATUS())
         course.control.episodes_left = request.episodes
         course.begin_run(request.seed)
         response.run = course.control.run
@@ -146,16 +143,13 @@ class WorldServices:
         kept = memory.named
         name = request.name
         if request.action != actions.LIST and not name:
-            raise HitabError("a snapshot needs a name, as in `hitab world snapshot save corner`")
+            raise HitabError("a snapshot needs a name, such as corner")
         if request.action in (actions.RESTORE, actions.DELETE) and name not in kept:
             raise HitabError(f'no snapshot "{name}" {has(kept, name)}')
         match request.action:
             case actions.SAVE:
                 if name not in kept and len(kept) >= SNAPSHOTS_MAX:
-                    raise HitabError(
-                        f"there are {len(kept)} snapshots; delete one of them first, with "
-                        "`hitab world snapshot delete NAME`"
-                    )
+                    raise HitabError(f"there are {len(kept)} snapshots", Do.DELETE_SNAPSHOT())
                 memory.save(name, self._course.world.snapshot())
                 done = f'saved "{name}"'
             case actions.RESTORE:

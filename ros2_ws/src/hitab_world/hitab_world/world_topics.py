@@ -11,6 +11,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Header
 
 from hitab_ros import GuardedNode, names, qos
+from hitab_ros.conversions import remedy_messages
 from hitab_ros.stamps import NANOSECONDS, time_of
 from hitab_world.course import Course
 from hitab_world.settings import WorldSettings
@@ -80,6 +81,7 @@ class WorldTopics:
                 episodes_left=control.episodes_left,
                 last_error=self._error or (faults[0] if faults else ""),
                 faults=faults,
+                remedies=remedy_messages(self._guard.faults.remedies),
                 swarm=self._settings.swarm,
             )
         )

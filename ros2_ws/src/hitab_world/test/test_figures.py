@@ -40,16 +40,6 @@ def node_given():
         yield make
 
 
-def test_figures_that_are_not_given_are_the_defaults(node_given):
-    assert declare_figures(node_given(), PuddleParameters) == PuddleParameters()
-
-
-def test_figures_are_given_on_the_command_line(node_given):
-    node = node_given("width:=3.5", "frozen:=true")
-    assert declare_figures(node, PuddleParameters) == PuddleParameters(width=3.5, frozen=True)
-    assert node.get_parameter("parameters.leaves").value == 3
-
-
 def test_several_dataclasses_give_the_figures_of_one_world(node_given):
     node = node_given("host:=there", "leaves:=7")
     assert declare_figures(node, Place, PuddleParameters) == [

@@ -84,11 +84,6 @@ def test_what_is_incomplete_is_refused(kept, part):
         Puddle().restore(kept)
 
 
-def test_what_is_no_dictionary_is_refused():
-    with pytest.raises(WorldError, match="damaged"):
-        Puddle().restore([])
-
-
 @pytest.mark.parametrize(
     ("cycles", "seconds"), [(262, 26.2), (3, 0.3), (0, 0.0), (1_000_001, 1e5 + 0.1)]
 )

@@ -80,12 +80,7 @@ def most_open_keeper(body: KeeperBody) -> int:
     taker = body.closest_taker()
     if taker == NOBODY:
         return body.closest_keeper()
-    found, largest = NOBODY, -1.0
-    for place in body.others:
-        angle = body.angle_between(place, taker)
-        if angle > largest:
-            found, largest = place, angle
-    return found
+    return max(body.others, key=lambda place: body.angle_between(place, taker), default=NOBODY)
 
 
 def pass_ball(body: KeeperBody) -> None:

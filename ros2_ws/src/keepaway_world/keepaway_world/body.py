@@ -38,20 +38,6 @@ class KeeperBody:
         heard: the messages heard in this cycle.
     """
 
-    __slots__ = (
-        "_action",
-        "_closest_keeper",
-        "_closest_taker",
-        "_first_taker",
-        "_keepers",
-        "_length",
-        "_say",
-        "heard",
-        "name",
-        "parameters",
-        "values",
-    )
-
     def __init__(self, name: str, parameters: KeepawayParameters = PAPER) -> None:
         self.name = name
         self.parameters = parameters
@@ -59,8 +45,6 @@ class KeeperBody:
         self.heard: Sequence[str] = ()
         self._keepers = 0
         self._length = self._first_taker = OTHERS
-        self._closest_keeper: int | None = None
-        self._closest_taker: int | None = None
         self._action: list[float] = []
         self._say = ""
 
@@ -74,7 +58,6 @@ class KeeperBody:
             self._lay_out(values)
         self.values = values
         self.heard = heard
-        self._closest_keeper = self._closest_taker = None
         self._action = []
         self._say = ""
 
@@ -176,22 +159,14 @@ class KeeperBody:
 
     def closest_keeper(self) -> int:
         """Return the place of the closest other keeper; on a tie, the lowest number."""
-        if self._closest_keeper is None:
-            self._closest_keeper = self._closest(self.others)
-        return self._closest_keeper
+        return self._closest(self.others)
 
     def closest_taker(self) -> int:
         """Return the place of the closest taker, or `NOBODY`."""
-        if self._closest_taker is None:
-            self._closest_taker = self._closest(self.takers)
-        return self._closest_taker
+        return self._closest(self.takers)
 
     def _closest(self, places: range) -> int:
-        values, found, least = self.values, NOBODY, math.inf
-        for place in places:
-            if values[place] < least:
-                found, least = place, values[place]
-        return found
+        return min(places, key=self.values.__getitem__, default=NOBODY)
 
     def vector_to(self, place: int) -> tuple[float, float]:
         """Return the ball's or a player's position relative to the keeper, in world axes, m."""

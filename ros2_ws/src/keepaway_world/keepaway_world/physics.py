@@ -37,26 +37,6 @@ class Mover:
         ax, ay: acceleration from this cycle's commands, m/cycle².
     """
 
-    __slots__ = (
-        "acceleration_max",
-        "ax",
-        "ay",
-        "body",
-        "decay",
-        "heading",
-        "index",
-        "kind",
-        "name",
-        "radius",
-        "rand",
-        "shape",
-        "speed_max",
-        "vx",
-        "vy",
-        "x",
-        "y",
-    )
-
     def __init__(self, name: str, kind: str, index: int, p: KeepawayParameters) -> None:
         ball = kind == "ball"
         self.name, self.kind, self.index = name, kind, index

@@ -2,18 +2,13 @@
 
 import math
 
-import pytest
-
 from hitab_core.automaton import START, Automaton
 from hitab_core.repertoire import Repertoire
-from hitab_core.seeding import agent_seed
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
-from hitab_world.inprocess import PolicyPlayer, perform, play, play_on
+from hitab_world.inprocess import perform, play, play_on
 from hitab_world.world import Placement
-from keepaway_world.body import KeeperBody
 from keepaway_world.domain import DOMAIN
-from keepaway_world.parameters import variant
 from keepaway_world.world import KeepawayWorld
 
 
@@ -84,21 +79,3 @@ def test_episodes_are_the_same_whatever_was_played_before():
     again = KeepawayWorld(seed=3)
     assert play(again, perform(again, REPERTOIRE, "Keepaway"), 2, first=4) == results[4:]
     assert play(world, players, 1)[0].number == 6
-
-
-def test_a_policy_is_any_function_of_the_body():
-    world = KeepawayWorld(variant("paper", takers=0), seed=3)
-    seen = []
-
-    def forward(body):
-        seen.append(body.values[0])
-        body.dash(100.0)
-
-    play(world, {n: PolicyPlayer(KeeperBody(n), forward) for n in world.agents}, cycles_max=10)
-    assert seen == [1.0, 2.0, 3.0] * 10
-
-
-@pytest.mark.parametrize("other", [(2, 1, "keeper_1"), (1, 2, "keeper_1"), (1, 1, "keeper_2")])
-def test_agents_draw_from_generators_of_their_own(other):
-    assert agent_seed(1, 1, "keeper_1") == 9563207601062259070
-    assert agent_seed(*other) != agent_seed(1, 1, "keeper_1")

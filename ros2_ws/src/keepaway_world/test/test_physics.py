@@ -24,17 +24,6 @@ def far_apart(physics):
         physics.put(player, 50.0, 50.0 + 5.0 * number)
 
 
-def test_a_dash_at_full_power_reaches_one_meter_per_cycle():
-    physics = make(**QUIET)
-    far_apart(physics)
-    player = physics.keepers[0]
-    for _ in range(30):
-        x = player.x
-        physics.dash(player, 100.0)
-        physics.advance()
-    assert player.x - x == pytest.approx(1.0, abs=1e-6)
-
-
 def test_powers_and_moments_beyond_their_range_are_clipped():
     beyond, at_limit = make(**QUIET), make(**QUIET)
     for physics, excess in ((beyond, 3.0), (at_limit, 1.0)):
@@ -73,37 +62,19 @@ def test_two_kicks_in_one_cycle_add_up_to_no_more_than_the_largest_acceleration(
     assert math.hypot(physics.ball.vx, physics.ball.vy) == pytest.approx(2.7 * 0.94)
 
 
-def test_players_that_overlap_are_moved_apart_by_half_each_and_bounce():
-    physics = make(**QUIET)
+@pytest.mark.parametrize("ball", [True, False])
+@pytest.mark.parametrize("players", [True, False])
+def test_what_overlaps_is_moved_apart_and_bounces_if_it_collides(players, ball):
+    physics = make(players_collide=players, ball_collides=ball, **QUIET)
     far_apart(physics)
     a, b = physics.keepers
     physics.put(a, 0.0, 0.0, vx=0.4)
     physics.put(b, 1.0, 0.0, math.pi, vx=-0.4)
+    physics.put(physics.ball, 50.0, 59.5, vy=0.4)  # before the taker
     physics.advance()
-    assert (a.x, b.x) == (pytest.approx(0.2), pytest.approx(0.8))
-    assert a.vx == pytest.approx(0.4 * 0.4 * -0.1)
-    assert b.vx == pytest.approx(-0.4 * 0.4 * -0.1)
-
-
-@pytest.mark.parametrize("collides", [True, False])
-def test_whether_players_collide_with_each_other_is_a_setting(collides):
-    physics = make(players_collide=collides, **QUIET)
-    far_apart(physics)
-    a, b = physics.keepers
-    physics.put(a, 0.0, 0.0)
-    physics.put(b, 0.1, 0.0)
-    physics.advance()
-    assert (b.x - a.x > 0.59) is collides
-
-
-@pytest.mark.parametrize("collides", [True, False])
-def test_whether_players_collide_with_the_ball_is_a_setting(collides):
-    physics = make(ball_collides=collides, **QUIET)
-    far_apart(physics)
-    physics.put(physics.keepers[0], 0.0, 0.0)
-    physics.put(physics.ball, -0.5, 0.0, vx=0.4)
-    physics.advance()
-    assert (physics.ball.vx < 0.0) is collides
+    assert (a.x, b.x) == pytest.approx((0.2, 0.8) if players else (0.4, 0.6))
+    assert a.vx == pytest.approx(0.4 * 0.4 * (-0.1 if players else 1.0))
+    assert (physics.ball.vy < 0.0) is ball
 
 
 def test_a_crowd_on_one_spot_is_untangled():

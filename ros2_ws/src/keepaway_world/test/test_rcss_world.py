@@ -287,9 +287,9 @@ def instead(old, new):
 
 def test_what_cannot_be_played_on_is_told_in_a_sentence():
     for options, told in [
-        ({"version": 9}, "does not speak protocol version 15"),
+        ({"version": 9}, "restart it: it must speak protocol version 15"),
         ({"edit": lambda text: "hello"}, "is not an rcssserver"),
-        (instead("(init r", "(init l"), "are the wrong team"),
+        (instead("(init r", "(init l"), "other clients are, or were, the takers"),
         (instead("(init l 1", "(init l 4"), "other clients are, or were, the keepers"),
         (instead("(keepaway 1)", "(keepaway 0)"), "start it with server::keepaway=1"),
         (instead("(fullstate_l 1)", "(fullstate_l 0)"), "set the parameter percepts to see"),

@@ -71,31 +71,6 @@ def test_takers_take_a_ball_that_nobody_defends(speed):
         assert play(world).ended == "taken"
 
 
-def test_slow_takers_need_about_four_times_as_long():
-    def cycles(speed):
-        return sum(
-            play(KeepawayWorld(variant("paper", taker_speed=speed), seed=s)).cycles
-            for s in range(10)
-        )
-
-    assert 3.0 < cycles(0.25) / cycles(1.0) < 4.2
-
-
-def test_a_taker_stops_a_rolling_ball_within_its_reach(quiet, put):
-    world = quiet(takers=1)
-    put(
-        world,
-        keeper_1=(-9.0, 9.0),
-        keeper_2=(9.0, 9.0),
-        keeper_3=(9.0, -9.0),
-        taker_1=(0.0, 0.0),
-        ball=(0.5, 0.0, 0.6, 0.3),
-    )
-    world.step({})
-    ball = world.entities()[0]
-    assert math.hypot(ball.vx, ball.vy) < 0.01
-
-
 def test_the_other_taker_waits_facing_the_ball_that_a_team_mate_has(quiet, put):
     world = quiet()
     put(

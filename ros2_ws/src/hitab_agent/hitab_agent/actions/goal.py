@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
+from rclpy.action.client import ClientGoalHandle
 
 from hitab_core import ActionCall
-from hitab_ros import Guard, GuardedNode
+from hitab_ros import Guard
 
 _OVER = (CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, CancelGoal.Response.ERROR_GOAL_TERMINATED)
 
@@ -29,7 +31,29 @@ class Limits:
     pulse: float
 
 
+@dataclass(eq=False)
+class Server:
+    """The server of an action, as its client sees it.
+
+    Attributes:
+        client: of the action.
+        label: of the action, for people.
+        limits: how long to wait.
+        guard: of the agent's node.
+        changed: called after each answer of the server.
+        goals: that the server has or will get.
+    """
+
+    client: Any
+    label: str
+    limits: Limits
+    guard: Guard
+    changed: Callable[[], None]
+    goals: list[Goal] = field(default_factory=list)
+
+
 class _Stage(Enum):
+    ORPHANED = "a process that is gone has sent it, and the server cannot be reached yet"
     WAITING = "for the server, or for it to end the agent's previous goal"
     SENT = "the server has not answered yet"
     RUNNING = "the server has taken it"
@@ -42,67 +66,59 @@ class Goal:
 
     Callbacks may come long after the state was left, or entered anew: each belongs to its goal,
     and a call that is over ignores them.
+
+    Attributes:
+        call: to carry out.
+        runs_on: why the server goes on with a canceled goal; empty: it does not.
     """
 
     def __init__(
-        self,
-        call: ActionCall,
-        message: Any,
-        client: Any,
-        label: str,
-        limits: Limits,
-        guard: Guard,
-        seconds: Callable[[], float],
-        changed: Callable[[ActionCall], None],
-        freed: Callable[[], None],
-        runs_on: Callable[[str], None],
+        self, call: ActionCall, message: Any, server: Server, identity: bytes = b""
     ) -> None:
         """Wait for the server; `look` sends the goal.
 
         Args:
             call: to carry out.
             message: of the action's goal type.
-            client: of the action.
-            label: of the action, for people.
-            limits: how long to wait.
-            guard: of the agent's node.
-            seconds: returns the monotonic time.
-            changed: called when the call has failed, or its server has taken the goal.
-            freed: called when the server can get the next goal of this agent.
-            runs_on: called with the reason when the server does not cancel the goal, and with an
-                empty text once it is done with it.
+            server: of the action.
+            identity: what the server knows a goal by that a process which is gone has sent: it
+                is canceled.
         """
         self.call = call
+        self.runs_on = ""
         self._message = message
-        self._client = client
-        self._label = label
-        self._limits = limits
-        self._guard = guard
-        self._seconds = seconds
-        self._changed = changed
-        self._freed = freed
-        self._runs_on = runs_on
-        self._is_left = False
-        self._stage = _Stage.WAITING
-        self._since = self._heard = self._pulsed = seconds()
+        self._server = server
+        self._is_left = call.left
+        self._stage = _Stage.ORPHANED if identity else _Stage.WAITING
+        self._since = self._heard = self._pulsed = time.monotonic()
         self._pulses = call.pulses
         self._handle: Any = None
+        if identity:
+            goal_id = CancelGoal.Request().goal_info.goal_id
+            goal_id.uuid = list(identity)
+            self._handle = ClientGoalHandle(server.client, goal_id, None)
 
     @property
     def identity(self) -> bytes:
         """What the server knows the goal by; empty: it has not taken it, or is done with it."""
-        taken = self._handle is not None and self._handle.accepted and not self.is_ended
-        return bytes(self._handle.goal_id.uuid) if taken else b""
+        if self._handle is None or self.is_ended:
+            return b""
+        return bytes(self._handle.goal_id.uuid)
 
     @property
     def is_sent(self) -> bool:
         """Whether a server may carry it out."""
-        return self._stage not in (_Stage.WAITING, _Stage.ENDED)
+        return bool(self.runs_on) or self._stage not in (_Stage.WAITING, _Stage.ENDED)
 
     @property
     def is_ended(self) -> bool:
-        """Whether the server may get another goal."""
+        """Whether the server is done with it, or given up."""
         return self._stage is _Stage.ENDED
+
+    @property
+    def keeps_others_waiting(self) -> bool:
+        """Whether the server must not get another goal yet."""
+        return self._stage not in (_Stage.ORPHANED, _Stage.ENDED)
 
     def look(self, *, free: bool) -> None:
         """Send the goal once that is possible; fail or give up what takes too long.
@@ -110,18 +126,20 @@ class Goal:
         Args:
             free: whether the server has no previous goal of this agent.
         """
-        now = self._seconds()
-        late = now - self._since > self._limits.answer
+        now = time.monotonic()
+        late = now - self._since > self._server.limits.answer
         match self._stage:
+            case _Stage.ORPHANED if self._server.client.server_is_ready():
+                self._cancel()
+                self._await_result()
             case _Stage.WAITING:
                 self._look_for_server(now, late, free)
             case _Stage.SENT if late:
-                self._fail(f"{self._label} did not answer within {self._limits.answer:g} s")
-                self._stage = _Stage.ENDED
+                self._give_up(f"did not answer within {self._server.limits.answer:g} s")
             case _Stage.RUNNING:
                 self._look_after(now)
             case _Stage.CANCELING if late:
-                self._runs_on(f"{self._label} did not end a canceled goal; it is given up")
+                self.runs_on = f"{self._server.label} did not end a canceled goal; it is given up"
                 self._stage = _Stage.ENDED
 
     def leave(self) -> None:
@@ -139,133 +157,105 @@ class Goal:
             self._stage = _Stage.ENDED
         elif not free:
             self._since = now
-        elif self._client.server_is_ready():
+        elif self._server.client.server_is_ready():
             self._enter(_Stage.SENT)
-            future = self._client.send_goal_async(
-                self._message, self._guard.wrap(f"feedback of {self._label}", self._on_feedback)
+            feedback = self._server.guard.wrap(
+                f"feedback of {self._server.label}", self._on_feedback
             )
-            future.add_done_callback(self._guard.wrap(f"answer of {self._label}", self._on_answer))
+            future = self._server.client.send_goal_async(self._message, feedback)
+            future.add_done_callback(
+                self._server.guard.wrap(f"answer of {self._server.label}", self._on_answer)
+            )
         elif late:
-            self._fail(
-                f"no server of {self._label} appeared within {self._limits.answer:g} s; start it, "
-                "or correct the name of the action in the domain"
+            self._give_up(
+                f"has no server: none appeared within {self._server.limits.answer:g} s; start it, "
+                "or correct the name and the type of the action in the domain"
             )
-            self._stage = _Stage.ENDED
 
     def _look_after(self, now: float) -> None:
-        call = self.call
+        call, patience = self.call, self._server.limits.pulse
         if call.pulses != self._pulses:
             self._pulses, self._pulsed = call.pulses, now
-        if not self._client.server_is_ready():
-            self._fail(f"the server of {self._label} is gone")
-            self._stage = _Stage.ENDED
+        if not self._server.client.server_is_ready():
+            self._give_up("has no server any more: it is gone")
         elif 0.0 < call.behavior.feedback_within < now - self._heard:
-            self._fail(f"{self._label} gave no feedback for {call.behavior.feedback_within:g} s")
+            self._fail(f"gave no feedback for {call.behavior.feedback_within:g} s")
             self._cancel()
-        elif 0.0 < self._limits.pulse < now - self._pulsed:
+        elif 0.0 < patience < now - self._pulsed:
             self._fail(
-                f"the agent has not acted for {self._limits.pulse:g} s, so the goal was canceled; "
-                "see its other faults, or set its parameter action_patience"
+                f"lost its goal: the agent has not acted for {patience:g} s, so the goal was "
+                "canceled; see its other faults, or set its parameter action_patience"
             )
             self._cancel()
 
     def _on_answer(self, future: Any) -> None:
-        handle = self._handle = future.result()
-        if not handle.accepted:
-            self._fail(f"{self._label} rejected the goal")
-            self._end()
-            return
-        self.call.accepted = True
-        if self._stage is _Stage.SENT:
-            self._enter(_Stage.RUNNING)
-            self._heard = self._pulsed = self._since
-        handle.get_result_async().add_done_callback(
-            self._guard.wrap(f"result of {self._label}", self._on_result)
+        self._handle = future.result()
+        if not self._handle.accepted:
+            self._give_up("rejected the goal")
+        else:
+            self.call.accepted = True
+            if self._stage is _Stage.SENT:
+                self._enter(_Stage.RUNNING)
+                self._heard = self._pulsed = self._since
+            self._await_result()
+            if self._is_left or not self.call.is_open:  # meanwhile, or the answer came too late
+                self._cancel()
+        self._server.changed()
+
+    def _await_result(self) -> None:
+        self._handle.get_result_async().add_done_callback(
+            self._server.guard.wrap(f"result of {self._server.label}", self._on_result)
         )
-        if self.call.is_open and not self._is_left:
-            self._changed(self.call)
-        else:  # it was left meanwhile, or the answer came too late
-            self._cancel()
 
     def _on_feedback(self, message: Any) -> None:
-        self._heard = self._seconds()
+        self._heard = time.monotonic()
         if self.call.is_open:
             self.call.feedback = message.feedback
 
     def _on_result(self, future: Any) -> None:
         answer = future.result()
-        status = answer.status
-        if status == GoalStatus.STATUS_SUCCEEDED:
-            self.call.succeed()
-        elif status == GoalStatus.STATUS_ABORTED:
-            self._fail(f"{self._label} aborted the goal{_told(answer.result)}")
-        elif status == GoalStatus.STATUS_CANCELED:
-            self._fail(f"somebody else canceled the goal of {self._label}{_told(answer.result)}")
-        else:
-            self._fail(f"{self._label} does not know the goal any more; was it restarted?")
-        self._runs_on("")
+        match answer.status:
+            case GoalStatus.STATUS_SUCCEEDED:
+                self.call.succeed()
+            case GoalStatus.STATUS_ABORTED:
+                self._fail(f"aborted the goal{_told(answer.result)}")
+            case GoalStatus.STATUS_CANCELED:
+                self._fail(f"had the goal canceled by somebody else{_told(answer.result)}")
+            case _:
+                self._fail("does not know the goal any more; was it restarted?")
         self._end()
 
     def _cancel(self) -> None:
         self._enter(_Stage.CANCELING)
         self._handle.cancel_goal_async().add_done_callback(
-            self._guard.wrap(f"canceling {self._label}", self._on_canceled)
+            self._server.guard.wrap(f"canceling {self._server.label}", self._on_canceled)
         )
 
     def _on_canceled(self, future: Any) -> None:
         answer = future.result()
         if answer.goals_canceling or self._stage is not _Stage.CANCELING:
             return  # the result is still to come, or has come already
-        if answer.return_code not in _OVER:
-            self._runs_on(f"{self._label} refuses to cancel a goal, and goes on with it")
-        self._end()
+        if answer.return_code in _OVER:
+            self._end()
+        else:
+            self.runs_on = f"{self._server.label} refuses to cancel a goal, and goes on with it"
+            self._stage = _Stage.ENDED
+            self._server.changed()
 
     def _end(self) -> None:
-        self._stage = _Stage.ENDED
-        self._freed()
+        self._stage, self.runs_on = _Stage.ENDED, ""
+        self._server.changed()
 
     def _enter(self, stage: _Stage) -> None:
-        self._stage, self._since = stage, self._seconds()
+        self._stage, self._since = stage, time.monotonic()
 
     def _fail(self, why: str) -> None:
-        if not self._is_left and self.call.fail(why):
-            self._changed(self.call)
+        if not self._is_left:
+            self.call.fail(f"{self._server.label} {why}")
 
-
-class OrphanedGoal:
-    """A goal of a process that is gone; it is cancelled as soon as its server can be reached."""
-
-    def __init__(
-        self, node: GuardedNode, action: str, identity: str, over: Callable[[str], None]
-    ) -> None:
-        """Begin.
-
-        Args:
-            node: of the agent.
-            action: name of the action.
-            identity: of the goal, as a hexadecimal number.
-            over: called with the reason if the server refuses, else with an empty text.
-        """
-        self.action, self.identity = action, identity
-        self._label = node.resolve_service_name(action)
-        self._over = over
-        self._asked = False
-        name = f"{action}/_action/cancel_goal"  # of every server of actions
-        self._client = node.create_client(CancelGoal, name)
-
-    def look(self) -> None:
-        """Ask the server, once."""
-        if not self._asked and self._client.service_is_ready():
-            self._asked = True
-            request = CancelGoal.Request()
-            request.goal_info.goal_id.uuid = list(bytes.fromhex(self.identity))
-            self._client.call_async(request).add_done_callback(self._on_canceled)
-
-    def _on_canceled(self, future: Any) -> None:
-        answer = future.result()
-        refused = not answer.goals_canceling and answer.return_code not in (0, *_OVER)
-        what = "refuses to cancel a goal of before the restart, and goes on with it"
-        self._over(f"{self._label} {what}" if refused else "")
+    def _give_up(self, why: str) -> None:
+        self._fail(why)
+        self._stage = _Stage.ENDED
 
 
 def _told(result: Any) -> str:
@@ -273,6 +263,6 @@ def _told(result: Any) -> str:
     told = []
     for name in result.get_fields_and_field_types():
         value = getattr(result, name)
-        if value and (isinstance(value, str) or (name == "error_code" and value)):
+        if value and (isinstance(value, str) or name == "error_code"):
             told.append(f"{name}: {value}")
     return f" ({'; '.join(told)})" if told else ""

@@ -10,9 +10,9 @@ from hitab_msgs.action import Perform
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.task import Future
 
-from hitab_core import FLAGS, Agent, Mode, TrainingError, Use
+from hitab_core import FLAGS, Agent, Do, Mode, TrainingError, Use
 from hitab_ros import GuardedNode, names
-from hitab_ros.answering import what_went_wrong
+from hitab_ros.answering import Answered, remedies_for, what_went_wrong
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 
@@ -47,7 +47,7 @@ class OfferedAction:
         self,
         node: GuardedNode,
         agent: Agent,
-        answered: Callable[[str], None],
+        answered: Answered,
         rest: Callable[[], None],
     ) -> None:
         """Offer the action.
@@ -55,7 +55,7 @@ class OfferedAction:
         Args:
             node: of the agent.
             agent: the agent.
-            answered: called after a goal was accepted or, with the reason, refused.
+            answered: called after a goal was accepted or refused.
             rest: has the agent perform what it is ordered to or, without an order, nothing.
         """
         self._node = node
@@ -81,12 +81,12 @@ class OfferedAction:
             self._agent.perform(use)
         except Exception as error:
             handle.abort()
-            why = what_went_wrong(error)
-            self._answered(why)
-            return Perform.Result(message=why)
+            self._answered(error)
+            ways = map(str, remedies_for(error))
+            return Perform.Result(message="; ".join((what_went_wrong(error), *ways)))
         self._end(Perform.Result.REPLACED, f'"{use}" was asked for')
         goal = self._goal = _Goal(handle, use, Future(executor=self._node.executor))
-        self._answered("")
+        self._answered(None)
         outcome, message = await goal.ended
         if outcome == Perform.Result.DONE:
             handle.succeed()
@@ -105,8 +105,9 @@ class OfferedAction:
         agent = self._agent
         if agent.mode in (Mode.TRAINING, Mode.TESTING):
             raise TrainingError(
-                f'{agent.name} is {agent.mode} "{agent.training}"; save that first '
-                f"(`hitab save {agent.name}`), or make it idle (`hitab perform {agent.name}`)"
+                f'it is {agent.mode} "{agent.training}"',
+                Do.SAVE(agent=agent.name),
+                Do.IDLE(agent=agent.name),
             )
 
     def _cancel(self, handle: Any) -> CancelResponse:

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import time
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
-from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 
+from hitab_agent.agent_base import AgentBase
+from hitab_agent.guarded_tick import NO_ACTION, Action
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.round_gate import RoundGate
-from hitab_agent.shared_link import Perceiver
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.checks import too_far_ahead
 
@@ -25,35 +27,12 @@ COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "
 """What all percepts of a cycle have in common."""
 
 
-class _Guarded:
-    """A perceiver that never raises: a failing agent does not affect the others."""
+class _Perceiver(NamedTuple):
+    """An agent's node, with what never raises: a failing agent does not affect the others."""
 
-    __slots__ = ("agent", "agent_name", "answer", "awaited_orders", "take_in")
-
-    def __init__(self, perceiver: Perceiver) -> None:
-        guard = perceiver.guard
-        self.agent = perceiver.agent
-        self.agent_name = perceiver.agent_name
-        self.take_in = guard.wrap("perceiving", perceiver.take_in, otherwise=False)
-        self.answer = guard.wrap("acting", perceiver.answer, otherwise=((), ""))
-        self.awaited_orders = perceiver.awaited_orders
-
-
-class PerceptOfBatch:
-    """The fields of a `msg.Percept` that agents read, without the checks when they are set."""
-
-    __slots__ = (*COMMON, "heard", "values")
-
-    stamp: Time
-    sequence: int
-    cycle: int
-    episode: int
-    seed: int
-    look: bool
-    lockstep: bool
-    restart: bool
-    values: Sequence[float]
-    heard: Sequence[str]
+    node: AgentBase
+    take_in: Callable[[Any], None]
+    answer: Callable[[Any], Action]
 
 
 class HostLink:
@@ -86,8 +65,9 @@ class HostLink:
         self._name = name
         self._outbox = outbox
         self._gate = RoundGate(orders)
-        self._perceivers: list[_Guarded] = []
-        self._percept = PerceptOfBatch()
+        self._perceivers: list[_Perceiver] = []
+        # The fields of a `msg.Percept` that agents read, without the checks when they are set.
+        self._percept = SimpleNamespace()
         self._episode: tuple[int, int] | None = None
         self._actions = host.create_publisher(
             msg.ActionBatch, names.in_swarm(host, world, names.ACTION_BATCHES), qos.CYCLE
@@ -97,9 +77,11 @@ class HostLink:
         )
         self._answers = msg.ActionBatch(host=name)
 
-    def add(self, perceiver: Perceiver) -> None:
+    def add(self, node: AgentBase) -> None:
         """Have an agent perceive and act from the next announcement on."""
-        self._perceivers.append(_Guarded(perceiver))
+        take_in = node.guard.wrap("perceiving", node.take_in)
+        answer = node.guard.wrap("acting", node.answer, otherwise=NO_ACTION)
+        self._perceivers.append(_Perceiver(node, take_in, answer))
 
     def announce(self) -> None:
         """Announce the agents to the world, and listen."""
@@ -118,7 +100,7 @@ class HostLink:
             msg.HostRoster(
                 host=self._name,
                 number=self._answers.roster,
-                agents=[perceiver.agent_name for perceiver in self._perceivers],
+                agents=[perceiver.node.agent_name for perceiver in self._perceivers],
                 swarm=self._swarm,
             )
         )
@@ -158,7 +140,7 @@ class HostLink:
                 perceiver.take_in(percept)
         commanders: set[str] = set()
         if batch.lockstep:
-            commanders.update(*(perceiver.awaited_orders() for perceiver in acting))
+            commanders.update(*(perceiver.node.awaited_orders() for perceiver in acting))
         self._gate.begin(
             batch.sequence,
             commanders,
@@ -166,7 +148,7 @@ class HostLink:
             look=batch.look,
         )
 
-    def _answer(self, batch: msg.PerceptBatch, acting: Sequence[_Guarded]) -> None:
+    def _answer(self, batch: msg.PerceptBatch, acting: Sequence[_Perceiver]) -> None:
         """Have all agents that took in a percept of a batch act, and answer it."""
         answers, percept = self._answers, self._percept
         with self._outbox.held():

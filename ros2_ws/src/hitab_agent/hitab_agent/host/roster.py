@@ -1,4 +1,4 @@
-"""Which agents a host runs: all alike by its parameters, or each as a file describes."""
+"""Which agents a host runs, as a file describes them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,8 @@ from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.settings import AgentSettings
 from hitab_core import HitabError
 
 
@@ -29,34 +27,19 @@ class Entry:
 
 
 def read_roster(host: Node) -> list[Entry]:
-    """Return the agents that the host's parameters name.
+    """Return the agents in the file that the host's parameter ``roster`` names.
 
     Raises:
-        HitabError: if they name no agents, or the file cannot be read.
+        HitabError: if there is no such file, or it cannot be used.
     """
-    names = host.declare_parameter(
-        "agents",
-        Parameter.Type.STRING_ARRAY,
-        ParameterDescriptor(description="names of the agents to run here, all alike"),
-    ).value
-    file = host.declare_parameter(
-        "roster",
-        "",
-        ParameterDescriptor(description="file that says which agents to run, and how"),
-    ).value
-    settings = AgentSettings.declare(host)
-    common = {name: getattr(settings, name) for name in AgentSettings.__slots__}
-    entries = [Entry(name, AgentNode, common) for name in names or ()]
-    if file:
-        entries += _read_file(Path(file))
-    if not entries:
-        raise HitabError('the host has no agents to run; name them with -p agents:="[a, b]"')
-    return entries
-
-
-def _read_file(path: Path) -> list[Entry]:
+    told = ParameterDescriptor(description="file that says which agents to run, and how")
+    path = Path(host.declare_parameter("roster", "", told).value)
     try:
-        return [_entry(**entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
+        entries = [_entry(**entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
+        names = [entry.name for entry in entries]
+        if not names or len({*names}) < len(names):
+            raise ValueError("it must name at least one agent, and each once")
+        return entries
     except (OSError, ValueError, KeyError, TypeError, AttributeError, ImportError) as error:
         raise HitabError(
             f"{path}: not a roster of agents: {type(error).__name__}: {error}; for the format see "

@@ -12,6 +12,7 @@ import typer
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_core import Do
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder
@@ -161,8 +162,7 @@ def list_(
     if not there or (behavior and behavior not in there):
         what = f"{behavior} of {agent}" if behavior else agent
         raise SwarmError(
-            f"{what} has no generations {has(there, behavior)}; "
-            f"`hitab bootstrap next {agent}` makes one of what is in training"
+            f"{what} has no generations {has(there, behavior)}", Do.NEXT_GENERATION(agent=agent)
         )
     read = [read_generations(folder, agent, name) for name in ([behavior] if behavior else there)]
     shown = [part for known in read for part in _shown(known, by, least)]

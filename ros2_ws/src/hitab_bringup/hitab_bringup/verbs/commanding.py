@@ -11,8 +11,8 @@ from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain, tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import quantity
-from hitab_ros.fault_texts import STOPPED
+from hitab_client.commands import called, with_commands
+from hitab_core import Do, quantity
 
 Targets = Annotated[
     list[str] | None,
@@ -62,12 +62,18 @@ def demonstrate(
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
 
         status = swarm_up.agents.command(
-            agent, use.name, [*use.arguments, *(targets or [])], ago=due, seen=seen
+            agent,
+            use.name,
+            [*use.arguments, *(targets or [])],
+            ago=due,
+            seen=seen,
+            world=swarm_up.world,
         )
     console.say(outcome(agent, use.name, status))
-    tell_faults(status.faults, STOPPED)
+    tell_faults(status)
     if status.questions:
-        console.say(f"{quantity(status.questions, 'question')}: `hitab questions {agent}`")
+        asked = quantity(status.questions, "question")
+        console.say(with_commands(asked, [Do.QUESTIONS(agent=agent)]))
 
 
 def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
@@ -118,9 +124,10 @@ def perform(
     use = Use.parse(behavior) if behavior else Use("")
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
-        faults = swarm_up.agents.statuses[agent].faults if behavior else ()
+        status = swarm_up.agents.statuses[agent]
     console.say(answer.message or f"{agent} performs {behavior or 'nothing'}")
-    tell_faults(faults)
+    if behavior:
+        tell_faults(status)
 
 
 def distribute(
@@ -153,7 +160,7 @@ def distribute(
     if targets and not start:
         raise typer.BadParameter(
             f'"{targets[0]}" is too much: targets matter only with --start, and receivers are '
-            f"chosen with --to, as in `hitab distribute {agent} {behavior} --to {targets[0]}`"
+            f"chosen with --to, as in `{called()} distribute {agent} {behavior} --to {targets[0]}`"
         )
     with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
         report = swarm_up.agents.distribute(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from hitab_client import console
+from hitab_client.commands import with_commands
 
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
@@ -75,7 +76,7 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
     found = find_meant(swarm, domain_id)
     if found is None:
         # Said before ROS is loaded, which takes a moment.
-        console.note(none_is_up(domain_id))
+        console.note(with_commands(*none_is_up(domain_id)))
 
     from hitab_client import RosLink, SwarmClient, WorldClient
     from hitab_client.identity import BY_HAND

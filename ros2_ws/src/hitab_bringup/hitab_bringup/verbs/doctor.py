@@ -14,7 +14,7 @@ from hitab_client.command_options import JsonPath
 if TYPE_CHECKING:
     from hitab_bringup.doctor.finding import Finding
 
-STYLES = {"ok": "green", "warning": "yellow", "error": "bold red"}
+STYLES = {"ok": "", "warning": "yellow", "error": "bold red"}
 
 
 def doctor(json: JsonPath = None) -> None:
@@ -32,7 +32,9 @@ def doctor(json: JsonPath = None) -> None:
     for finding in _findings():
         found.append(finding)
         if json != "-":
-            _show(finding)
+            told = f"{finding.level:7} {finding.about:14} {finding.text}"
+            told += f"\n{'':22} {finding.way_out}" if finding.way_out else ""
+            console.out().print(console.line(told, STYLES[finding.level]))
     counts = {level: sum(f.level == level for f in found) for level in STYLES}
     told = f"{quantity(counts['error'], 'error')}, {quantity(counts['warning'], 'warning')}"
     told = told if counts["error"] or counts["warning"] else "no problems found"
@@ -65,14 +67,3 @@ def _findings() -> Iterator[Finding]:
     yield from machine.home()
     yield from machine.memory()
     yield from machine.limits()
-
-
-def _show(finding: Finding) -> None:
-    shown = console.table(("", "", ""), ())
-    shown.show_header, shown.padding = False, (0, 1, 0, 0)
-    shown.columns[0].width, shown.columns[1].width = 7, 14
-    level = console.line(finding.level, STYLES[finding.level])
-    shown.add_row(level, console.line(finding.about), console.line(finding.text))
-    if finding.way_out:
-        shown.add_row("", "", console.line(finding.way_out))
-    console.out().print(shown)

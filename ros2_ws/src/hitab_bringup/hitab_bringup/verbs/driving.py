@@ -12,6 +12,7 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
+from hitab_core import Do
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -64,8 +65,9 @@ def drive(
         from hitab_client import SwarmError
 
         raise SwarmError(
-            "`hitab drive` needs a terminal with a keyboard; in scripts, use `hitab demonstrate` "
-            "and `hitab perform`, and for a gamepad `hitab joystick`"
+            "driving needs a terminal with a keyboard; a gamepad does without",
+            Do.DEMONSTRATE(),
+            Do.PERFORM(),
         )
     for name, value in (("--speed", speed), ("--turn", turn)):
         if not 0.0 < value <= 10.0:
@@ -174,7 +176,7 @@ def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrat
     else:
         there = agents.await_agents()
         if not there:
-            raise SwarmError("no agent answers; `hitab status` shows what there is")
+            raise SwarmError("no agent answers", Do.STATUS())
         agent = min(there, key=natural)
     swarm_up.await_world()
     demonstrator = Demonstrator(

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_client import console
+from hitab_client.commands import as_command, called, with_commands
+from hitab_core import Do
 
 if TYPE_CHECKING:
     from hitab_client import Stops
@@ -41,10 +43,10 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
     """
     if context.args:
         raise typer.BadParameter(
-            "`hitab stop` takes no names: it stops all robots; "
-            f"`hitab perform {context.args[0]}` stops one of them"
+            "it takes no names: it stops all robots; to stop one, "
+            + as_command(Do.IDLE(agent=context.args[0]))
         )
-    unsure = "assume that they move, and use their own switches; `hitab stop` tries again"
+    unsure = "assume that they move, use their own switches, and try again"
     console.say(f"stand still: {_switch(True, reason, 'stand still', unsure)}")
 
 
@@ -59,12 +61,12 @@ def go(context: typer.Context, reason: Reason = "") -> None:
     """
     if context.args:
         raise typer.BadParameter(
-            "`hitab go` takes no names: it releases all robots, and none moves by that; "
-            f"`hitab arm {context.args[0]}` lets one act again"
+            "it takes no names: it releases all robots, and none moves by that; to "
+            + as_command(Do.ARM(robot=context.args[0]))
         )
-    unsure = "they may still be stopped; `hitab go` tries again"
+    unsure = "they may still be stopped; try again"
     heard = _switch(False, reason, "released", unsure)
-    console.say(f"released: {heard}; robots wait for `hitab arm`")
+    console.say(f"released: {heard}; robots wait for `{called()} arm`")
 
 
 def arm(
@@ -98,7 +100,7 @@ def arm(
         waiting = {robot: why for end in ends for robot, why in end.waiting().items()}
         if not (robots or all_robots):
             for robot, why in waiting.items():
-                console.say(f"{robot}: {why}")
+                console.say(with_commands(f"{robot}: {why}", [Do.GO(), Do.ARM(robot=robot)]))
             if not waiting:
                 console.say("no robot waits")
             return
@@ -140,8 +142,9 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
     if not there:
         raise SwarmError(
             f"nobody heard it: no robot and no simulated world answers in ROS domain {where}; "
-            "use the robots' own switches; check ROS_DOMAIN_ID and "
-            "ROS_AUTOMATIC_DISCOVERY_RANGE with `hitab doctor`, and try again"
+            "use the robots' own switches, check ROS_DOMAIN_ID and "
+            "ROS_AUTOMATIC_DISCOVERY_RANGE, and try again",
+            Do.DOCTOR(),
         )
     confirmed = [name for name in there if name not in lacking]
     if lacking:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import asdict
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,7 +14,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import Features, ShowOnly, as_text, plain
 from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import RADIANS, ExampleKind, Use, quantity, shown_unit, shown_value
+from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
 
 if TYPE_CHECKING:
     from hitab_core.training import TrainingCost
@@ -76,46 +75,48 @@ def examples_list(
         if cost:
             _show_costs(swarm_up.agents.report(agent, automaton), json)
             return
-        answer = swarm_up.agents.list_examples(agent, automaton)
-        words = swarm_up.agents.vocabulary(agent)
-        units = _of_features(words, "unit", answer.features)
-        kinds = _of_features(words, "kind", answer.features)
-    late = any(e.ago for e in answer.examples)
+        agents = swarm_up.agents
+        found = agents.behavior(agent, automaton) if automaton else agents.training(agent)
+    if not found.is_automaton:
+        raise HitabError(f"{automaton} is a basic behavior: it was not learned from examples")
+    units, kinds = found.units, [scale.kind for scale in found.scales]
+    late = any(e.ago for e in found.examples)
     names = (
         f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
-        for f, unit in zip(answer.features, units, strict=True)
+        for f, unit in zip(found.features, units, strict=True)
     )
     columns = ("number", "in", *names, "go to", "kind", "command", "cycle", *["s ago"] * late)
     rows = [
         (
             str(e.number),
             e.state,
-            *map(_shown, e.values, units, kinds),
+            *map(_shown, e.features, units, kinds),
             e.next_state,
             e.kind,
             str(e.command),
             str(e.cycle),
             *[f"{e.ago:.2g}" if e.ago else ""] * late,
         )
-        for e in answer.examples
+        for e in found.examples
     ]
-    title = f"{answer.automaton}: {quantity(len(answer.examples), 'example')}"
-    if superseded := sum(e.kind == ExampleKind.SUPERSEDED for e in answer.examples):
+    title = f"{found.name}: {quantity(len(found.examples), 'example')}"
+    if superseded := sum(e.kind == ExampleKind.SUPERSEDED for e in found.examples):
         title += f", {superseded} of them superseded and not learned from"
-    fields = "number state values next_state kind command cycle ago"
+    fields = "number state next_state kind command cycle ago"
     data = [
         plain(e, fields)
         | {
+            "values": list(e.features),
             "readings": {
                 name: None if math.isnan(value) else value
-                for name, value in zip(answer.readable, e.readings, strict=False)
-            }
+                for name, value in zip(found.readable, e.readings, strict=False)
+            },
         }
-        for e in answer.examples
+        for e in found.examples
     ]
     console.show(
         json,
-        {**plain(answer, "automaton features"), "examples": data},
+        {"automaton": found.name, "features": list(found.features), "examples": data},
         console.table(columns, rows, title),
     )
 
@@ -141,22 +142,16 @@ def _duration(seconds: float) -> str:
     return f"{seconds:.0f} s" if seconds < MINUTES_FROM_S else f"{seconds / 60:.1f} min"
 
 
-def _of_features(words: Any, what: str, features: Sequence[str]) -> list[str]:
-    """Return what the vocabulary of the agent says of features in use, such as their units."""
-    known = {Use.parse(f.name).name: getattr(f, what) for f in words.features}
-    return [known.get(Use.parse(feature).name, "") for feature in features]
-
-
 def _shown(value: float, unit: str, kind: str) -> str:
     """Return a value for people: angles in degrees, as the rules that are learned from them."""
     value = shown_value(as_direction(value, unit, kind), unit)
     return f"{value:{'.1f' if unit == RADIANS else '.4g'}}"
 
 
-def edit(swarm: str | None, agent: str, action: str, *what: Any, **fields: Any) -> None:
+def edit(swarm: str | None, agent: str, verb: str, *what: Any) -> None:
     """Edit the examples of a training, or take that back, and say what was done."""
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.edit_examples(agent, action, *what, **fields)
+        answer = getattr(swarm_up.agents, verb)(agent, *what)
     console.say(answer.message)
 
 
@@ -209,7 +204,7 @@ def examples_retime(
 
       hitab examples retime keeper_1 5 --ago 0.4
     """
-    edit(swarm, agent, "retime", numbers, ago=ago)
+    edit(swarm, agent, "retime", numbers, ago)
 
 
 @app.command("features")
@@ -228,7 +223,7 @@ def examples_features(
       hitab examples features keeper_1 -f BallIsKickable -f "DistanceTo(ball)"
     """
     if not show:
-        edit(swarm, agent, "features", features=feature)
+        edit(swarm, agent, "choose_features", feature)
         return
     with connection(swarm) as swarm_up:
         console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))

@@ -10,7 +10,7 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import completion, console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import quantity
+from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -105,12 +105,12 @@ def _meant(
     if tops:
         raise SwarmError(f'no commander "{commander}" answers {has(all_, commander)}')
     if lost:
-        raise SwarmError("\n".join(lost))
+        raise SwarmError("\n".join(lost), Do.STATUS())
     for name, swarm in view.strangers.items():
-        raise SwarmError(other_swarm(name, swarm, swarm_up.agents.identity))
+        raise other_swarm(name, swarm, swarm_up.agents.identity)
     raise SwarmError(
-        "no commander answers; a swarm has commanders if its description has `commanders:`, and "
-        "`hitab status` shows whether it is up"
+        "no commander answers; a swarm has commanders if its description has `commanders:`",
+        Do.STATUS(),
     )
 
 
@@ -224,8 +224,8 @@ def _refuse_agent(name: str, behavior: str, commanders: Collection[str]) -> None
 
     if name not in commanders:
         raise SwarmError(
-            f"{name} is not a commander {has(commanders, name)}; "
-            f"`hitab perform {name} {behavior}` makes an agent perform a behavior"
+            f"{name} is not a commander {has(commanders, name)}",
+            Do.PERFORM(agent=name, behavior=behavior),
         )
 
 

@@ -11,7 +11,8 @@ import typer
 from hitab_bringup.verbs.connection import connection
 from hitab_client import completion, console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import HitabError, quantity
+from hitab_client.commands import with_commands
+from hitab_core import Do, HitabError, Remedy, quantity
 
 if TYPE_CHECKING:
     from hitab_client.lessons import LessonPlayer, LessonReport
@@ -82,7 +83,7 @@ def _played(player: LessonPlayer) -> LessonReport:
         with console.progress(player.lesson.name, "steps") as advance:
             report = player.play(advance)
     except HitabError as error:
-        raise LessonError("\n".join([str(error), *_left(player)])) from None
+        raise LessonError(error.problem, *error.remedies, *_left(player)) from None
     except (KeyboardInterrupt, SystemExit):
         taken_back = player.take_back()
         for done in taken_back:
@@ -90,20 +91,18 @@ def _played(player: LessonPlayer) -> LessonReport:
         if not taken_back:
             console.note(
                 f"{player.lesson.name} leaves nothing in training; what was saved stays, and the "
-                "agents go on with what they did: see `hitab status`"
+                "agents go on with what they did"
             )
         raise
-    for left in _left(player):
-        console.note(left)
+    for agent, automaton in player.begun.items():
+        told = f'{agent} is still training "{automaton}"; go on by hand and save it'
+        console.note(with_commands(told, [Do.DISCARD(agent=agent)]))
     return report
 
 
-def _left(player: LessonPlayer) -> list[str]:
-    return [
-        f'{agent} is still training "{automaton}"; go on by hand and save it, or discard it with '
-        f"`hitab discard {agent}`"
-        for agent, automaton in player.begun.items()
-    ]
+def _left(player: LessonPlayer) -> list[Remedy]:
+    """Return what ends the trainings that a lesson has left."""
+    return [do(agent=agent) for agent in player.begun for do in (Do.SAVE, Do.DISCARD)]
 
 
 @app.command("list")

@@ -31,7 +31,7 @@ def list_behaviors(
     """
     from hitab_bringup.library_choice import holds_behaviors, libraries_meant
     from hitab_bringup.opened_library import open_library
-    from hitab_core import LibraryError, gist, some
+    from hitab_core import Do, LibraryError, some
 
     libraries = libraries_meant(library, agent, swarm)
     several = len(libraries) > 1
@@ -44,13 +44,13 @@ def list_behaviors(
         try:
             there = open_library(folder)
         except LibraryError as error:
-            problems.append(f"{some(agents)}: {gist(str(error))}" if several else str(error))
+            problems.append(f"{some(agents)}: {error.problem}" if several else error.problem)
             continue
         there.load(strict=False)
         if there.problems:
             names = some(sorted(there.problems))
             whose = some(agents) or str(folder)
-            problems.append(f"{whose}: {names} cannot be used; see `hitab library check`")
+            problems.append(f"{whose}: {names} cannot be used")
         for name in there.names():
             row = _row(name, there.file(name))
             found.setdefault((name, row["checksum"]), row)["agents"] += agents
@@ -70,7 +70,7 @@ def list_behaviors(
     columns = ["behavior", "examples", "states", "features", "version", "created"]
     console.show(json, data, console.table([*columns, *["agents"] * several], rows))
     if problems:
-        raise LibraryError("\n".join(problems))
+        raise LibraryError("\n".join(problems), Do.CHECK_LIBRARY())
 
 
 def _row(name: str, file: Any) -> dict[str, Any]:
@@ -151,12 +151,13 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
     """
     from hitab_bringup.library_choice import holds_behaviors, libraries_meant
     from hitab_bringup.opened_library import open_library
-    from hitab_core import LibraryError
+    from hitab_core import LibraryError, Remedy
 
     folders = [*libraries_meant(library, agent, swarm)]
     if len(folders) > 1 and not any(map(holds_behaviors, folders)):
         raise LibraryError("nothing is saved in the libraries of the swarm yet")
-    wrong = []
+    wrong: list[str] = []
+    remedies: list[Remedy] = []
     for folder in folders:
         if len(folders) > 1 and not holds_behaviors(folder):
             continue
@@ -167,12 +168,12 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
             behaviors = quantity(known, "behavior")
             wrong.append(f"{there.folder}: {bad} of {behaviors} cannot be used")
         wrong += [there.problems[name] for name in sorted(there.problems)]
-        wrong += [f"{name}: {way}" for name, way in losses.ways_out.items()]
+        remedies += [remedy for ways in losses.remedies.values() for remedy in ways]
         if not losses:
             names = quantity(len(there.names()), "behavior")
             console.say(f"{there.folder}: {names}, nothing is wrong")
     if wrong:
-        raise LibraryError("\n".join(wrong))
+        raise LibraryError("\n".join(wrong), *remedies)
 
 
 @app.command()

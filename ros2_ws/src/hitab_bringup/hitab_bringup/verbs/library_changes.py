@@ -12,7 +12,8 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
 from hitab_client import console
 from hitab_client.command_options import SwarmName
-from hitab_core import quantity
+from hitab_client.commands import as_command, called
+from hitab_core import Do, quantity
 
 Output = Annotated[
     Path | None,
@@ -101,24 +102,14 @@ def delete(
 
       hitab library delete Chase --agent keeper_1
     """
-    from hitab_core import LibraryError
-
     there = opened(library, agent, swarm)
-    try:
-        users = there.remove(name, anyway=anyway)
-    except LibraryError as error:
-        if anyway or "could no longer be used" not in str(error):
-            raise
-        raise LibraryError(f"{error}, or give --anyway") from None
+    users = there.remove(name, anyway=anyway)
     console.say(f"deleted {name} from {there.folder}")
     if users:
         console.say(f"{', '.join(users)} cannot be used until there is a {name} again")
     number = there.sound_version(name)
     if number is not None:
-        at = shlex.quote(str(there.folder))
-        console.say(
-            f"`hitab library restore {name} {number} -l {at}` brings version {number} back"
-        )
+        console.say(as_command(Do.RESTORE(behavior=name, version=number, folder=there.folder)))
     else:
         console.say(f"kept the damaged file in {there.folder / '.versions' / name}")
     _tell_users(there.folder)
@@ -152,7 +143,7 @@ def rename(
     for user in otherwise:
         console.note(
             f"{user} decides differently now, where its examples contradict each other; see "
-            f"`hitab library diff {user} -l {shlex.quote(str(there.folder))}`"
+            f"`{called()} library diff {user} -l {shlex.quote(str(there.folder))}`"
         )
     _tell_users(there.folder)
 
@@ -270,7 +261,7 @@ def reload(
     refused: list[tuple[str, str]] = []
     with connection(swarm) as swarm_up:
         for agent, text, did in swarm_up.agents.reload(agents or swarm_up.agents.await_agents()):
-            (done if did else refused).append((agent, text.removeprefix(f"{agent} ")))
+            (done if did else refused).append((agent, text))
     for text in each_once(done):
         console.say(text)
     if refused:
@@ -285,5 +276,5 @@ def _tell_users(folder: Path) -> None:
     for swarm, agents in users_of(folder):
         console.say(
             f"the library of {some(agents, most=3)} of swarm {swarm} is used as it was before; "
-            f"`hitab library reload --swarm {swarm}` has the change read"
+            f"`{called()} library reload --swarm {swarm}` has the change read"
         )

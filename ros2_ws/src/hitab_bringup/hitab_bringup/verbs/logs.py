@@ -9,6 +9,7 @@ import typer
 
 from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
+from hitab_core import Do
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -90,9 +91,7 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
         return found
     ended = [path.parent for path in state_home().glob("*/logs") if path.is_dir()]
     if not ended:
-        raise SwarmError(
-            f"no swarm has run under {state_home()}; start one, such as `hitab up keepaway`"
-        )
+        raise SwarmError(f"no swarm has run under {state_home()}", Do.UP(swarm="keepaway"))
     newest = max(ended, key=lambda path: (path / "logs").stat().st_mtime)
     console.note(f"{newest.name} is down; these are the logs of its last run")
     folder = RunFolder(newest)

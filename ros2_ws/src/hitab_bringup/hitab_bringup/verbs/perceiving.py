@@ -67,11 +67,7 @@ def _all(words: Any) -> Iterator[str]:
 
 def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> dict[str, Any]:
     """Return the features now, and the agent's faults, as plain data."""
-    from hitab_msgs.srv import ReadFeatures
-
-    from hitab_ros import names
-
-    told = swarm_up.agents.ask(agent, ReadFeatures, names.READ_FEATURES, also=chosen)
+    told = swarm_up.agents.read_features(agent, chosen)
     own = {use.name for use in OWN_FEATURES}
     known = {Use.parse(feature.name).name: feature for feature in words.features}
     found = []

@@ -11,6 +11,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import plain
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_client.commands import called
 
 
 def questions(
@@ -51,27 +52,26 @@ def questions(
             done = swarm_up.agents.answer(agent, number, choice, dismiss=dismissed)
             console.say(done.message)
             return
-        found = swarm_up.agents.questions(agent)
+        found = swarm_up.agents.training(agent, searched=True)
     told = [] if found.questions else [f"{agent} has no question"]
     for question in found.questions:
         told.append(f"{question.number}. {question.text}")
-        for index, choice in enumerate(question.choices):
-            proposed = " (proposed)" if index == question.proposed else ""
-            told.append(f"   {choice}: {question.effects[index]}{proposed}")
+        for index, offered in enumerate(question.choices):
+            proposed = "" if index else " (proposed)"
+            told.append(f"   {offered.name}: {offered.effect}{proposed}")
     if found.questions:
         told.append(
-            f"`hitab questions {agent} --answer {found.questions[0].number}` answers as proposed; "
-            "add --choice CHOICE to answer otherwise."
+            f"`{called()} questions {agent} --answer {found.questions[0].number}` answers as "
+            "proposed; add --choice CHOICE to answer otherwise."
         )
     asked = [_record(question) for question in found.questions]
     console.show(json, {"questions": asked, "answered": list(found.answered)}, *told)
 
 
 def _record(question: Any) -> dict[str, Any]:
-    situation = zip(question.features, question.situation, strict=True)
     return {
         **plain(question, "number kind text state examples"),
-        "choices": dict(zip(question.choices, question.effects, strict=True)),
-        "proposed": question.choices[question.proposed],
-        "situation": {name: v for name, v in situation if not math.isnan(v)},
+        "choices": {choice.name: choice.effect for choice in question.choices},
+        "proposed": question.choices[0].name,
+        "situation": {r.feature: r.value for r in question.situation if not math.isnan(r.value)},
     }

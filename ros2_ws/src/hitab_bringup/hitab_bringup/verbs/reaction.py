@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from hitab_client import console
+from hitab_core import Do
 
 
 def reaction(
@@ -61,9 +62,7 @@ def _measured() -> float:
     from hitab_client import SwarmError, reaction_time
 
     if not sys.stdin.isatty():
-        raise SwarmError(
-            "the game needs a terminal with a keyboard; set the time, such as `hitab reaction 0.3`"
-        )
+        raise SwarmError("the game needs a terminal with a keyboard", Do.MEASURE_REACTION())
 
     def pressed(seconds: float) -> float | None:
         if not select.select([sys.stdin], [], [], seconds)[0]:

@@ -13,7 +13,8 @@ import typer
 from hitab_bringup.verbs.connection import connection
 from hitab_client import console
 from hitab_client.command_options import SwarmName
-from hitab_core import quantity
+from hitab_client.commands import with_commands
+from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
     from hitab_client import RosLink
@@ -63,7 +64,9 @@ def record(
         if there.has_world:
             there.link.spin_until(lambda: there.world.status is not None, STATUS_S)
         if there.world.is_paused:
-            console.note("the world is paused: nothing changes until `hitab world resume`")
+            console.note(
+                with_commands("the world is paused: nothing changes", [Do.RESUME_WORLD()])
+            )
         began = time.monotonic()
         try:
             _record(there.link, recorder, seconds)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from hitab_client import console
+from hitab_client.commands import with_commands
 
 if TYPE_CHECKING:
     from hitab_client import Learned
@@ -38,13 +38,14 @@ def as_text(learned: Learned) -> str:
     return automaton_as_text(learned.automaton)
 
 
-def tell_faults(faults: Iterable[str], beginning: str = "") -> None:
+def tell_faults(status: Any) -> None:
     """Say what hinders an agent from what it was just told to do, such as an emergency stop.
 
     Args:
-        faults: of the agent.
-        beginning: of those to tell; empty: all.
+        status: of the agent.
     """
-    for fault in faults:
-        if fault.startswith(beginning):
-            console.note(f"but: {fault}")
+    from hitab_ros.conversions import remedies_of
+
+    if status.faults:
+        faults = "\n".join(f"but: {fault}" for fault in status.faults)
+        console.note(with_commands(faults, remedies_of(status.remedies)))

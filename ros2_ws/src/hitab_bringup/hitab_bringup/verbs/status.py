@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import natural, quantity
+from hitab_client.commands import as_command
+from hitab_core import Do, natural, quantity
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -28,6 +28,9 @@ AGENT = (
 )
 WORLD = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
 """Fields of statuses that are shown."""
+
+WAYS_MAX = 10
+"""Ways out that are shown at most."""
 
 LOOK_SECONDS = 1.0  # for a world that was started by hand
 
@@ -59,12 +62,13 @@ def status(
             _watch(swarm_up)
             return
         silent = _silent(swarm_up)
-        data = _status_data(swarm_up, silent, KeptTrainings(swarm_up.agents))
+        data = _status_data(swarm_up, silent)
         if swarm_up.record is None and not data["agents"] and data["world"] is None:
             number = swarm_up.link.node.context.get_domain_id()
             raise SwarmError(
                 f"nobody answers in ROS domain {number}; a swarm that starts or ends needs a "
-                "moment: try again, or start one, such as `hitab up keepaway`"
+                "moment: try again",
+                Do.UP(swarm="keepaway"),
             )
         console.show(json, data, _rendered(data, silent))
 
@@ -87,7 +91,6 @@ def _watch(swarm_up: Connection) -> None:
     signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
 
     last: dict[str, Any] = {}
-    trainings = KeptTrainings(swarm_up.agents)
 
     def shown() -> Group:
         nonlocal last
@@ -95,7 +98,7 @@ def _watch(swarm_up: Connection) -> None:
         signs.take_signs_of(name for name, it in now.items() if it is not last.get(name))
         last = now
         silent = _silent(swarm_up, signs)
-        return _rendered(_status_data(swarm_up, silent, trainings), silent)
+        return _rendered(_status_data(swarm_up, silent), silent)
 
     with console.live(shown()) as live:
         while True:
@@ -104,15 +107,16 @@ def _watch(swarm_up: Connection) -> None:
             live.update(shown())
 
 
-def _status_data(
-    swarm_up: Connection, silent: Mapping[str, Silence | None], trainings: KeptTrainings
-) -> dict[str, Any]:
+def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
     """Return all that is known about a swarm, as plain data."""
+    from hitab_ros.conversions import remedies_of
+
     agents = [
         {
             "agent": name,
-            "training": trainings.name(status),
+            "training": status.training,
             **plain(status, AGENT),
+            "remedies": list(map(as_command, remedies_of(status.remedies))),
             "refused_at": status.refused_at.sec or None,
         }
         for name, status in sorted(swarm_up.agents.statuses.items())
@@ -130,6 +134,7 @@ def _status_data(
             for name, why in silent.items()
         },
         "world": None if world is None else plain(world, WORLD),
+        "remedies": [] if world is None else list(map(as_command, remedies_of(world.remedies))),
     }
 
 
@@ -195,6 +200,10 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
     lines += [console.line(why, "red") for why in sentences(silent)]
     wrong = each_once((a["agent"], text) for a in data["agents"] for text in _wrong(a))
     lines += [console.line(text, "red") for text in wrong]
+    ways = dict.fromkeys(way for one in [data, *data["agents"]] for way in one["remedies"])
+    mute = dict.fromkeys(why.process for why in silent.values() if why is not None)
+    ways |= dict.fromkeys(as_command(Do.LOGS(node=process)) for process in mute)
+    lines += [console.line(way) for way in [*ways][:WAYS_MAX]]
     lines += [console.line(f"{a['agent']} {a['note']}") for a in data["agents"] if a["note"]]
     lines += [console.line(kept) for agent in data["agents"] if (kept := _kept(agent))]
     logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
@@ -207,23 +216,18 @@ def _kept(agent: Mapping[str, Any]) -> str:
     if not agent["training"] or agent["mode"] in ("training", "testing"):
         return ""
     name, examples = agent["agent"], quantity(agent["examples"], "example")
-    return (
-        f'{name}: the training of "{agent["training"]}" ({examples}) is kept; '
-        f"`hitab train {name}` goes on with it"
-    )
+    kept = f'{name}: the training of "{agent["training"]}" ({examples}) is kept'
+    return f"{kept}; {as_command(Do.RESUME(agent=name))}"
 
 
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
-    from hitab_core import gist
-
     # It may have been long ago: what is still so is among the faults.
     what = "last refusal" if "agent" in status else "last error"
     if status.get("refused_at"):
         what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))
-    told = [gist(fault) for fault in faults]
-    told += [f"{what}: {gist(last)}"] if last and last not in faults else []
+    told = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
     if status.get("unsure"):
         told.append(f"unsure: {status['unsure']}")
     if status.get("questions"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -11,7 +10,8 @@ import typer
 
 from hitab_client import completion, console
 from hitab_client.command_options import SwarmName
-from hitab_core import in_lines, quantity
+from hitab_client.commands import called, with_commands
+from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
@@ -93,13 +93,14 @@ def up(
         f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
         f"({time.monotonic() - began:.1f} s)"
     )
-    look = "look with `hitab status`, stop with `hitab down`"
+    look, stop = "status", "down"
     if len(list(running_swarms())) > 1:
         name = name_to_choose(record)
-        look = f"look with `hitab status --swarm {name}`, stop with `hitab down {name}`"
-    console.say(f"files in {folder.path}; {look}")
+        look, stop = f"status --swarm {name}", f"down {name}"
+    ways = f"look with `{called()} {look}`, stop with `{called()} {stop}`"
+    console.say(f"files in {folder.path}; {ways}")
     for fault in faults:
-        console.note(in_lines(fault))
+        console.note(fault)
 
 
 def down(
@@ -163,8 +164,8 @@ def _take_down(folder: RunFolder, record: RunRecord | None) -> None:
         with console.err().status("stopping"), registry_held():
             killed = stop(folder)
     except KeyboardInterrupt:
-        again = f"`hitab down --run-dir {shlex.quote(str(folder.path))}`"
-        console.note(f"{name} may be ending all the same; {again} ends what is left of it")
+        again = [Do.DOWN_FOLDER(folder=folder.path)]
+        console.note(with_commands(f"{name} may be ending all the same", again))
         raise
     console.say(f"{name} is down")
     if killed:

@@ -7,14 +7,13 @@ from typing import Annotated
 
 import typer
 
-from hitab_bringup.kept_trainings import KeptTrainings
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.examples import edit
 from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
-from hitab_core import did_you_mean, quantity
-from hitab_ros.fault_texts import STOPPED
+from hitab_client.commands import called
+from hitab_core import has, quantity
 
 UNASKED_MAX = 3
 """Commands that are discarded without a question: they are quickly given again."""
@@ -66,7 +65,9 @@ def train(
     bound = _bound(parameter or [])
     taking_over = automaton is None and not resume_from
     if taking_over and any((feature, state, parameter, resume, classifier, discard)):
-        raise typer.BadParameter("name the behavior to train, as in `hitab train AGENT NAME`")
+        raise typer.BadParameter(
+            f"name the behavior to train, as in `{called()} train {agent} NAME`"
+        )
     with connection(swarm) as swarm_up:
         if taking_over:
             answer = swarm_up.agents.set_mode(agent, "training")
@@ -82,7 +83,7 @@ def train(
                 classifier=classifier,
                 discard=discard,
             )
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 def _bound(parameters: list[str]) -> dict[str, str]:
@@ -129,9 +130,9 @@ def start_testing(
             )
             console.say(cautious.message)
         answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
-        faults = swarm_up.agents.statuses[agent].faults
-    console.say(answer.message)
-    tell_faults(faults, STOPPED)
+        status = swarm_up.agents.statuses[agent]
+    console.say_answer(answer)
+    tell_faults(status)
 
 
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:
@@ -191,12 +192,12 @@ def save(
             keep_unused=keep_unused,
         )
         targets = swarm_up.agents.vocabulary(agent).targets if bound else []
-    console.say(f"{answer.message}: {answer.path}")
+    console.say_answer(answer, f"{answer.message}: {answer.path}")
     for parameter in bound.values():
         if parameter not in targets:
             console.say(
-                f'"{parameter}" is now a parameter, since no target has this name'
-                f"{did_you_mean(parameter, targets)}"
+                f'"{parameter}" is now a parameter, since no target has this name '
+                f"{has(targets, parameter)}"
             )
     if answer.trimmed:
         console.say(f"trimmed: {', '.join(answer.trimmed)}")
@@ -225,12 +226,11 @@ def discard(
         if not yes and _is_terminal():
             status = swarm_up.agents.await_agent(agent)
             if status.examples - status.default_examples > UNASKED_MAX:
-                training = KeptTrainings(swarm_up.agents).name(status)
                 examples = quantity(status.examples, "unsaved example")
-                question = f'Discard the training of "{training}" with its {examples}?'
+                question = f'Discard the training of "{status.training}" with its {examples}?'
                 typer.confirm(question, abort=True, err=True)
         answer = swarm_up.agents.discard(agent)
-    console.say(answer.message)
+    console.say_answer(answer)
 
 
 def _is_terminal() -> bool:

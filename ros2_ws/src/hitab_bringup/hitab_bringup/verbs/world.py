@@ -12,12 +12,13 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import SwarmName
-from hitab_core import quantity
+from hitab_client.commands import with_commands
+from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import WorldState
 
-    from hitab_client import WorldClient
+    from hitab_client import SwarmError, WorldClient
 
 TOLD_SECONDS = 2.0  # to wait for why an episode has ended
 
@@ -72,14 +73,14 @@ def step(
             "all behaviors are in Start"
         )
     for why in without:
-        console.note(f"but: {why}")
+        console.note(with_commands(f"but: {why.problem}", why.remedies))
 
 
-def _silent(swarm_up: Connection) -> list[str]:
+def _silent(swarm_up: Connection) -> list[SwarmError]:
     """Return why the agents without which the world has gone on do not answer."""
     return [
         swarm_up.processes.reason(agent)
-        or f"{agent} has not answered in time; see `hitab logs {agent}`"
+        or SwarmError(f"{agent} has not answered in time", Do.LOGS(node=agent))
         for agent in swarm_up.world.missing
     ]
 

@@ -30,7 +30,7 @@ from hitab_client.lessons.conditions import Condition
 from hitab_client.lessons.lesson import Things, placed
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core import has, some
+from hitab_core import Do, has, some
 from hitab_core.library.yaml_models import Format, Record, open_record
 from hitab_core.library.yaml_places import open_yaml, read_yaml
 
@@ -101,15 +101,14 @@ class Configuration(Record):
         if world is None:
             raise SwarmError(
                 "there is no world into which anything could be placed; have the training go on "
-                f"when the situation comes about, as in `hitab bootstrap next {agent} --wait "
-                "\"{feature: 'DistanceTo(ball)', below: 2}\"`"
+                "when the situation comes about (wait)"
             )
         if self.snapshot:
             names = list(world.snapshot(Snapshot.Request.LIST).names)
             if self.snapshot not in names:
                 raise SwarmError(
-                    f'the world has no snapshot "{self.snapshot}" {has(names, self.snapshot)}; '
-                    f"save it first, with `hitab world snapshot save {self.snapshot}`"
+                    f'the world has no snapshot "{self.snapshot}" {has(names, self.snapshot)}',
+                    Do.SAVE_SNAPSHOT(snapshot=self.snapshot),
                 )
 
     def put(self, world: WorldClient) -> None:
@@ -161,9 +160,9 @@ class Configuration(Record):
                 swarm.set_mode(agent, AgentStatus.TRAINING)
         if not came:
             raise SwarmError(
-                f"waited {within:g} s in vain until {last}; {agent} is in training mode, "
-                f"where it is now. Bring the situation about by hand, or have it run on with "
-                f"`hitab test {agent}`"
+                f"waited {within:g} s in vain until {last}; {agent} is in training mode, where it "
+                "is now; bring the situation about by hand",
+                Do.TEST(agent=agent),
             )
 
 

@@ -23,7 +23,7 @@ from pydantic import Field
 from hitab_client.bootstrapping.configuration import Configuration
 from hitab_client.bootstrapping.evaluating import LENGTH, Score
 from hitab_client.errors import SwarmError
-from hitab_core import FolderInUseError, has
+from hitab_core import Do, FolderInUseError, has
 from hitab_core.library import bundle_file_text, content_of, read_bundle_file
 from hitab_core.library.durable_files import file_errors, locked, make_folder, write_durably
 from hitab_core.library.yaml_models import Format, Names, Record, Texts, open_record
@@ -112,13 +112,14 @@ class Generations:
                 return generation
         if not self.all:
             raise SwarmError(
-                f"{self.behavior} of {self.agent} has no generations yet; "
-                f"`hitab bootstrap next {self.agent}` makes the first of what is in training"
+                f"{self.behavior} of {self.agent} has no generations yet",
+                Do.NEXT_GENERATION(agent=self.agent),
             )
         numbers = [str(generation.number) for generation in self.all]
         raise SwarmError(
             f"{self.behavior} of {self.agent} has no generation {number} "
-            f"{has(numbers, str(number))}; see `hitab bootstrap list {self.agent} {self.behavior}`"
+            f"{has(numbers, str(number))}",
+            Do.GENERATIONS(agent=self.agent, behavior=self.behavior),
         )
 
     def best(self, figure: str = LENGTH, *, least: bool = False) -> Generation | None:
@@ -150,9 +151,10 @@ class Generations:
         path = self._bundle(number)
         if not path.exists():
             raise SwarmError(
-                f"the behaviors of generation {number} of {self.behavior} are not kept "
-                f"({path}); bring its version back from the library with `hitab library restore "
-                f"{self.behavior} {self.get(number).version} --agent {self.agent}`"
+                f"the behaviors of generation {number} of {self.behavior} are not kept ({path})",
+                Do.RESTORE_OF(
+                    behavior=self.behavior, version=self.get(number).version, agent=self.agent
+                ),
             )
         return read_bundle_file(path).texts
 
@@ -260,8 +262,8 @@ def held(run_folder: Path) -> Iterator[None]:
             stack.enter_context(locked(folder, alone=True, patience=0.0))
         except FolderInUseError:
             raise SwarmError(
-                f"another `hitab bootstrap` is at work in this swarm (it holds {folder}); wait "
-                "until it has ended, or end it with Ctrl-C"
+                f"another generation of this swarm is being made (which holds {folder}); wait "
+                "until that has ended, or end it with Ctrl-C"
             ) from None
         yield
 

@@ -12,9 +12,9 @@ from collections.abc import Mapping
 from hitab_msgs.msg import BehaviorFile, Distribution
 from hitab_msgs.srv import Distribute
 
-from hitab_client.acknowledgements import Acknowledgements
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
+from hitab_core import Do
 from hitab_core.library import bundle_digest
 from hitab_ros import names, qos
 
@@ -37,7 +37,6 @@ class KeptCopies:
         self._swarm = swarm
         self._link = swarm.link
         self._heard: dict[int, dict[str, str]] = {}
-        self._acknowledgements = Acknowledgements(self._link, swarm.prefix)
         topic = names.of_swarm(names.DISTRIBUTION, swarm.prefix)
         self._link.subscribe(Distribution, topic, self._take, qos.EVENTS)
         self._publisher = self._link.node.create_publisher(Distribution, topic, qos.EVENTS)
@@ -65,8 +64,7 @@ class KeptCopies:
             if found is not None:
                 return found
         raise SwarmError(
-            f"{agent} has sent its files {TRIES} times, and none arrived here; find the cause "
-            "with `hitab doctor`"
+            f"{agent} has sent its files {TRIES} times, and none arrived here", Do.DOCTOR()
         )
 
     def send(self, agent: str, behavior: str, files: Mapping[str, str]) -> None:
@@ -90,14 +88,14 @@ class KeptCopies:
             digest=bundle_digest(made),
             files=[BehaviorFile(name=name, text=text) for name, text in made],
         )
-        self._acknowledgements.await_hearing([agent])
+        self._swarm.acknowledgements.await_hearing([agent])
         self._link.spin_until(
             lambda: self._publisher.get_subscription_count() > 0, HEAR_SECONDS, 0.01
         )
         for _ in range(TRIES):
             # The agent may not have been discovered yet. To take the same in twice is harmless.
             self._publisher.publish(message)
-            report = self._acknowledgements.gather(
+            report = self._swarm.acknowledgements.gather(
                 sequence, message.digest, [agent], SEND_SECONDS, None
             )
             if report.refused:
@@ -105,6 +103,6 @@ class KeptCopies:
             if report.accepted:
                 return
         raise SwarmError(
-            f"{agent} has not confirmed that it received {behavior}; probably it has not changed. "
-            f"See `hitab logs {agent}`"
+            f"{agent} has not confirmed that it received {behavior}; probably it has not changed",
+            Do.LOGS(node=agent),
         )

@@ -34,7 +34,7 @@ from hitab_client.learned import Learned
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
-from hitab_core import HitabError, quantity, some
+from hitab_core import Do, HitabError, quantity, some
 from hitab_core.library import content_of, reissued, same_behavior
 
 Progress = Callable[[int, int, str], None]
@@ -231,7 +231,8 @@ class Bootstrapping:
                     self._resume(agent, training, replaces)
                 except SwarmError as another:
                     if isinstance(error, HitabError):
-                        raise SwarmError(f"{error}\n{another}") from None
+                        both = f"{error.problem}\n{another.problem}"
+                        raise SwarmError(both, *error.remedies, *another.remedies) from None
                     self.left += f"; {another}"
             raise
         with not_interrupted():
@@ -252,10 +253,11 @@ class Bootstrapping:
             )
         except SwarmError as error:
             raise SwarmError(
-                f"the training could not go on by itself; resume it with `hitab train {agent} "
-                f"{training.name} --resume`: {error}"
+                f"the training could not go on by itself: {error.problem}",
+                Do.TRAIN_FURTHER(agent=agent, behavior=training.name),
+                *error.remedies,
             ) from None
-        self._say(f"{agent}: {answer.message.partition('; ')[0]}")
+        self._say(f"{agent}: {answer.message}")
 
     def _as_saved(self, agent: str, behavior: str, meant: Generation) -> Learned:
         saved = self._swarm.behavior(agent, behavior)
@@ -267,7 +269,7 @@ class Bootstrapping:
         """Give a generation to the teammates, have all perform it, and evaluate it."""
         made = known.get(number)
         agent, behavior = known.agent, known.behavior
-        rest = f"`hitab bootstrap back {agent} {behavior} {number}` does the rest"
+        rest = Do.GO_BACK(agent=agent, behavior=behavior, generation=number)
         self.left = f"generation {number} is kept, but not given to all of the team; {rest}"
         report = self._distributed(agent, made, behavior, mates)
         missing = {name: f"refuses: {why}" for name, why in report.refused.items()}
@@ -279,8 +281,8 @@ class Bootstrapping:
             raise SwarmError(
                 "\n".join(f"{name} {why}" for name, why in missing.items())
                 + f"\ngeneration {number} of {behavior} is kept, but without a score, since "
-                f"{some(sorted(missing))} of the team lack it; once that is mended, `hitab "
-                f"bootstrap back {agent} {behavior} {number}` gives it to them and goes on"
+                f"{some(sorted(missing))} of the team lack it; mend that first",
+                rest,
             )
         known = known.with_(made).keep()
         self.left = f"generation {number} is kept and the team has it, but it has no score; {rest}"

@@ -10,7 +10,7 @@ from hitab_client.bootstrapping.generations import Generations
 from hitab_client.errors import SwarmError
 from hitab_client.learned import Learned
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import START, HitabError, quantity
+from hitab_core import START, Do, HitabError, quantity
 from hitab_core.library import content_of
 
 
@@ -20,37 +20,27 @@ def training_of(swarm: SwarmClient, agent: str) -> Learned:
     Raises:
         SwarmError: if nothing is, or nothing could be performed of it.
     """
-    swarm.await_agent(agent)
-    if not _is_training(swarm, agent):
+    if not swarm.await_agent(agent).training:
         raise SwarmError(
-            f"{agent} is not training anything, so there is no next generation; begin with "
-            f"`hitab train {agent} NAME -f FEATURE`, or train a saved behavior further with "
-            f"`hitab train {agent} NAME --resume`"
+            f"{agent} is not training anything, so there is no next generation",
+            Do.TRAIN(agent=agent),
+            Do.TRAIN_FURTHER(agent=agent),
         )
-    training = swarm.behavior(agent)
+    training = swarm.training(agent)
     if not any(example.state == START for example in training.examples):
         raise SwarmError(
-            f'no example of "{training.name}" leaves Start, so that {agent} and its team '
-            f"mates would do nothing; command its first behavior from the beginning, with "
-            f"`hitab demonstrate {agent} BEHAVIOR`"
+            f'no example of "{training.name}" leaves Start, so that {agent} and its team mates '
+            "would do nothing; command its first behavior from the beginning",
+            Do.DEMONSTRATE(agent=agent),
         )
     return training
 
 
-def _is_training(swarm: SwarmClient, agent: str) -> bool:
-    """Whether there is a training under way, whatever the agent does at present."""
-    try:
-        swarm.list_examples(agent)
-    except SwarmError:
-        return False
-    return True
-
-
 def refuse_unsaved(swarm: SwarmClient, agent: str) -> None:
     """Raise if a training has examples that no saved behavior has."""
-    if not _is_training(swarm, agent):
+    if not swarm.await_agent(agent).training:
         return
-    training = swarm.behavior(agent)
+    training = swarm.training(agent)
     try:
         saved = _marks(swarm.behavior(agent, training.name))
     except SwarmError:
@@ -59,8 +49,9 @@ def refuse_unsaved(swarm: SwarmClient, agent: str) -> None:
     if differing:
         raise SwarmError(
             f'the training of "{training.name}" on {agent} has '
-            f"{quantity(len(differing), 'example')} changed since it was saved; keep "
-            f"them with `hitab bootstrap next {agent}`, or give them up with --discard"
+            f"{quantity(len(differing), 'example')} changed since it was saved; give them up with "
+            "--discard",
+            Do.NEXT_GENERATION(agent=agent),
         )
 
 
@@ -73,8 +64,9 @@ def mates_of(swarm: SwarmClient, agent: str, to: Sequence[str]) -> list[str]:
     for mate in mates:
         if swarm.statuses[mate].mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
             raise SwarmError(
-                f"{mate} is in training itself; save that (`hitab save {mate}`) or discard it "
-                f"(`hitab discard {mate}`) first, or name the others with --to"
+                f"{mate} is in training itself; name the others with --to",
+                Do.SAVE(agent=mate),
+                Do.DISCARD(agent=mate),
             )
     return list(dict.fromkeys(mates))
 

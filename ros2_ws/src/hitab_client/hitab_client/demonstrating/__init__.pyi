@@ -1,5 +1,6 @@
 from . import behavior_keys as behavior_keys
 from . import keyboard as keyboard
+from .commanding import EARLIER_SECONDS as EARLIER_SECONDS
 from .commanding import command as command
 from .commanding import other_mode as other_mode
 from .commanding import outcome as outcome
@@ -9,6 +10,3 @@ from .joystick import JoystickInput as JoystickInput
 from .joystick_mapping import read_mapping as read_mapping
 from .keyboard import KeyboardInput as KeyboardInput
 from .pressed import ACTIONS as ACTIONS
-from .timing import EARLIER_SECONDS as EARLIER_SECONDS
-from .timing import due as due
-from .timing import earlier as earlier

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from hitab_msgs.msg import AgentStatus
-from hitab_msgs.srv import EditExamples
+from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
 
-from hitab_client.demonstrating.timing import due, earlier
+from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import ACKNOWLEDGE_SECONDS, SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import FLAGS, quantity
+
+EARLIER_SECONDS = 0.2
+"""By how much a person has a command be due earlier with one key, in seconds of their own."""
 
 
 def command(
@@ -23,8 +25,10 @@ def command(
     sequence: int = 0,
     seconds: float = ACKNOWLEDGE_SECONDS,
     demonstrator: str = "",
-) -> AgentStatus:
-    """Command a behavior; if the agent is testing what it has learned, take over first.
+) -> str:
+    """Command a behavior, or in no training have it performed; return what came of it.
+
+    If the agent is testing what it has learned, take over first.
 
     Args:
         agents: of the swarm.
@@ -40,18 +44,50 @@ def command(
     Raises:
         SwarmError: if the agent is missing, refuses, or does not acknowledge.
     """
-    if agents.await_agent(agent).mode == AgentStatus.TESTING:
+    status = agents.await_agent(agent)
+    if status.mode in (AgentStatus.IDLE, AgentStatus.PERFORMING):
+        agents.perform(agent, behavior)
+        kept = f': t continues that of "{status.training}"' if status.training else ""
+        return f"{agent} performs {behavior}; it learns from commands only in training{kept}"
+    if status.mode == AgentStatus.TESTING:
         agents.set_mode(agent, AgentStatus.TRAINING)
-    when = due(world, reaction, seen)
-    return agents.command(
+    ago, seen = due(world, reaction, seen)
+    status = agents.command(
         agent,
         behavior,
-        ago=when.ago,
-        seen=when.seen,
+        ago=ago,
+        seen=seen,
         sequence=sequence,
         seconds=seconds,
         demonstrator=demonstrator,
+        world=world,
     )
+    return outcome(agent, behavior, status)
+
+
+def due(world: WorldClient, reaction: float, seen: int) -> tuple[float, int]:
+    """Return how long before which of the world's cycles a command counts, in simulated seconds.
+
+    Args:
+        world: that the person sees.
+        reaction: the person's reaction time, s.
+        seen: the cycle that the person saw; 0: the last one.
+    """
+    status = world.status
+    if status is not None and status.mode == WorldState.PAUSED:
+        return 0.0, 0  # the situation has waited for the person
+    return reaction_time.simulated(reaction, status, world.speed), seen
+
+
+def earlier(world: WorldClient) -> float:
+    """Return the simulated time by which one key has a command be due earlier, s.
+
+    A person may pause the world to correct: what counts is its pace when it runs.
+    """
+    status = world.status
+    if status is not None:
+        status = WorldStatus(mode=WorldState.RUNNING, pace=status.pace, factor=status.factor)
+    return reaction_time.simulated(EARLIER_SECONDS, status, world.speed) or EARLIER_SECONDS
 
 
 def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
@@ -71,13 +107,13 @@ def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> str:
     Raises:
         SwarmError: if there is none, or that time is not kept.
     """
-    examples = agents.list_examples(agent).examples
+    examples = agents.training(agent).examples
     last = max(examples, key=lambda e: (e.command, -e.number), default=None)
     if last is None:
         raise SwarmError("There is no command yet that could have been due earlier.")
     ago = round(last.ago + earlier(world), 3)
-    agents.edit_examples(agent, EditExamples.Request.RETIME, [last.number], ago=ago)
-    now = {e.number: e for e in agents.list_examples(agent).examples}[last.number]
+    agents.retime(agent, [last.number], ago)
+    now = {e.number: e for e in agents.training(agent).examples}[last.number]
     return f"{now.state} → {now.next_state}: {now.ago:.2f} s ago, instead of {last.ago:.2f} s ago"
 
 

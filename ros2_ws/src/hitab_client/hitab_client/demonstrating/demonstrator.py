@@ -18,7 +18,7 @@ from hitab_msgs.srv import Control
 
 from hitab_client import reaction_time
 from hitab_client.demonstrating.behavior_keys import Keys
-from hitab_client.demonstrating.commanding import command, other_mode, outcome, put_earlier
+from hitab_client.demonstrating.commanding import command, other_mode, put_earlier
 from hitab_client.demonstrating.pressed import Pressed, TargetsAsked
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
@@ -93,8 +93,8 @@ class Demonstrator:
         self._refused_until = -math.inf
         self._does = {
             "test": self._toggle,
-            "undo": lambda agent: self._edit(agent, "undo"),
-            "redo": lambda agent: self._edit(agent, "redo"),
+            "undo": lambda agent: str(agents.undo(agent).message),
+            "redo": lambda agent: str(agents.redo(agent).message),
             "earlier": lambda agent: put_earlier(agents, world, agent),
             "nothing": self._perform_nothing,
             "save": self._save,
@@ -285,15 +285,10 @@ class Demonstrator:
         if place is not None:
             self._ask(pressed, use, place, words)
             return ""
-        status = agents.await_agent(agent)
-        if status.mode in (AgentStatus.IDLE, AgentStatus.PERFORMING):
-            agents.perform(agent, use.name, use.arguments)
-            kept = f': t continues that of "{words.training}"' if words.training else ""
-            return f"{agent} performs {use}; it learns from commands only in training{kept}"
         reaction = reaction_time.of(agents.demonstrator)
         if reaction and not pressed.seen:
             reaction += self._clock() - pressed.due
-        status = command(
+        return command(
             agents,
             self._world,
             agent,
@@ -302,7 +297,6 @@ class Demonstrator:
             seen=pressed.seen,
             seconds=TAKEN_S,
         )
-        return outcome(agent, str(use), status)
 
     def _open_parameter(self, use: Use, words: Words) -> int | None:
         """Return the place of a parameter that is bound to no target; None: there is none."""
@@ -330,9 +324,6 @@ class Demonstrator:
         self.let_go()
         mode = other_mode(self._agents.await_agent(agent))
         return str(self._agents.set_mode(agent, mode).message)
-
-    def _edit(self, agent: str, action: str) -> str:
-        return str(self._agents.edit_examples(agent, action).message)
 
     def _perform_nothing(self, agent: str) -> str:
         self.let_go()

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus
-from hitab_msgs.srv import GetBehavior
 
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.swarm_client import SwarmClient
 from hitab_core import FLAGS, Use
-from hitab_ros import names
 
 
 @dataclass(frozen=True)
@@ -75,14 +73,12 @@ class WordsOfAgents:
         told = self._agents.vocabulary(agent)
         targets = list(told.targets)
         of_training: dict[str, Any] = {}
-        training = None
-        if _is_trained(status) or status.examples:
-            training = self._agents.ask(agent, GetBehavior, names.GET_BEHAVIOR)
-        if training is not None and _is_trained(status):
+        if _is_trained(status):
+            training = self._agents.training(agent)
             targets += [p for p in training.parameters if p not in targets]
             of_training = {
                 "training": training.name,
-                "chosen": training.chosen_states,
+                "chosen": training.chosen,
                 "states": training.states,
             }
         behaviors = [b.name for b in told.behaviors]
@@ -94,7 +90,7 @@ class WordsOfAgents:
             tuple(there),
             tuple(k for k in keys if k[0]),
             tuple(targets),
-            training.name if training is not None else "",
+            status.training,
         )
 
 
@@ -104,6 +100,4 @@ def _is_trained(status: AgentStatus) -> bool:
 
 def _state(status: AgentStatus) -> tuple[str, ...]:
     """Return what an agent's words depend on."""
-    is_trained = _is_trained(status)
-    training = status.behavior if is_trained else "kept" * bool(status.examples)
-    return status.domain, status.library_digest, str(is_trained), training
+    return status.domain, status.library_digest, str(_is_trained(status)), status.training

@@ -12,14 +12,12 @@ from collections.abc import Callable
 from typing import Self
 
 from hitab_msgs.msg import WorldState
-from hitab_msgs.srv import ReadFeatures
 
 from hitab_client.lessons.conditions import Condition
 from hitab_client.path_tracker import PathTracker
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_client.world_view import WorldView, speakers
-from hitab_ros import names
 from hitab_ros.stamps import seconds_of
 
 LOOK_SECONDS = 0.1
@@ -65,9 +63,7 @@ class ConditionWatch:
 
     def view(self) -> WorldView:
         """Return the present moment."""
-        return WorldView(
-            (), self.now() - self._since, self._paths(), readings=self._reading, has_world=False
-        )
+        return WorldView(None, self.now() - self._since, self._paths(), reading=self._reading)
 
     def _paths(self) -> dict[str, list[str]]:
         # The status may lag behind by some cycles; the states entered in this one do not.
@@ -83,7 +79,7 @@ class ConditionWatch:
         """
         if agent not in self.swarm.statuses:
             self.swarm.await_agent(agent)
-        answer = self.swarm.ask(agent, ReadFeatures, names.READ_FEATURES, also=[feature])
+        answer = self.swarm.read_features(agent, [feature])
         used = [r.value for r in answer.readings if r.automaton and r.feature == feature]
         asked = [r.value for r in answer.readings if not r.automaton]
         return float(used[0] if used else asked[-1])
@@ -165,5 +161,5 @@ class WorldWatch(ConditionWatch):
             self._paths(),
             self._said,
             self._ended,
-            readings=self._reading,
+            reading=self._reading,
         )

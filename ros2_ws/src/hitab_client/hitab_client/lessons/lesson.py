@@ -23,6 +23,7 @@ follow `until`, `check` and `never`; every class below is a kind of step.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,24 +76,28 @@ def placed(things: Mapping[str, Thing]) -> dict[str, dict[str, float]]:
 
 
 class Step(Record):
-    """One step; ``line`` is where it stands in the file."""
+    """One step; ``line`` is where it stands in the file, ``kind`` its first key there."""
 
+    kinds: ClassVar[dict[str, type[Step]]] = {}
     kind: ClassVar[str] = ""
     line: int = Field(default=0, alias=":line")
     agent: str = ""
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **more: Any) -> None:
+        cls.kind = re.sub("(?<=[a-z])(?=[A-Z])", "_", cls.__name__).lower()
+        cls.kinds[cls.kind] = cls
 
 
 class Say(Step):
     """Tell the user what is about to happen."""
 
-    kind: ClassVar[str] = "say"
     text: str = Field(alias="say")
 
 
 class Place(Step):
     """Put things somewhere, and let all agents see it."""
 
-    kind: ClassVar[str] = "place"
     where: Things = Field(alias="place")
     new_episode: bool = False
 
@@ -105,7 +110,6 @@ class Place(Step):
 class Begin(Step):
     """Begin to train an automaton."""
 
-    kind: ClassVar[str] = "begin"
     automaton: str = Field(alias="begin")
     features: Texts = ()
     states: Texts = ()
@@ -117,14 +121,12 @@ class Begin(Step):
 class Command(Step):
     """Command a behavior."""
 
-    kind: ClassVar[str] = "command"
     use: Behavior = Field(alias="command")
 
 
 class Until(Step):
     """Run the world until a condition holds; it is an error if it does not in time."""
 
-    kind: ClassVar[str] = "until"
     condition: Condition = Field(alias="until")
     within: float = Field(default=WITHIN, gt=0.0)
 
@@ -132,28 +134,24 @@ class Until(Step):
 class Check(Until):
     """The same, as a test of what was learned."""
 
-    kind: ClassVar[str] = "check"
     condition: Condition = Field(alias="check")
 
 
 class Never(Until):
     """Run the world for a while, during which a condition must not hold."""
 
-    kind: ClassVar[str] = "never"
     condition: Condition = Field(alias="never")
 
 
 class Wait(Step):
     """Short for ``until: {seconds: 2}``, which is what it becomes."""
 
-    kind: ClassVar[str] = "wait"
     seconds: float = Field(alias="wait", gt=0.0)
 
 
 class Test(Step):
     """Give control to what the agent has learned."""
 
-    kind: ClassVar[str] = "test"
     __test__: ClassVar[bool] = False  # not a test case, despite its name
     test: Any
     restart: bool = False
@@ -162,21 +160,18 @@ class Test(Step):
 class TakeOver(Step):
     """Give control back to the demonstrator."""
 
-    kind: ClassVar[str] = "take_over"
     take_over: Any
 
 
 class Undo(Step):
     """Undo the last command or edit."""
 
-    kind: ClassVar[str] = "undo"
     undo: Any
 
 
 class Save(Step):
     """Save what was learned; ``keep_unused`` keeps features for training to be resumed later."""
 
-    kind: ClassVar[str] = "save"
     save: Any
     name: str = ""
     bind: Names = Field(default_factory=dict)
@@ -187,7 +182,6 @@ class Save(Step):
 class Distribute(Step):
     """Send a behavior to other agents; ``start`` makes them perform it."""
 
-    kind: ClassVar[str] = "distribute"
     use: Behavior = Field(alias="distribute")
     receivers: Texts = ()
     start: bool = False
@@ -196,7 +190,6 @@ class Distribute(Step):
 class Perform(Step):
     """Make agents perform a behavior, or nothing."""
 
-    kind: ClassVar[str] = "perform"
     use: Annotated[Use | None, PlainValidator(_use_or_none)] = Field(alias="perform")
     agents: Texts = ()
 
@@ -204,7 +197,6 @@ class Perform(Step):
 class NewEpisode(Step):
     """Begin a new episode with all agents in Start."""
 
-    kind: ClassVar[str] = "new_episode"
     new_episode: Any
 
 

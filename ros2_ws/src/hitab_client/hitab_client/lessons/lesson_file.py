@@ -10,21 +10,9 @@ from pydantic import Field
 from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import Passed
 from hitab_client.lessons.lesson import (
-    Begin,
-    Check,
-    Command,
-    Distribute,
     Lesson,
-    Never,
-    NewEpisode,
     Perform,
-    Place,
-    Save,
-    Say,
     Step,
-    TakeOver,
-    Test,
-    Undo,
     Until,
     Wait,
 )
@@ -34,27 +22,6 @@ from hitab_core.library.yaml_places import read_text, read_yaml
 FORMAT = 2
 """The newest format version that is read; 2 has the condition `feature`."""
 
-STEPS: dict[str, type[Step]] = {
-    step.kind: step
-    for step in (
-        Say,
-        Place,
-        Begin,
-        Command,
-        Until,
-        Check,
-        Never,
-        Wait,
-        Test,
-        TakeOver,
-        Undo,
-        Save,
-        Distribute,
-        Perform,
-        NewEpisode,
-    )
-}
-
 
 class _File(Record):
     format: Format = 1
@@ -62,7 +29,7 @@ class _File(Record):
     agent: str
     budget: int | None = Field(default=None, ge=1)
     description: str = ""
-    steps: list[Annotated[Step, OneOf(STEPS)]] = Field(min_length=1)
+    steps: list[Annotated[Step, OneOf(Step.kinds)]] = Field(min_length=1)
 
 
 def read_lesson(path: Path) -> Lesson:

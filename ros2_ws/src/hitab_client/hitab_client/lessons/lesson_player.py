@@ -11,10 +11,9 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
 
 from hitab_msgs.msg import AgentStatus
-from hitab_msgs.srv import Control, EditExamples
+from hitab_msgs.srv import Control
 
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
@@ -40,10 +39,7 @@ from hitab_client.lessons.lesson import (
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import as_it_was
 from hitab_client.world_client import WorldClient
-from hitab_core import HitabError, quantity, some
-
-BACK_SECONDS = 15.0
-"""How long to wait for an agent that the world goes on without."""
+from hitab_core import ExampleKind, HitabError, quantity, some
 
 
 @dataclass
@@ -156,10 +152,7 @@ class LessonPlayer:
                 try:
                     told.append(self.swarm.discard(agent).message)
                 except SwarmError as error:
-                    told.append(
-                        f'{agent} may still be training "{automaton}"; discard that with '
-                        f"`hitab discard {agent}`: {error}"
-                    )
+                    told.append(f'{agent} may still be training "{automaton}": {error}')
             self.begun.clear()
         for behavior in dict.fromkeys(self._performing.values()):
             agents = [agent for agent, its in self._performing.items() if its == behavior]
@@ -170,10 +163,10 @@ class LessonPlayer:
     def _play(self, step: Step) -> None:
         self.watch.begin()
         try:
-            _PLAYERS[type(step)](self, step)
+            getattr(self, f"_{step.kind}")(step)
         except HitabError as error:
-            place = f"{self.lesson.file}:{step.line}: step `{step.kind}`: "
-            raise LessonError(f"{place}{error}") from None
+            place = f"{self.lesson.file}:{step.line}: step `{step.kind}`"
+            raise LessonError(error.problem, *error.remedies, where=place) from None
 
     # -- the steps --------------------------------------------------------------------------
 
@@ -215,10 +208,8 @@ class LessonPlayer:
             self.begun[step.agent] = step.automaton
 
     def _command(self, step: Command) -> None:
-        if (world := self.world) is not None and step.agent in world.missing:
-            # It would take the command for an answer to what it perceived before it was held up.
-            world.link.spin_until(lambda: step.agent not in world.missing, BACK_SECONDS)
-        self.swarm.command(step.agent, step.use.name, step.use.arguments)
+        use = step.use
+        self.swarm.command(step.agent, use.name, use.arguments, world=self.world)
         self.report.commands += 1
 
     def _told_now(self, step: Until) -> str:
@@ -253,7 +244,7 @@ class LessonPlayer:
         self.swarm.set_mode(step.agent, AgentStatus.TRAINING)
 
     def _undo(self, step: Undo) -> None:
-        self.swarm.edit_examples(step.agent, EditExamples.Request.UNDO)
+        self.swarm.undo(step.agent)
 
     def _save(self, step: Save) -> None:
         with not_interrupted():
@@ -267,12 +258,12 @@ class LessonPlayer:
             )
             self.begun.pop(step.agent, None)
         name = step.name or self.lesson.name
-        examples = self.swarm.list_examples(step.agent, name).examples
+        examples = self.swarm.behavior(step.agent, name).examples
         self.report.examples = len(examples)
-        self.report.default_examples = sum(e.kind == e.DEFAULT for e in examples)
+        self.report.default_examples = sum(e.kind is ExampleKind.DEFAULT for e in examples)
         self.report.digest = answer.digest
         self.report.path = answer.path
-        self.report.note = answer.message.partition("; ")[2]
+        self.report.note = answer.replaced
         self.report.trimmed = list(answer.trimmed)
 
     def _distribute(self, step: Distribute) -> None:
@@ -325,21 +316,3 @@ def _told(step: Step) -> str:
         case Distribute():
             return f"distribute {step.use}"
     return step.kind.replace("_", " ")
-
-
-_PLAYERS: dict[type[Step], Callable[[LessonPlayer, Any], None]] = {
-    Say: LessonPlayer._say,
-    Place: LessonPlayer._place,
-    Begin: LessonPlayer._begin,
-    Command: LessonPlayer._command,
-    Until: LessonPlayer._until,
-    Check: LessonPlayer._check,
-    Never: LessonPlayer._never,
-    Test: LessonPlayer._test,
-    TakeOver: LessonPlayer._take_over,
-    Undo: LessonPlayer._undo,
-    Save: LessonPlayer._save,
-    Distribute: LessonPlayer._distribute,
-    Perform: LessonPlayer._perform,
-    NewEpisode: LessonPlayer._new_episode,
-}

@@ -21,7 +21,7 @@ from rclpy.serialization import deserialize_message
 from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import FORMAT, METADATA
 from hitab_client.recording.definitions import definition, message_class, type_name
-from hitab_core import has, newer_format, quantity
+from hitab_core import Do, has, newer_format, quantity
 from hitab_ros import names, own_hash, session_topics
 
 SUFFIX = ".mcap"
@@ -106,15 +106,14 @@ def _check_whole(name: str, stream: BinaryIO) -> None:
     begins = stream.read(len(MAGIC))
     if begins != MAGIC:
         raise SwarmError(
-            f"{name} is not an MCAP recording like those of `hitab record` and `ros2 bag record`; "
-            "convert other bags with `ros2 bag convert`"
+            f"{name} is not an MCAP recording; convert other bags with `ros2 bag convert`"
         )
     size = stream.seek(0, io.SEEK_END)
     stream.seek(max(len(MAGIC), size - len(MAGIC)))
     if stream.read() != MAGIC:
         raise SwarmError(
             f"{name} is not complete: its end, with the index, is missing, since whatever wrote "
-            "it was killed or is still writing; end `hitab record` with Ctrl-C"
+            "it was killed or is still writing; end that with Ctrl-C"
         )
     stream.seek(0)
 
@@ -215,7 +214,8 @@ def session_of(path: Path, agent: str) -> Session:
     if not domain:
         raise SwarmError(
             f"{path.name} lacks the topic {namespace}/{names.STATUS}, which names the agent's "
-            "domain; record with `hitab record`"
+            "domain",
+            Do.RECORD(),
         )
     return Session(
         namespace.rpartition("/")[2], domain, known, [one for one in sent if one[0] >= begun]
@@ -231,8 +231,9 @@ def _namespace(path: Path, agent: str) -> str:
     if not there:
         raise SwarmError(
             f"no agent can be trained from {path.name}: it lacks the topic "
-            f"AGENT/{session_topics.KNOWN}, with which a session begins; record with "
-            "`hitab record`, from agents with a process of their own"
+            f"AGENT/{session_topics.KNOWN}, with which a session begins; agents with a process of "
+            "their own have it",
+            Do.RECORD(),
         )
     if meant:
         raise SwarmError(

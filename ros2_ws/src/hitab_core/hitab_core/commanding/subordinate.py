@@ -71,7 +71,9 @@ class Subordinate:
         if not order.sequence:
             return True  # a commander that has ordered nothing yet: continue
         behavior = order.behavior_for(self.agent.name, self.role)
-        self.agent.lower_flags()
+        running = self.agent.running
+        if running is not None:
+            running.raised.clear()
         if behavior is None:
             self.waits, self.refusal = False, ""
         else:
@@ -196,22 +198,13 @@ class Subordinate:
     def _report(self, doing: Report) -> Report:
         self._told = doing
         self._beaten = True
-        # Written out, since `dataclasses.replace` doubles the cost, per agent and order.
-        return Report(
-            doing.agent,
-            doing.epoch,
-            doing.sequence,
-            doing.waits,
-            doing.mode,
-            doing.path,
-            doing.flags,
-            tuple(NAN if read is None else value_or_nan(read) for read in self._readers),
-            self._position(),
-            self.agent.cycle,
-            doing.episode,
-            doing.seed,
-            self.seconds,
-            doing.round,
+        values = tuple(NAN if read is None else value_or_nan(read) for read in self._readers)
+        return replace(
+            doing,
+            values=values,
+            position=self._position(),
+            cycle=self.agent.cycle,
+            seconds=self.seconds,
         )
 
     def _reader(self, text: str) -> Callable[[], float] | None:

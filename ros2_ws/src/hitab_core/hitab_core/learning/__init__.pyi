@@ -2,5 +2,12 @@ from . import tree_text as tree_text
 from .classifier_spec import ClassifierSpec as ClassifierSpec
 from .transition_learning import TREE as TREE
 from .transition_learning import learn_transitions as learn_transitions
+from .transition_learning import relearned as relearned
+from .tree_nodes import Arc as Arc
+from .tree_nodes import Categories as Categories
+from .tree_nodes import Fork as Fork
 from .tree_nodes import Leaf as Leaf
 from .tree_nodes import Node as Node
+from .tree_nodes import Test as Test
+from .tree_nodes import Threshold as Threshold
+from .tree_nodes import nodes as nodes

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hitab_core.domain import Scale
+from hitab_core.automaton import Automaton
+from hitab_core.domain import Domain, Scale
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.learning.classifier_replacement import classifier_maker, learn_replacement
@@ -62,6 +63,14 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
             raise TrainingError(f'"{spec}" cannot learn: {error}') from error
 
     return learn_tree
+
+
+def relearned(automaton: Automaton, domain: Domain, classifier: str = TREE) -> Automaton:
+    """Return an automaton with what its examples teach; see `learn_transitions` for errors."""
+    scales = [domain.scale_of(use) for use in automaton.features]
+    names = [str(use) for use in automaton.features]
+    transitions = learn_transitions(automaton.examples, scales, classifier, names)
+    return replace(automaton, transitions=transitions)
 
 
 def learn_transitions(

@@ -89,6 +89,20 @@ class TransitionTree:
     all_around: bool = False
     feature_names: Sequence[str] | None = None
 
+    @classmethod
+    def of(cls, root: Node, labels: Sequence[str], scales: Sequence[Scale]) -> Self:
+        """Return a tree that was learned elsewhere.
+
+        Args:
+            root: see `hitab_core.learning.tree_nodes`.
+            labels: of the next states, sorted.
+            scales: how the values of each feature compare.
+        """
+        tree = cls(scales)
+        tree.classes_, tree.n_features_in_ = np.array(labels), len(scales)
+        tree.scales_, tree.root_ = tuple(scales), root
+        return tree
+
     def fit(
         self,
         X: ArrayLike,

@@ -3,7 +3,6 @@ from . import durable_files as durable_files
 from . import yaml_models as yaml_models
 from . import yaml_places as yaml_places
 from .behavior_file import SUFFIX as SUFFIX
-from .behavior_file import scale_of as scale_of
 from .bundle import Bundle as Bundle
 from .bundle import bundle_digest as bundle_digest
 from .bundle import digest_in as digest_in

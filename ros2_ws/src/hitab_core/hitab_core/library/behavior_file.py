@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from hitab_core.automaton import FLAGS, Automaton
-from hitab_core.domain import Domain, FeatureKind, Scale
+from hitab_core.domain import Domain, FeatureKind
 from hitab_core.errors import LibraryError
 from hitab_core.example_codec import file_record, value_records
 from hitab_core.learning.transition_tree import TransitionTree
@@ -69,11 +69,6 @@ class BehaviorFile:
 def file_name(name: str) -> str:
     """Return the name of the file of the behavior called ``name``."""
     return name + SUFFIX
-
-
-def scale_of(feature: Use, domain: Domain) -> Scale:
-    """Return how the values of a feature compare."""
-    return domain.feature(feature.name).scale
 
 
 def meaning_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> dict[str, str]:
@@ -171,7 +166,7 @@ def _rules(automaton: Automaton) -> dict[str, list[str]]:
 
 
 def _examples(automaton: Automaton, domain: Domain) -> list[dict[str, Any]]:
-    kinds = [scale_of(feature, domain).kind for feature in automaton.features]
+    kinds = [domain.scale_of(feature).kind for feature in automaton.features]
     for example in automaton.examples:
         if len(example.features) != len(kinds):
             raise LibraryError(

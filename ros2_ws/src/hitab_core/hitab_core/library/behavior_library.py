@@ -38,7 +38,6 @@ class BehaviorLibrary:
     Attributes:
         folder: that holds them; made on the first save.
         domain: in which they were trained.
-        problems: with files at the last load, by behavior.
         editions: reads the files.
         generation: number of changes made through this object.
     """
@@ -62,12 +61,11 @@ class BehaviorLibrary:
         self.folder = Path(folder)
         self.domain = domain
         self.editions = editions or Editions(domain)
-        self.problems: Mapping[str, str] = {}
         self.generation = 0
         self._clock = clock
         self._folder = LibraryFolder(self.folder)
         self._shelf = Shelf(self._folder, self.editions)
-        self._loaded: dict[str, BehaviorFile] | None = None
+        self._contents: Contents | None = None
 
     # -- reading ----------------------------------------------------------------------------
 
@@ -93,7 +91,7 @@ class BehaviorLibrary:
         problems = contents.problems
         if strict and problems:
             raise LibraryError("\n".join(problems[name] for name in sorted(problems)))
-        self._loaded, self.problems = contents.usable, problems
+        self._contents = contents
         return contents
 
     def edition(self, *, strict: bool = True) -> Edition:
@@ -119,10 +117,13 @@ class BehaviorLibrary:
 
     @property
     def files(self) -> Mapping[str, BehaviorFile]:
-        """The files of the last load plus later changes; loads them if there was none."""
-        if self._loaded is None:
-            self.load()
-        return self._loaded or {}
+        """The usable files at the last load or change; loads them if there was none."""
+        return (self._contents or self._load(strict=True)).usable
+
+    @property
+    def problems(self) -> Mapping[str, str]:
+        """What was wrong with the others then, by behavior."""
+        return {} if self._contents is None else self._contents.problems
 
     def names(self) -> list[str]:
         """Return the names of the behaviors in `files`, sorted."""
@@ -322,12 +323,4 @@ class BehaviorLibrary:
 
     def _changed(self, change: LibraryChange) -> None:
         self.generation += 1
-        if self._loaded is None:
-            return
-        before, after = change.before.usable, change.after
-        for name in {*change.changed, *(before.keys() ^ after.keys())}:
-            if name in after:
-                self._loaded[name] = after[name]
-            else:
-                self._loaded.pop(name, None)
-        self.problems = change.problems
+        self._contents = change.contents

@@ -19,11 +19,11 @@ from hitab_core.library.behavior_file import (
     feature_record,
     file_name,
     meaning_of,
-    scale_of,
 )
 from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, Place, read_yaml
+from hitab_core.remedies import Do, Remedy
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 from hitab_core.vocabulary import has, unknown
@@ -54,8 +54,8 @@ def read_behavior(
     if not accepting and "checksum" in content and content["checksum"] != checksum(content):
         complaints.add(
             ("checksum",),
-            "the checksum does not match the file: it was edited or damaged; if it was edited on "
-            f"purpose, run: hitab library accept {file}; if not, restore an earlier version",
+            "the checksum does not match the file: it was edited or damaged",
+            Do.ACCEPT(file=file),
         )
     # Here because pydantic is slow to import.
     from hitab_core.library.behavior_model import BehaviorRecord
@@ -88,7 +88,7 @@ class _Reader:
         self._complaints = complaints
         self._accepting = accepting
         self._before = len(complaints)
-        self._accept = f"hitab library accept {document.file}"
+        self._accept = Do.ACCEPT(file=document.file)
 
     def read(self, name: str, text: str) -> BehaviorFile:
         content = self._content
@@ -129,9 +129,9 @@ class _Reader:
             tuple(self._document.line(("states", i)) for i in range(len(states))),
         )
 
-    def _complain(self, wrong: str, *path: str | int) -> None:
+    def _complain(self, wrong: str, *path: str | int, remedy: Remedy | None = None) -> None:
         place: Place = path
-        self._complaints.add(place, wrong)
+        self._complaints.add(place, wrong, *([] if remedy is None else [remedy]))
 
     def _stop_if_wrong(self) -> None:
         """Stop if anything but the checksum is wrong."""
@@ -160,9 +160,10 @@ class _Reader:
             self._complain(
                 f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
                 f"{stated['signature']} of what it uses), but this is version {ours['version']} "
-                f"(signature {ours['signature']}); if what it uses still means the same, run: "
-                f"{self._accept}; if not, give it up and train it again",
+                f"(signature {ours['signature']}); if what it uses no longer means the same, give "
+                "it up and train it again",
                 "domain",
+                remedy=self._accept,
             )
 
     def _check_names(self, expected: str) -> None:
@@ -212,7 +213,7 @@ class _Reader:
         for i, (use, record) in enumerate(zip(features, records, strict=True)):
             try:
                 self._domain.check_feature(use, self._content["parameters"])
-                scales.append(scale_of(use, self._domain))
+                scales.append(self._domain.scale_of(use))
             except VocabularyError as error:
                 way = "correct it, or give the behavior up and train it again"
                 self._complain(f"{error}; {way}", "features", i)
@@ -302,18 +303,19 @@ class _Reader:
             if stated.get(state) != learned.get(state):
                 self._complain(
                     f'what is learned for state "{state}" from the examples differs from what was '
-                    "saved: they were edited, or this version of HiTAB learns differently; "
-                    f"test the behavior, then run: {self._accept}",
+                    "saved: they were edited, or this version of HiTAB learns differently",
                     "trees",
                     state,
+                    remedy=self._accept,
                 )
 
     def _check_uses(self, used: Iterable[str]) -> None:
         if {*used} != {*self._content["uses"]}:
             self._complain(
                 f"lists {', '.join(self._content['uses']) or 'nothing'}, but the states use "
-                f"{', '.join(sorted(used)) or 'nothing'}; run: {self._accept}",
+                f"{', '.join(sorted(used)) or 'nothing'}",
                 "uses",
+                remedy=self._accept,
             )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from hitab_core.errors import LibraryError, VocabularyError
+from hitab_core.hierarchy import in_order
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import LibraryChange
@@ -120,34 +121,27 @@ def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
     files: dict[str, BehaviorFile] = {}
     problems: list[str] = []
     for name, text in bundle.files:
-        if name in files:
-            problems.append(f'"{name}" is in the bundle twice; send it again')
         try:
-            file = editions.read(text, file_name(name))
+            files[name] = editions.read(text, file_name(name))
         except LibraryError as error:
             problems.append(str(error))
-            continue
-        late = [n for n, f in files.items() if name in f.automaton.behaviors_used]
-        if late:
-            problems.append(f'"{name}" comes after {late[0]}, which uses it; pack it again')
-        files[name] = file
     if not problems:
         problems += misfits(files, editions.domain)[0].values()
-    if not problems:
-        unneeded = {*files} - _made_of(bundle.name, files)
-        if unneeded:
-            problems.append(
-                f'"{bundle.name}" is not made of {", ".join(sorted(unneeded))}; pack it again'
-            )
+    if not problems and not _is_well_packed(bundle, files):
+        problems.append(
+            f'"{bundle.name}" is not packed with what it is made of and nothing else, each once '
+            "and after what it uses; pack it again"
+        )
     if problems:
         raise LibraryError("\n".join(problems))
     return files
 
 
-def _made_of(name: str, files: Mapping[str, BehaviorFile]) -> set[str]:
-    waiting, found = [name], {name}
-    while waiting:
-        used = files[waiting.pop()].automaton.behaviors_used & {*files}
-        waiting.extend(used - found)
-        found |= used
-    return found
+def _is_well_packed(bundle: Bundle, files: Mapping[str, BehaviorFile]) -> bool:
+    def uses(name: str) -> frozenset[str]:
+        return files[name].automaton.behaviors_used & {*files}
+
+    names = [name for name, _ in bundle.files]
+    made_of = in_order([bundle.name], uses)
+    in_turn = all(uses(name) <= {*names[:place]} for place, name in enumerate(names))
+    return sorted(names) == sorted(made_of) and in_turn

@@ -94,7 +94,7 @@ def read_bundle_file(path: Path) -> BundleFile:
     text = read_text(path)
     if OWN_KEYS.search(text) is None:  # nothing that is wrong with its contents would help then
         raise LibraryError(
-            f"{path}: is not a file of behaviors; give one that `hitab library export` wrote"
+            f"{path}: is not a file of behaviors; give one that was exported from a library"
         )
     from hitab_core.library.bundle_model import BundleFile
     from hitab_core.library.yaml_models import open_record

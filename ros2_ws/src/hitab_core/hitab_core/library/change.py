@@ -24,7 +24,7 @@ class LibraryChange:
     `after`, then `commit` or drop it. Nothing is written before the commit.
 
     Attributes:
-        before: the contents of the library before the change.
+        before, contents: of the library before the change, and after it.
         changed: the planned files, by name; None: to be removed.
         numbers: of the versions that the planned files will be, by name.
         note: identifies the change once it is announced.
@@ -45,7 +45,7 @@ class LibraryChange:
             clock: returns the time, ISO 8601, to record in saved files.
             done: called once the change is made.
         """
-        self.before = self._contents = there
+        self.before = self.contents = there
         self.note = b""
         self.changed: dict[str, BehaviorFile | None] = {}
         self.numbers: dict[str, int] = {}
@@ -60,17 +60,17 @@ class LibraryChange:
     @property
     def after(self) -> dict[str, BehaviorFile]:
         """The usable files after the change, by name."""
-        return self._contents.usable
+        return self.contents.usable
 
     @property
     def problems(self) -> Mapping[str, str]:
         """What is wrong with the other files after the change, by name."""
-        return self._contents.problems
+        return self.contents.problems
 
     @property
     def losses(self) -> Losses:
         """The behaviors that cannot be used after the change."""
-        return self._shelf.losses(self._contents)
+        return self._shelf.losses(self.contents)
 
     def edition(self) -> Edition:
         """Return the library's edition after the change.
@@ -78,7 +78,7 @@ class LibraryChange:
         Raises:
             VocabularyError: if its behaviors do not fit the domain.
         """
-        return self._shelf.edition(self._contents)
+        return self._shelf.edition(self.contents)
 
     # -- planning ---------------------------------------------------------------------------
 
@@ -107,7 +107,8 @@ class LibraryChange:
         name = automaton.name
         path = self._folder.file(name)
         if not (edited or restored) and name in self.problems:
-            raise LibraryError(refused_name(name, "saved", self.losses))
+            losses = self.losses
+            raise LibraryError(refused_name(name, "saved", losses), *losses.remedies[name])
         # An edited file becomes the new version itself, so do not keep it as an earlier one.
         kept = {} if edited else self._unkept(name)
         number = self._folder.next_number(name, kept)
@@ -149,7 +150,7 @@ class LibraryChange:
         }
         self._check_fit(new)
         # Compare texts, comments included, as senders and receivers do.
-        there = self._contents.readable
+        there = self.contents.readable
         changed = sorted(n for n in new if n not in there or there[n].text != new[n].text)
         changes: dict[str, bytes | None] = {}
         for name in changed:
@@ -183,7 +184,7 @@ class LibraryChange:
                 f'{self._folder.path}: "{name}" cannot be deleted: {", ".join(broken)} could no '
                 "longer be used; delete these first"
             )
-        return sorted(self.problems.keys() & self._contents.all_users(name))
+        return sorted(self.problems.keys() & self.contents.all_users(name))
 
     def replaced(self, name: str) -> str:
         """Return the number of a planned version and what it replaces; "" if nothing.
@@ -234,11 +235,11 @@ class LibraryChange:
     def _plan(self, changes: Changes, files: Mapping[str, BehaviorFile | None]) -> None:
         self._changes |= changes
         self.changed |= files
-        self._contents = self._with(files)
+        self.contents = self._with(files)
 
     def _with(self, files: Mapping[str, BehaviorFile | None]) -> Contents:
         """Return the contents with some files changed."""
-        now = self._contents
+        now = self.contents
         readable = {name: file for name, file in now.readable.items() if name not in files}
         readable |= {name: file for name, file in files.items() if file is not None}
         unreadable = {name: text for name, text in now.unreadable.items() if name not in files}
@@ -271,16 +272,14 @@ class LibraryChange:
 
 
 def refused_name(name: str, done: str, losses: Losses) -> str:
-    """Return why the name of a lost behavior is not given to another, and the way out.
+    """Return why the name of a lost behavior is not given to another.
 
     Args:
         name: of the lost behavior.
         done: what is refused, such as "saved".
         losses: the behaviors that cannot be used.
     """
-    reason = losses.reasons[name]
-    fault = next((text for text in losses.faults if text.startswith(reason)), reason)
     return (
-        f'"{name}" cannot be {done}: it would take the place of a lost behavior; {fault}, or '
-        "choose another name"
+        f'"{name}" cannot be {done}: it would take the place of a lost behavior, so give it '
+        f"another name ({losses.reasons[name]})"
     )

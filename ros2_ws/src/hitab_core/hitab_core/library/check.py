@@ -16,7 +16,7 @@ def misfits(
     files: Mapping[str, BehaviorFile],
     domain: Domain,
     unreadable: Iterable[str] = (),
-    way_back: Callable[[str], str] = lambda name: "",
+    deleted: Callable[[str], int | None] = lambda name: None,
 ) -> tuple[dict[str, str], dict[str, list[str]]]:
     """Return why behaviors cannot be used, and which of their parts cannot.
 
@@ -24,7 +24,7 @@ def misfits(
         files: the behaviors that could be read, by name.
         domain: gives the basic behaviors and the hand-written automata.
         unreadable: names of the others; behaviors that use them cannot be used either.
-        way_back: returns how to bring back a behavior that has no file; "": it was never there.
+        deleted: returns the newest version of a behavior that has no file; None: there is none.
 
     Returns:
         What is wrong with files, by name, each a text with one line per complaint; and all that
@@ -49,7 +49,7 @@ def misfits(
         parts = sorted(lost.keys() & used(name))
         if name in files:
             complaints = _complaints(
-                files[name], files, domain, lost, circles.get(name, []), way_back
+                files[name], files, domain, lost, circles.get(name, []), deleted
             )
             if complaints:
                 found[name] = "\n".join(complaints)
@@ -65,7 +65,7 @@ def _complaints(
     domain: Domain,
     lost: Collection[str],
     circle: list[str],
-    way_back: Callable[[str], str],
+    deleted: Callable[[str], int | None],
 ) -> list[str]:
     complaints = []
     for state, line in zip(file.automaton.states, file.state_lines, strict=True):
@@ -80,8 +80,8 @@ def _complaints(
             )
         elif state.name in lost:
             complaints.append(f"{place}, which cannot be used; bring that back first")
-        elif parameters is None and (way := way_back(state.name)):
-            complaints.append(f"{place}, which is no longer in the library; {way}")
+        elif parameters is None and (version := deleted(state.name)):
+            complaints.append(f"{place}, which was deleted; bring its version {version} back")
         elif parameters is None:
             complaints.append(
                 f"{place}, which is neither in the library {has(files, state.name)} nor a "

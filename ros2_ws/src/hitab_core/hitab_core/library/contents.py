@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import re
-import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from hitab_core.automaton import RESERVED
 from hitab_core.domain import Domain
+from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.check import misfits
+from hitab_core.remedies import Do, Remedy
 from hitab_core.use import NAME
 from hitab_core.wording import quantity
 
@@ -25,14 +25,14 @@ class Losses:
 
     Attributes:
         reasons: why, as a sentence, by name.
-        faults: one per cause: what is wrong, what it is needed for, and the way out.
-        ways_out: of the causes, by name.
+        faults: one per cause: what is wrong, and what it is needed for.
+        remedies: of the cause, by name.
         unread: why the folder cannot be read, so that more may be lost; empty if it can.
     """
 
     reasons: Mapping[str, str] = field(default_factory=dict)
     faults: tuple[str, ...] = ()
-    ways_out: Mapping[str, str] = field(default_factory=dict)
+    remedies: Mapping[str, tuple[Remedy, ...]] = field(default_factory=dict)
     unread: str = ""
 
     @classmethod
@@ -62,7 +62,7 @@ class Contents:
     """
 
     readable: Mapping[str, BehaviorFile]
-    unreadable: Mapping[str, str]
+    unreadable: Mapping[str, LibraryError]
     problems: Mapping[str, str]
     lost: Mapping[str, list[str]]
 
@@ -70,9 +70,9 @@ class Contents:
     def of(
         cls,
         readable: Mapping[str, BehaviorFile],
-        unreadable: Mapping[str, str],
+        unreadable: Mapping[str, LibraryError],
         domain: Domain,
-        way_back: Callable[[str], str] = lambda name: "",
+        deleted: Callable[[str], int | None] = lambda name: None,
     ) -> Contents:
         """Sort files.
 
@@ -80,10 +80,11 @@ class Contents:
             readable: sound in themselves, by name.
             unreadable: what is wrong with the others.
             domain: in which they were trained.
-            way_back: returns how to bring back a behavior that was deleted; "": it was not.
+            deleted: returns the newest version of a behavior that was deleted; None: none was.
         """
-        wrong, lost = misfits(readable, domain, unreadable, way_back)
-        return cls(readable, unreadable, {**unreadable, **wrong}, lost)
+        wrong, lost = misfits(readable, domain, unreadable, deleted)
+        problems = {name: error.problem for name, error in unreadable.items()}
+        return cls(readable, unreadable, {**problems, **wrong}, lost)
 
     @property
     def usable(self) -> dict[str, BehaviorFile]:
@@ -113,59 +114,54 @@ class Contents:
             sound_version: returns the newest version of a behavior that can be read; None: none.
         """
         reasons: dict[str, str] = {}
+        remedies: dict[str, tuple[Remedy, ...]] = {}
         concerned: dict[str, list[str]] = {}
         for name in sorted(self.lost):
             way = [name]
             while self.lost[way[-1]]:  # what explains it, and in the end the cause
                 way.append(self.lost[way[-1]][0])
+            cause = way[-1]
             reasons[name] = self._reason(folder, way)
-            others = concerned.setdefault(way[-1], [])
-            if way[-1] != name:
+            others = concerned.setdefault(cause, [])
+            if cause != name:
                 others.append(name)
-        faults, ways_out = [], {}
-        for cause, others in concerned.items():
-            also = f"; it is needed for {', '.join(others)}" if others else ""
-            if cause in self.unreadable:
-                ways_out[cause] = way_out(cause, folder, sound_version(cause))
-            else:  # its own file is sound
-                ways_out[cause] = _given_up(cause, folder)
-            faults.append(f"{reasons[cause]}{also}; {ways_out[cause]}")
-        return Losses(reasons, tuple(faults), ways_out)
+            if cause not in remedies:
+                remedies[cause] = self._remedies(cause, folder, sound_version)
+            remedies[name] = remedies[cause]
+        faults = tuple(
+            f"{reasons[cause]}; it is needed for {', '.join(others)}" if others else reasons[cause]
+            for cause, others in concerned.items()
+        )
+        return Losses(reasons, faults, remedies)
+
+    def _remedies(
+        self, cause: str, folder: Path, sound_version: Callable[[str], int | None]
+    ) -> tuple[Remedy, ...]:
+        """Return what a person can do about a lost behavior that no other explains."""
+        file = folder / file_name(cause)
+        if NAME.match(cause) is None or cause in RESERVED:
+            return (Do.MOVE_AWAY(file=file),)
+        accepted: list[Remedy] = []
+        gone = frozenset({cause})
+        if cause in self.unreadable:
+            accepted = [Do.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
+        else:  # its own file is sound; perhaps what it uses was deleted
+            gone = self.readable[cause].automaton.behaviors_used - self.readable.keys()
+        restored = [
+            Do.RESTORE(behavior=name, version=version, folder=folder)
+            for name in sorted(gone)
+            if (version := sound_version(name)) is not None
+        ]
+        others = [Do.SEND(behavior=cause), Do.PUT_INTACT(file=file)] if cause in gone else []
+        given_up = Do.DELETE(behavior=cause, folder=folder)
+        return (*accepted, *(restored or others), given_up)
 
     def _reason(self, folder: Path, way: list[str]) -> str:
         """Return why the first on a way of parts cannot be used: its last is the cause."""
         first, cause = way[0], way[-1]
-        lines = self.problems[cause].splitlines()
-        more = f" (and {quantity(len(lines) - 1, 'more complaint')})" if len(lines) > 1 else ""
-        at_line = re.sub(
-            rf"^(?:.*/)?{re.escape(file_name(cause))}:(\d+): ", r"line \1: ", lines[0]
-        )
-        where = folder / file_name(cause)
-        why = f"cannot be used: {at_line}{more}"
-        if len(way) == 1:
-            return f"the file of {cause}, {where}, {why}"
+        first_line, *more = self.problems[cause].splitlines()
+        also = f" (and {quantity(len(more), 'more complaint')})" if more else ""
+        why = f"its file in {folder} cannot be used: {first_line}{also}"
         between = "".join(f"{part}, which needs " for part in way[1:-1])
-        return f"{first} needs {between}{cause}, whose file {where} {why}"
-
-
-def way_out(name: str, folder: Path, sound_version: int | None) -> str:
-    """Return what a person can do about a lost behavior."""
-    if NAME.match(name) is None or name in RESERVED:
-        return f"move {file_name(name)} out of the folder"
-    if sound_version is None:
-        return (
-            f"have an agent that has it send it with `hitab distribute AGENT {name}`; put an "
-            f"intact file in its place; {_given_up(name, folder)}"
-        )
-    return f"{brought_back(name, folder, sound_version)}; {_given_up(name, folder)}"
-
-
-def brought_back(name: str, folder: Path, version: int) -> str:
-    """Return how to bring a version of a behavior back."""
-    at = shlex.quote(str(folder))
-    return f"bring version {version} back with `hitab library restore {name} {version} -l {at}`"
-
-
-def _given_up(name: str, folder: Path) -> str:
-    at = shlex.quote(str(folder))
-    return f"or give it up with `hitab library delete {name} -l {at}`"
+        lost = f"{first} is lost" if first == cause else f"{first} needs {between}{cause}"
+        return f"{lost}: {why}"

@@ -9,9 +9,9 @@ from typing import Any
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
-from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.library.behavior_file import BehaviorFile, scale_of
+from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
 from hitab_core.use import NAME, NAME_RULE, Use
 from hitab_core.vocabulary import has
@@ -41,7 +41,8 @@ def plan_renaming(
     if change.losses:
         raise LibraryError(
             f'"{old}" cannot be renamed yet, since files that may use it cannot be read: '
-            f"{'; '.join(change.losses.faults)}; mend or delete them first"
+            f"{'; '.join(change.losses.faults)}",
+            *(remedy for ways in change.losses.remedies.values() for remedy in ways),
         )
     if old not in files:
         raise LibraryError(f'there is no behavior "{old}" {has(files, old)}')
@@ -81,15 +82,14 @@ def _renamed(file: BehaviorFile, domain: Domain, old: str, new: str) -> Automato
         )
         for example in automaton.examples
     )
-    scales = [scale_of(feature, domain) for feature in automaton.features]
-    names = [str(feature) for feature in automaton.features]
-    return replace(
+    renamed = replace(
         automaton,
         name=new if automaton.name == old else automaton.name,
         states=tuple(use(state) for state in automaton.states),
         examples=examples,
-        transitions=learn_transitions(examples, scales, file.classifier, names),
+        transitions={},
     )
+    return relearned(renamed, domain, file.classifier)
 
 
 def _rules(file: BehaviorFile, old: str = "", new: str = "") -> Counter[tuple[Any, ...]]:

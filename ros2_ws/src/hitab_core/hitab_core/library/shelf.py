@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping
 from contextlib import suppress
 
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.contents import Contents, Losses, brought_back
+from hitab_core.library.contents import Contents, Losses
 from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.folder import LibraryFolder
 from hitab_core.vocabulary import has
@@ -30,24 +29,22 @@ class Shelf:
     def contents(self) -> Contents:
         """Read all files, reusing unchanged ones."""
         readable: dict[str, BehaviorFile] = {}
-        unreadable: dict[str, str] = {}
+        unreadable: dict[str, LibraryError] = {}
         for name in self.folder.names():
             try:
                 path = self.folder.file(name)
                 readable[name] = self.editions.read(self.folder.text(path), path.name)
             except LibraryError as error:
-                command = "hitab library accept "
-                there = shlex.quote(str(self.folder.path / file_name(name)))
-                unreadable[name] = str(error).replace(command + file_name(name), command + there)
+                unreadable[name] = error
         return self.contents_of(readable, unreadable)
 
     def contents_of(
-        self, readable: Mapping[str, BehaviorFile], unreadable: Mapping[str, str]
+        self, readable: Mapping[str, BehaviorFile], unreadable: Mapping[str, LibraryError]
     ) -> Contents:
         """Sort files by whether they can be used; those of a known edition can."""
         if not unreadable and self.editions.knows(readable):
             return Contents(readable, {}, {}, {})
-        return Contents.of(readable, unreadable, self.editions.domain, self._way_back)
+        return Contents.of(readable, unreadable, self.editions.domain, self.sound_version)
 
     def edition(self, contents: Contents) -> Edition:
         """Return the edition of some contents.
@@ -83,8 +80,3 @@ class Shelf:
                     self.version(name, number)
                     return number
         return None
-
-    def _way_back(self, name: str) -> str:
-        """Return how to bring back a behavior that was deleted; "" if no version was kept."""
-        version = self.sound_version(name)
-        return "" if version is None else brought_back(name, self.folder.path, version)

@@ -13,11 +13,11 @@ from typing import Any
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START, Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import VocabularyError
-from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import described, nodes
 from hitab_core.repertoire import Repertoire
-from hitab_core.transition_function import LearnedTransition, TransitionFunction
+from hitab_core.transition_function import TransitionFunction
 from hitab_core.use import NAME, NAME_RULE, Use
 from hitab_core.vocabulary import has
 
@@ -49,9 +49,11 @@ def trim(
     notes = [
         f'state "{state}" was never visited' for state in automaton.states if state not in states
     ]
-    complete = _learned(replace(automaton, states=states, transitions={}), repertoire, classifier)
-    columns = _needed_columns(complete, repertoire, classifier)
-    trimmed = _learned(_with_columns(complete, columns), repertoire, classifier)
+    complete = relearned(
+        replace(automaton, states=states, transitions={}), repertoire.domain, classifier
+    )
+    columns = _needed_columns(complete, repertoire.domain, classifier)
+    trimmed = relearned(_with_columns(complete, columns), repertoire.domain, classifier)
     used = _columns_used(complete)
     for i, feature in enumerate(automaton.features):
         if i not in columns:
@@ -146,7 +148,7 @@ def rebind(
         tuple(bound(automaton.readable[i]) for i in kept),
     )
     repertoire.check(rebound)
-    return _learned(rebound, repertoire, classifier)
+    return relearned(rebound, repertoire.domain, classifier)
 
 
 def check_bound(automaton: Automaton, domain: Domain) -> None:
@@ -184,15 +186,6 @@ def _distinct(uses: Sequence[Use], bound: Any, what: str) -> tuple[Use, ...]:
     return tuple(became)
 
 
-def _learned(automaton: Automaton, repertoire: Repertoire, classifier: str) -> Automaton:
-    scales = [repertoire.scale_of(feature) for feature in automaton.features]
-    names = [str(feature) for feature in automaton.features]
-    functions: Mapping[str, LearnedTransition] = learn_transitions(
-        automaton.examples, scales, classifier, names
-    )
-    return replace(automaton, transitions=functions)
-
-
 def _columns_used(automaton: Automaton) -> set[int]:
     return {i for function in automaton.transitions.values() for i in function.features_used}
 
@@ -206,11 +199,11 @@ def _with_columns(automaton: Automaton, columns: Sequence[int]) -> Automaton:
     )
 
 
-def _needed_columns(complete: Automaton, repertoire: Repertoire, classifier: str) -> list[int]:
+def _needed_columns(complete: Automaton, domain: Domain, classifier: str) -> list[int]:
     """Return the indices of the features that affect what is learned."""
 
     def suffice(columns: Sequence[int]) -> bool:
-        fewer = _learned(_with_columns(complete, columns), repertoire, classifier)
+        fewer = relearned(_with_columns(complete, columns), domain, classifier)
         return all(
             _decide_alike(function, fewer.transitions[state], columns)
             for state, function in complete.transitions.items()

@@ -32,7 +32,7 @@ def live_features(
         VocabularyError: if one of ``also`` does not exist.
     """
     for use in also:
-        context.repertoire.check_feature(use)
+        context.repertoire.domain.check_feature(use)
     look = context.senses.look
     readings: list[Reading] = []
     while isinstance(running, RunningAutomaton):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ParamSpec, cast
+from typing import ParamSpec
 
 from hitab_core.transition_function import Explanation, TransitionFunction
 from hitab_core.use import Use
@@ -60,24 +60,23 @@ Observe = Callable[[Change], None]
 """Called at each change of state, after the decision and before the new state is started."""
 
 
-class _Guest:
-    """Calls an observer and logs its exceptions, without repeating the same one in a row."""
+def guest(observe: Callable[P, None]) -> Callable[P, None]:
+    """Return an observer that calls ``observe`` and never raises.
 
-    __slots__ = ("_last", "_observe")
+    What it raises is logged, but not the same thing twice in a row.
+    """
+    if hasattr(observe, "is_guest"):
+        return observe
+    last = ""
 
-    def __init__(self, observe: Callable[..., None]) -> None:
-        self._observe = observe
-        self._last = ""
-
-    def __call__(self, *seen: object) -> None:
+    def look(*args: P.args, **kwargs: P.kwargs) -> None:
+        nonlocal last
         try:
-            self._observe(*seen)
+            observe(*args, **kwargs)
         except Exception as error:
-            if (why := repr(error)) != self._last:
-                self._last = why
+            if (why := repr(error)) != last:
+                last = why
                 _LOG.warning("an observer failed; the agent continues: %s", why, exc_info=error)
 
-
-def guest(observe: Callable[P, None]) -> Callable[P, None]:
-    """Return an observer that calls ``observe`` and never raises."""
-    return cast(Callable[P, None], observe if isinstance(observe, _Guest) else _Guest(observe))
+    look.is_guest = True  # type: ignore[attr-defined]
+    return look

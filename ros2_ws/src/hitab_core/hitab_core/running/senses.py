@@ -47,20 +47,6 @@ class Senses:
         missed: why a feature that a decision needed had no value, by feature; see `lacking`.
     """
 
-    __slots__ = (
-        "_blank",
-        "_body",
-        "_domain",
-        "_failing",
-        "_made",
-        "_missing",
-        "_readers",
-        "_slots",
-        "missed",
-        "perceived",
-        "values",
-    )
-
     def __init__(self, body: Any, domain: Domain) -> None:
         self.values: Values = []
         self.perceived = False

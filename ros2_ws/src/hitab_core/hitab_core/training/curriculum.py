@@ -112,13 +112,13 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
     for use in (*curriculum.features, *curriculum.states):
         _check_arguments(use, {*repertoire.domain.targets, *curriculum.parameters})
     for feature in curriculum.features:
-        repertoire.check_feature(feature, curriculum.parameters)
+        repertoire.domain.check_feature(feature, curriculum.parameters)
     for state in curriculum.states:
         repertoire.check_state(state, curriculum.parameters)
     # Check an empty automaton for reserved names and for parameters that are targets.
     blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
     repertoire.check_new(blank)
-    learner(curriculum.classifier, [repertoire.scale_of(f) for f in curriculum.features])
+    learner(curriculum.classifier, [repertoire.domain.scale_of(f) for f in curriculum.features])
 
 
 def _check_arguments(use: Use, known: Collection[str]) -> None:

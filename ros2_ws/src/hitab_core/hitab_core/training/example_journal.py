@@ -152,9 +152,7 @@ class ExampleJournal:
             LibraryError: if that fails.
         """
         with file_errors(self.path, "remove"):
-            if self.path.exists():
-                self.path.unlink()
-                sync_folder(self.path.parent)
+            self.path.unlink(missing_ok=True)
         self.close()
 
     def archive(self) -> Path:

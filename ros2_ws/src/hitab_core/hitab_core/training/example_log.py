@@ -38,6 +38,7 @@ class ExampleLog:
         self._by_number: dict[int, Example] = {}
         self._there = defaultdict[Place, set[int]](set)
         self._leaving = Counter[Place]()  # how many contradict default examples there
+        self._contradictory = set[Place]()  # where ordinary examples contradict each other
         self._told: tuple[Example, ...] | None = None
         self.recorded = 0
         self._next_number = self._next_command = 1
@@ -191,6 +192,19 @@ class ExampleLog:
         self._there[place] ^= {example.number}
         if example.leaves:
             self._leaving[place] += by
+        there = (self._by_number[number] for number in self._there[place])
+        if len({e.next_state for e in there if not e.is_default}) > 1:
+            self._contradictory.add(place)
+        else:
+            self._contradictory.discard(place)
+
+    def contradictory(self) -> list[Example]:
+        """Return examples that contradict each other, with all that their commands recorded."""
+        numbers = {number for place in self._contradictory for number in self._there[place]}
+        commands = {self._by_number[number].command for number in numbers} - {0}
+        if not numbers:
+            return []
+        return [e for e in self._examples if e.command in commands or e.number in numbers]
 
     def of_commands(self, commands: Collection[int]) -> list[Example]:
         """Return the examples that commands recorded."""

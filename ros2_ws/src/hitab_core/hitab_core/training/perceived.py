@@ -165,7 +165,7 @@ class Perceived:
             if entered is not None and due.time <= entered.time:
                 due = entered  # no command was due before the one that the person gave before it
             if ago:
-                scale_of = running.context.repertoire.scale_of
+                scale_of = running.context.repertoire.domain.scale_of
                 columns = {
                     self._column[use]: scale_of(use) for use in features if use not in TIMERS
                 }

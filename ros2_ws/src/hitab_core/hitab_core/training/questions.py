@@ -64,7 +64,7 @@ class Questions:
         """Look for those that are found at once, if the examples have changed."""
         if self._about is not log.examples:
             self._about, self._searched = log.examples, False
-            self._known = self._contradictions(log.examples)
+            self._known = self._contradictions(log.contradictory())
 
     def find(self, material: Callable[[], Material], log: ExampleLog) -> list[Question]:
         """Return those that are open, the most useful first; this can take a tenth of a second.

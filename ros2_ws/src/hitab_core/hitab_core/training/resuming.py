@@ -39,7 +39,7 @@ def resumed(
         parameters=curriculum.parameters or earlier.parameters,
     )
     for feature in features:
-        repertoire.check_feature(feature, completed.parameters)
+        repertoire.domain.check_feature(feature, completed.parameters)
     examples: Sequence[Example] = earlier.examples
     if tuple(features) != earlier.features:
         examples = exchanged(examples, earlier.features, features, earlier.readable, earlier.name)

@@ -14,7 +14,8 @@ from hitab_core.automaton import FLAGS, START, Automaton, as_entered
 from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
-from hitab_core.learning.transition_learning import learn_transitions
+from hitab_core.learning.transition_learning import relearned
+from hitab_core.remedies import Do
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
@@ -362,7 +363,7 @@ class TrainingSession:
         repertoire = self.context.repertoire
         return Material(
             examples,
-            tuple(repertoire.scale_of(use) for use in features),
+            tuple(repertoire.domain.scale_of(use) for use in features),
             tuple(map(str, features)),
             tuple(repertoire.domain.feature(use.name).unit for use in features),
             self.curriculum.classifier,
@@ -490,8 +491,8 @@ class TrainingSession:
             raise TrainingError(
                 f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
                 "with so many features, a training reads some only if they are chosen when it "
-                f"begins; begin again with it (`hitab train AGENT {self.curriculum.name} -f "
-                f'"{unread[0]}"`)'
+                "begins",
+                Do.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
             )
 
     def _make(self, edit: Edit) -> None:
@@ -555,18 +556,16 @@ class TrainingSession:
                 f"{first}command the behavior that it should begin with"
             )
         chosen = self.curriculum.features if features is None else map(Use.parse, features)
-        uses = tuple(chosen)
-        scales = [self.context.repertoire.scale_of(use) for use in uses]
-        names = [str(use) for use in uses]
-        return Automaton(
+        unlearned = Automaton(
             self.curriculum.name,
             tuple(Use.parse(label) for label in _labels(examples)),
-            uses,
-            learn_transitions(examples, scales, self.curriculum.classifier, names),
+            tuple(chosen),
+            {},
             self.curriculum.parameters,
             examples,
             readable=self.readable,
         )
+        return relearned(unlearned, self.context.repertoire.domain, self.curriculum.classifier)
 
     def _check_state(self, state: Use) -> None:
         if state.name == self.curriculum.name:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hitab_client import SwarmError
+from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Session
 
@@ -11,9 +11,7 @@ from hitab_studio.session import Session
 async def answer(session: Session, data: Data) -> None:
     """Answer a question; without a choice, as the agent proposes."""
     number, choice = int(data["number"]), str(data.get("choice", ""))
-    answer = await session.ask_agent(
-        lambda swarm, agent: swarm.agents.answer(agent, number, choice)
-    )
+    answer = await session.request(SwarmClient.answer, number, choice)
     session.tell(f"{answer.message}; Undo brings it back")
 
 
@@ -21,9 +19,7 @@ async def answer(session: Session, data: Data) -> None:
 async def dismiss(session: Session, data: Data) -> None:
     """Have a question not be asked again."""
     number = int(data["number"])
-    answer = await session.ask_agent(
-        lambda swarm, agent: swarm.agents.answer(agent, number, dismiss=True)
-    )
+    answer = await session.request(SwarmClient.answer, number, dismiss=True)
     session.tell(answer.message)
 
 
@@ -42,10 +38,8 @@ async def caution(session: Session, data: Data) -> None:
     except ValueError:
         raise SwarmError("Give numbers of examples and of spreads, such as 2 and 3.") from None
     when_unsure = str(values["when_unsure"])
-    answer = await session.ask_agent(
-        lambda swarm, agent: swarm.agents.set_caution(
-            agent, when_unsure, support=support, distance=distance
-        )
+    answer = await session.request(
+        SwarmClient.set_caution, when_unsure, support=support, distance=distance
     )
     session.close_dialog()
     session.tell(answer.message)

@@ -98,7 +98,7 @@ async def unplace(session: Session, data: Data) -> None:
         raise SwarmError("There is no placement to undo.")
     things = placements.pop()
     await session.ask_world(lambda world: _placed(world, things))
-    session.tell("everything is where it was before")
+    session.tell("Everything is where it was before")
 
 
 @action("snapshots")

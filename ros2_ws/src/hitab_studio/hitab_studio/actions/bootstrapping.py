@@ -81,7 +81,7 @@ def _begin(session: Session, step: Step) -> None:
         raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
     if not known.answers(agent):
         raise SwarmError(f"{agent} does not respond: wait until it answers again.")
-    session.shared.locks.claim(agent, session.holder)
+    session.hold(agent)
     session.shared.generations.begin(
         Making(agent, session.dialog["behavior"]),
         step,

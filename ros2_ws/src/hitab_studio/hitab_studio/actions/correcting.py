@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hitab_client import SwarmError
+from hitab_client import SwarmClient, SwarmError
 from hitab_core import numbered
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action
@@ -12,15 +12,15 @@ from hitab_studio.session import Session
 @action("undo", repeats=True)
 async def undo(session: Session, data: Data) -> None:
     """Undo the last command or edit."""
-    await session.ask_agent(lambda swarm, agent: swarm.agents.edit_examples(agent, "undo"))
-    session.tell("undone")
+    await session.request(SwarmClient.undo)
+    session.tell("Undone")
 
 
 @action("redo", repeats=True)
 async def redo(session: Session, data: Data) -> None:
     """Redo what was undone last."""
-    await session.ask_agent(lambda swarm, agent: swarm.agents.edit_examples(agent, "redo"))
-    session.tell("redone")
+    await session.request(SwarmClient.redo)
+    session.tell("Redone")
 
 
 @action("mark", repeats=True)
@@ -79,11 +79,9 @@ def _numbers(session: Session, data: Data) -> list[int]:
 async def delete(session: Session, data: Data) -> None:
     """Delete examples."""
     numbers = _numbers(session, data)
-    await session.ask_agent(
-        lambda swarm, agent: swarm.agents.edit_examples(agent, "delete", numbers)
-    )
+    await session.request(SwarmClient.delete, numbers)
     session.table.marked.clear()
-    session.tell(f"deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
+    session.tell(f"Deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
 
 
 @action("relabel")
@@ -92,9 +90,7 @@ async def relabel(session: Session, data: Data) -> None:
     numbers, state = _numbers(session, data), str(data["value"])
     if not state:
         return
-    await session.ask_agent(
-        lambda swarm, agent: swarm.agents.edit_examples(agent, "relabel", numbers, state)
-    )
+    await session.request(SwarmClient.relabel, numbers, state)
     session.table.marked.clear()
     verb = "leads" if len(numbers) == 1 else "lead"
     session.tell(f"{numbered('example', numbers)} now {verb} to {state}")
@@ -119,7 +115,7 @@ async def situation(session: Session, data: Data) -> None:
             "the studio was not watching then."
         )
     await go_there(session, scene.everything())
-    session.tell(f"this is where example {number} was recorded; the world is paused")
+    session.tell(f"This is where example {number} was recorded; the world is paused")
 
 
 def _them(numbers: list[int]) -> str:

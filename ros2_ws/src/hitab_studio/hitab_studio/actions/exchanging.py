@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from hitab_client import SwarmError
+from hitab_client import SwarmClient, SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session, nothing_in_training
 
 
@@ -52,11 +53,9 @@ async def features_preview(session: Session, data: Data) -> None:
         dialog["problem"] = "Choose at least one feature for the decisions to depend on."
     elif training is not None and any(example.state == START for example in training.examples):
         try:
-            preview = await session.ask_agent(
-                lambda swarm, agent: swarm.agents.behavior(agent, with_features=list(chosen))
-            )
+            preview = await session.request(SwarmClient.behavior, with_features=list(chosen))
         except SwarmError as error:
-            dialog["problem"] = str(error)
+            dialog["problem"] = told(error)
         else:
             dialog |= {"preview": preview, "change": effect(training, preview)}
 
@@ -65,8 +64,6 @@ async def features_preview(session: Session, data: Data) -> None:
 async def features_accept(session: Session, data: Data) -> None:
     """Learn from other features from now on."""
     chosen = _chosen(session, data["values"].get("features", []))
-    await session.ask_agent(
-        lambda swarm, agent: swarm.agents.edit_examples(agent, "features", features=list(chosen))
-    )
+    await session.request(SwarmClient.choose_features, chosen)
     session.close_dialog()
-    session.tell(f"learned from {', '.join(chosen)} now; Undo brings the former features back")
+    session.tell(f"Learned from {', '.join(chosen)} now; Undo brings the former features back")

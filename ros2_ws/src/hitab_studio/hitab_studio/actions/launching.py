@@ -37,7 +37,7 @@ async def swarm_choose(session: Session, data: Data) -> None:
     session.shared.link.choose(chosen.folder)
     for other in list(session.shared.sessions.values()):
         if other is not session:
-            other.tell(f"{session.holder.name} has chosen {chosen.swarm}", "note")
+            other.tell(f"{session.name} has chosen {chosen.swarm}", "note")
 
 
 @action("swarm-stop-dialog")

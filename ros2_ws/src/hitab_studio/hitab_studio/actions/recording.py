@@ -16,13 +16,13 @@ async def record(session: Session, data: Data) -> None:
     """Record the run, or stop recording."""
     link, store = session.shared.link, session.shared.store
     if store.known.recording:
-        path = await session.ask(lambda _: link.stop_recording())
-        session.tell(f"recorded to {path}")
+        path = await session.ask(lambda _: link.observer.stop_recording())
+        session.tell(f"Recorded to {path}")
     else:
         path = str(
             recordings.new_recording(store.known.target.swarm if store.known.target else "")
         )
-        await session.ask(lambda _: link.start_recording(path, session.id))
+        await session.ask(lambda _: link.observer.start_recording(path, session.id))
     session.tab = "record"
 
 

@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from hitab_core import HitabError
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
 
 Data = Mapping[str, Any]
@@ -109,13 +110,13 @@ async def perform(session: Session, data: Data) -> None:
     """Handle a request of a page; show errors on it."""
     wanted = ACTIONS.get(str(data.get("do")))
     if wanted is None:
-        session.tell(f"unknown action {data.get('do')}", "bad")
+        session.tell(f"Unknown action {data.get('do')}", "bad")
         return
     session.dialog.pop("refused", None)
     try:
         await wanted(session, data)
     except HitabError as error:
-        refuse(session, str(error))
+        refuse(session, told(error))
     except Exception as error:
         logging.getLogger(__name__).exception("action %s", data.get("do"))
         refuse(session, f"That did not work: {error}")

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_msgs.srv import GetBehavior
-
-from hitab_client import DistributionReport, SwarmError, learned_of
+from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.jobs import Connected
+from hitab_studio.remedy_words import answered, told
 from hitab_studio.session import Session, nothing_in_training
 
 
@@ -48,21 +46,17 @@ async def _preview(session: Session, values: Any) -> None:
     bound = _bindings(values)
     session.dialog["values"] = dict(values)
     try:
-        answer = await session.ask_agent(
-            lambda swarm, agent: swarm.agents.ask(
-                agent,
-                GetBehavior,
-                "get_behavior",
-                trim=True,
-                bind_from=list(bound),
-                bind_to=list(bound.values()),
-                keep_unused=values.get("keep") == "on",
-            )
+        preview = await session.request(
+            SwarmClient.behavior,
+            trim=True,
+            bind_from=list(bound),
+            bind_to=list(bound.values()),
+            keep_unused=values.get("keep") == "on",
         )
     except SwarmError as error:
-        session.dialog |= {"preview": None, "problem": str(error)}
+        session.dialog |= {"preview": None, "problem": told(error)}
     else:
-        session.dialog |= {"preview": learned_of(answer), "problem": ""}
+        session.dialog |= {"preview": preview, "problem": ""}
 
 
 @action("save")
@@ -73,22 +67,20 @@ async def save(session: Session, data: Data) -> None:
     training = session.dialog.get("training")
     # Without a name it is saved under the one that training began with.
     name = str(values.get("name", "")).strip() or (training.name if training else "")
-    answer = await session.ask_agent(
-        lambda swarm, agent: swarm.agents.save(
-            agent,
-            name=name,
-            bind_from=list(bound),
-            bind_to=list(bound.values()),
-            description=str(values.get("description", "")).strip(),
-            keep_unused=values.get("keep") == "on",
-        )
+    answer = await session.request(
+        SwarmClient.save,
+        name=name,
+        bind_from=list(bound),
+        bind_to=list(bound.values()),
+        description=str(values.get("description", "")).strip(),
+        keep_unused=values.get("keep") == "on",
     )
     left_out = "; what nothing uses was left out" if answer.trimmed else ""
     session.dialog = {}
     session.tab = "library"
     session.behavior = name
     session.shared.link.want(session.agent, name)
-    session.tell(f"{answer.message}{left_out}")
+    session.tell(f"{answered(answer)}{left_out}")
 
 
 @action("library")
@@ -105,17 +97,10 @@ async def versions(session: Session, data: Data) -> None:
     name, agent = session.behavior, session.agent
     newer = int(data.get("newer") or data["values"]["newer"])
     older = int(data.get("older") or data["values"]["older"])
-    answer = await session.ask(
-        lambda swarm: swarm.agents.ask(
-            agent,
-            GetBehavior,
-            "get_behavior",
-            name=name,
-            version=newer,
-            compare_with=older,
-        )
+    compared = await session.ask(
+        lambda swarm: swarm.agents.behavior(agent, name, version=newer, compare_with=older)
     )
-    session.compare = (f"{name}: version {older} → {newer}", learned_of(answer))
+    session.compare = (f"{name}: version {older} → {newer}", compared)
 
 
 @action("distribute-dialog")
@@ -130,12 +115,6 @@ async def distribute_dialog(session: Session, data: Data) -> None:
     }
 
 
-def _distributed(
-    swarm: Connected, agent: str, behavior: str, receivers: list[str], start: bool
-) -> DistributionReport:
-    return swarm.agents.distribute(agent, behavior, receivers=receivers, start=start)
-
-
 @action("distribute")
 async def distribute(session: Session, data: Data) -> None:
     """Distribute a behavior and show each receiver's answer."""
@@ -145,8 +124,8 @@ async def distribute(session: Session, data: Data) -> None:
     if not receivers:
         raise SwarmError("Choose at least one receiver.")
     start = values.get("start") == "on"
-    report = await session.ask_agent(
-        lambda swarm, agent: _distributed(swarm, agent, behavior, receivers, start)
+    report = await session.request(
+        SwarmClient.distribute, behavior, receivers=receivers, start=start
     )
     session.dialog["report"] = report
     session.tell(

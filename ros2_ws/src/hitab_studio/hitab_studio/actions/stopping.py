@@ -21,14 +21,14 @@ async def stop_robots(session: Session) -> None:
     """
     link, who = session.shared.link, session.demonstrator
     try:
-        there = await link.do(lambda _: link.stop_robots(True, who, BUTTON))
+        there = link.observer.stop_robots(True, who, BUTTON)
     except SwarmError as error:
         raise SwarmError(
             f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."
         ) from None
     heard = f": {some(there)}" if there else "; nothing that acts is there, and who comes obeys"
     kind = "good" if there else "note"
-    session.tell(f"emergency stop: all have to stand still{heard}", kind)
+    session.tell(f"Emergency stop: all have to stand still{heard}", kind)
 
 
 @action("release-dialog")
@@ -44,14 +44,14 @@ async def release_dialog(session: Session, data: Data) -> None:
 async def release_robots(session: Session, data: Data) -> None:
     """Let the robots move again."""
     link, who = session.shared.link, session.demonstrator
-    await link.do(lambda _: link.stop_robots(False, who))
+    link.observer.stop_robots(False, who, "")
     session.close_dialog()
-    session.tell("released: simulated worlds go on, and each robot waits to be re-armed")
+    session.tell("Released: simulated worlds go on, and each robot waits to be re-armed")
 
 
 @action("arm")
 async def arm(session: Session, data: Data) -> None:
     """Let the robot of the agent act again."""
     link, agent = session.shared.link, session.agent
-    await link.do(lambda _: link.arm(agent), needs=agent)
+    await link.do(lambda _: link.observer.arm(agent), needs=agent)
     session.tell(f"{agent} may act")

@@ -6,12 +6,12 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_client import ACKNOWLEDGE_SECONDS, SwarmError, demonstrating, is_answered
+from hitab_client import ACKNOWLEDGE_SECONDS, SwarmClient, SwarmError, demonstrating, is_answered
 from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.jobs import Connected
 from hitab_studio.lost import TAKEN_SECONDS, Lost
+from hitab_studio.remedy_words import answered
 from hitab_studio.session import (
     CHOOSE_FIRST,
     Session,
@@ -19,6 +19,7 @@ from hitab_studio.session import (
     nothing_in_training,
     parameters_of,
 )
+from hitab_studio.swarm_link import Connected
 
 
 @action("command")
@@ -26,7 +27,6 @@ async def command(session: Session, data: Data) -> None:
     """Command a behavior; if it has parameters, ask for their targets first."""
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = parameters_of(behavior)
-    status = session.status
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
     training = session.watched.training
     if training is not None:
@@ -34,23 +34,7 @@ async def command(session: Session, data: Data) -> None:
     if open_:
         session.asked = TargetsAsked(Use.parse(behavior).name, tuple(parameters), seen)
         return
-    if status is not None and status.mode in ("idle", "performing"):
-        await _performed(session, behavior)
-    else:
-        await _commanded(session, behavior, seen)
-
-
-async def _performed(session: Session, behavior: str) -> None:
-    session.lost = None
-    agent = session.agent
-    try:
-        await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, behavior))
-    except SwarmError:
-        if session.shared.store.known.answers(agent) or session.locked:
-            raise
-        session.lost = Lost(agent, behavior, 0)
-    else:
-        session.tell(f"{agent} performs {behavior}")
+    await _commanded(session, behavior, seen)
 
 
 async def _commanded(session: Session, behavior: str, seen: int, sequence: int = 0) -> None:
@@ -64,6 +48,7 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
     """
     session.lost = None
     agent, number, sent = session.agent, sequence or time.time_ns() // 1000, False
+    learns = session.is_training
     # An agent that was restarted meanwhile has to be discovered first.
     seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
     demonstrator = session.demonstrator
@@ -88,10 +73,16 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
     try:
         await session.ask_agent(job)
     except SwarmError:
-        status = session.shared.store.known.statuses.get(agent)
+        known = session.shared.store.known
+        status = known.statuses.get(agent)
         if not sent or status is None or is_answered(status, number):
             raise
-        session.lost = Lost(agent, behavior, number)
+        if not learns and known.answers(agent):
+            raise
+        session.lost = Lost(agent, behavior, number if learns else 0)
+    else:
+        if not learns:
+            session.tell(f"{agent} performs {behavior}")
 
 
 @action("send-again")
@@ -102,11 +93,7 @@ async def send_again(session: Session, data: Data) -> None:
         return
     if lost.agent != session.agent:
         session.look_at(lost.agent)
-    if lost.sequence:
-        seen = int(data.get("seen") or 0)
-        await _commanded(session, lost.behavior, seen, lost.sequence)
-    else:
-        await _performed(session, lost.behavior)
+    await _commanded(session, lost.behavior, int(data.get("seen") or 0), lost.sequence)
 
 
 @action("leave-lost")
@@ -155,39 +142,38 @@ async def toggle(session: Session, data: Data) -> None:
     ):
         raise SwarmError(nothing_in_training(session))
     mode = demonstrating.other_mode(status)
-    answer = await session.ask_agent(lambda swarm, agent: swarm.agents.set_mode(agent, mode))
+    answer = await session.request(SwarmClient.set_mode, mode)
     if mode == "testing" and status.questions:
-        session.tell(answer.message, "note")
+        session.tell(answered(answer), "note")
 
 
 @action("restart")
 async def restart(session: Session, data: Data) -> None:
     """Test from Start."""
-    await session.ask_agent(
-        lambda swarm, agent: swarm.agents.set_mode(agent, "testing", restart=True)
-    )
+    await session.request(SwarmClient.set_mode, "testing", restart=True)
 
 
 @action("idle")
 async def idle(session: Session, data: Data) -> None:
     """Have the agent perform nothing; a training is kept."""
-    await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, ""))
+    await session.request(SwarmClient.perform, "")
 
 
 @action("perform")
 async def perform_behavior(session: Session, data: Data) -> None:
     """Perform a behavior of the library from its beginning."""
     behavior = str(data["behavior"])
-    await session.ask_agent(lambda swarm, agent: swarm.agents.perform(agent, behavior))
+    await session.request(SwarmClient.perform, behavior)
     session.tell(f"{session.agent} performs {behavior}")
 
 
 @action("take")
 async def take(session: Session, data: Data) -> None:
     """Take an agent from another demonstrator and notify that one."""
-    before = session.shared.locks.take(session.agent, session.holder)
-    if before is not None:
-        session.tell_other(before.session, f"{session.holder.name} has taken {session.agent}")
+    before = session.shared.held.get(session.agent, session)
+    session.shared.held[session.agent] = session
+    if before is not session:
+        before.tell(f"{session.name.capitalize()} has taken {session.agent}", "bad")
     session.tell(f"{session.agent} is yours")
     session.shared.store.touch()
 
@@ -195,7 +181,8 @@ async def take(session: Session, data: Data) -> None:
 @action("release")
 async def release(session: Session, data: Data) -> None:
     """Release an agent."""
-    session.shared.locks.release(session.agent, session.id)
+    if not session.locked:
+        session.shared.held.pop(session.agent, None)
     session.shared.store.touch()
 
 
@@ -235,10 +222,10 @@ async def discard(session: Session, data: Data) -> None:
 @action("discard-now")
 async def discard_now(session: Session, data: Data) -> None:
     """Give up the training and its examples."""
-    answer = await session.ask_agent(lambda swarm, agent: swarm.agents.discard(agent))
+    answer = await session.request(SwarmClient.discard)
     session.dialog = {}
     session.lost = session.asked = None
-    session.tell(answer.message)
+    session.tell(answered(answer))
 
 
 @action("new-name", repeats=True)
@@ -284,9 +271,9 @@ async def begin(session: Session, data: Data) -> None:
         shown, session.dialog["typed"] = session.dialog.get("typed"), name
         if shown != name:  # who is fast has not seen it yet
             raise SwarmError(f"{name} is saved already, see above. Begin replaces it.")
-    await session.ask_agent(lambda swarm, agent: swarm.agents.begin(agent, name, **fields))
+    await session.request(SwarmClient.begin, name, **fields)
     if values.get("pause") == "on" and await session.ask_world(paused):
-        session.tell("the world is paused; Space lets it run")
+        session.tell("The world is paused; Space lets it run")
     session.close_dialog()
     session.tab = "teach"
     session.level = session.state = ""

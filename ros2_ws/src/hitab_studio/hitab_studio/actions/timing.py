@@ -8,10 +8,9 @@ from typing import Any
 from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.jobs import Connected
 from hitab_studio.session import Session
+from hitab_studio.swarm_link import Connected
 
-RETIME = "retime"
 LONGEST_NAME = 60
 """Characters of a demonstrator's name."""
 
@@ -73,7 +72,7 @@ async def reaction_measured(session: Session, data: Data) -> None:
     """Keep the reaction time that the game has measured."""
     seconds = reaction_time.check(round(float(data["seconds"]), 2))
     reaction_time.keep(session.demonstrator, seconds)
-    session.tell(f"measured {seconds:g} s: {_told(seconds)}")
+    session.tell(f"Measured {seconds:g} s: {_told(seconds)}")
 
 
 def _told(seconds: float) -> str:
@@ -95,7 +94,7 @@ async def due_earlier(session: Session, data: Data) -> None:
     session.tell(await session.ask_agent(job))
 
 
-@action(RETIME, repeats=True)
+@action("retime", repeats=True)
 async def retime(session: Session, data: Data) -> None:
     """Have a command be due at another time before it was given."""
     number, text = int(data["number"]), str(data["value"]).strip()
@@ -105,8 +104,8 @@ async def retime(session: Session, data: Data) -> None:
         raise SwarmError(f'"{text}" is not a number of seconds, such as 0.3.') from None
 
     def job(swarm: Connected, agent: str) -> float:
-        swarm.agents.edit_examples(agent, RETIME, [number], ago=ago)
-        examples = swarm.agents.list_examples(agent).examples
+        swarm.agents.retime(agent, [number], ago)
+        examples = swarm.agents.training(agent).examples
         return next((e.ago for e in examples if e.number == number), ago)  # that of a cycle
 
-    session.tell(f"example {number}: {await session.ask_agent(job):.2f} s ago")
+    session.tell(f"Example {number}: {await session.ask_agent(job):.2f} s ago")

@@ -11,7 +11,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from jinja2.utils import markupsafe
 
-from hitab_client.called_as import as_called
+from hitab_client.commands import called
 from hitab_core import quantity
 from hitab_studio.session import Session
 from hitab_studio.unavailable import off
@@ -57,18 +57,10 @@ def breaks(name: str) -> markupsafe.Markup:
     return markupsafe.Markup("<wbr>").join(parts)
 
 
-def called(value: Any) -> Any:
-    """Return a text that names commands as they can be typed where the studio was started."""
-    if not isinstance(value, str) or "hitab " not in value:
-        return value
-    return type(value)(as_called(value))  # what is HTML stays HTML
-
-
 _environment = Environment(
     loader=PackageLoader("hitab_studio"),
     autoescape=True,
     undefined=StrictUndefined,
-    finalize=called,
     trim_blocks=True,
     lstrip_blocks=True,
 )
@@ -82,7 +74,7 @@ _environment.filters |= {
     "breaks": breaks,
     "since": since,
 }
-_environment.globals["off"] = off
+_environment.globals |= {"off": off, "called": called}
 
 
 def render(panel: str, session: Session) -> str:

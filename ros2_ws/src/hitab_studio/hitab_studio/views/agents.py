@@ -98,7 +98,7 @@ def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, li
 def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
     """Return what an agent does; of a commander, its order and how many obey it."""
     store, live = session.shared.store, session.player is None
-    holder = session.shared.locks.holder(name) if live else None
+    holder = session.shared.held.get(name) if live else None
     state = state_shown(status.active_path) if status is not None else ""
     index = store.palette.index(state)
     group = store.known.groups.get(name)
@@ -107,7 +107,7 @@ def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
         "state": state or (status.behavior if status is not None else ""),
         "color": "" if index == NO_COLOR else STATE_COLORS[index],
         "absence": (absence(store.known, name) or "") if live else "",
-        "lock": "" if holder is None else ("you" if holder.session == session.id else holder.name),
+        "lock": "" if holder is None else ("you" if holder is session else holder.name),
         "order": group.order if group is not None else "",
         "obeying": sum(member.obeys for member in group.subordinates) if group is not None else 0,
         "size": len(group.subordinates) if group is not None else 0,

@@ -9,6 +9,7 @@ from hitab_client.bootstrapping import Generations
 from hitab_studio import unavailable
 from hitab_studio.actions.bootstrapping import AS_IT_IS, SNAPSHOT
 from hitab_studio.generations import known_generations
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
 
 
@@ -21,7 +22,7 @@ def context(session: Session) -> dict[str, Any]:
     try:
         known = known_generations(store.known.target, agent, behavior)
     except SwarmError as error:
-        problem = str(error)
+        problem = told(error)
     trains = training is not None and training.name == behavior
     busy = session.shared.generations.why_busy
     generations = known.all if known is not None else ()

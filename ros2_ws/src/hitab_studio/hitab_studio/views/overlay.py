@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core import FLAGS, START, Use, some
-from hitab_ros.fault_texts import STOPPED
+from hitab_core import FLAGS, START, Do, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
@@ -27,15 +26,16 @@ MODE_WORDS = {
 def context(session: Session) -> dict[str, Any]:
     """Return what the overlay shows."""
     status = session.status
-    holder = session.shared.locks.holder(session.agent) if session.agent else None
     live = session.player is None
     mode = status.mode if status is not None else ""
     nothing = empty(session)
     known, launch = session.shared.store.known, session.shared.launcher.launch
     world_absent = absence(known, WORLD) if live else None
-    history = session.watched.history
+    trained = session.watched.training
     faults = list(status.faults) if status is not None else []
-    stopped = [fault for fault in faults if fault.startswith(STOPPED)]
+    may_not_act = live and any(
+        remedy.code == Do.ARM.name for remedy in (status.remedies if status is not None else ())
+    )
     return {
         "absent": absence(known, session.agent) if live and session.agent else None,
         "world_absent": world_absent,
@@ -47,7 +47,7 @@ def context(session: Session) -> dict[str, Any]:
         "redo_off": unavailable.redoing(session),
         "test_off": unavailable.testing(session),
         "training_off": unavailable.training(session),
-        "last_done": history.done[-1] if history.done else "",
+        "last_done": trained.done[-1] if trained is not None and trained.done else "",
         "stuck": _stuck(session),
         "note": status.note if status is not None else "",
         "agent": session.agent,
@@ -55,14 +55,14 @@ def context(session: Session) -> dict[str, Any]:
         "mode": mode,
         "mode_words": MODE_WORDS.get(mode, ("", "")),
         "path": list(status.active_path) if status is not None else [],
-        "lock": None if holder is None or holder.session == session.id else holder.name,
+        "lock": session.shared.held[session.agent].name if session.locked else None,
         "buttons": _buttons(session),
         "asked": session.asked,
         "targets": _targets(session),
         "legend": _legend(session),
         "camera": sensors.camera(session),
-        "stopped": next(iter(stopped), ""),
-        "faults": [fault for fault in faults if fault not in stopped],
+        "stopped": "; ".join(faults) if may_not_act else "",
+        "faults": [] if may_not_act else faults,
         "player": session.player,
         "empty": nothing,
         "choices": choices(session) if nothing[0] else [],

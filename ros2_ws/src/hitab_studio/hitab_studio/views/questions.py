@@ -22,9 +22,7 @@ TITLES = {
 
 def answers(question: Question) -> list[tuple[str, str, bool]]:
     """Return the answers to choose from, with their effects; the proposed one first."""
-    there = enumerate(zip(question.choices, question.effects, strict=True))
-    found = [(choice, effect, i == question.proposed) for i, (choice, effect) in there]
-    return sorted(found, key=lambda answer: not answer[2])
+    return [(choice.name, choice.effect, i == 0) for i, choice in enumerate(question.choices)]
 
 
 def when_unsure(session: Session) -> str:

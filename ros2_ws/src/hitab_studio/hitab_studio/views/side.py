@@ -46,7 +46,9 @@ def context(session: Session) -> dict[str, Any]:
         "asks": bool(live) and not session.watched.vocabulary.domain,
         "counts": {
             "examples": len(training.examples) if training is not None else 0,
-            "teach": len(session.watched.questions) if session.is_training else 0,
+            "teach": len(training.questions)
+            if training is not None and session.is_training
+            else 0,
         },
         **shown[2](session),
     }

@@ -9,6 +9,7 @@ from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio import unavailable
 from hitab_studio.learned import superseding
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
@@ -31,16 +32,16 @@ def context(session: Session) -> dict[str, Any]:
         "abouts": watched.vocabulary.feature_descriptions,
         "values_of": lambda example: _values(session, example),
         "trained": sorted(session.watched.vocabulary.trained),
-        "last_edits": [(text, False) for text in watched.history.done[-SHOWN:]]
-        + [(text, True) for text in watched.history.undone[:SHOWN]],
+        "last_edits": [(text, False) for text in (training.done if training else ())[-SHOWN:]]
+        + [(text, True) for text in (training.undone if training else ())[:SHOWN]],
         "undo_off": unavailable.undoing(session),
         "redo_off": unavailable.redoing(session),
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
         "given_up": _given_up(session),
         "reaction": _reaction(session),
-        "cost": watched.cost,
-        "questions": watched.questions,
+        "cost": training.cost if training else None,
+        "questions": training.questions if training else (),
         "question_titles": TITLES,
         "answers": answers,
         "when_unsure": when_unsure(session),
@@ -51,10 +52,10 @@ def context(session: Session) -> dict[str, Any]:
 
 def _given_up(session: Session) -> int:
     """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
-    cost, training = session.watched.cost, session.watched.training
-    if cost is None or training is None:
+    training = session.watched.training
+    if training is None or training.cost is None:
         return 0
-    return max(0, cost.wasted - sum(not e.is_learned for e in training.examples))
+    return max(0, training.cost.wasted - sum(not e.is_learned for e in training.examples))
 
 
 def _reaction(session: Session) -> str:
@@ -62,7 +63,7 @@ def _reaction(session: Session) -> str:
     try:
         seconds = session.shared.reactions.of(session.demonstrator)
     except SwarmError as error:
-        return str(error)
+        return told(error)
     if seconds:
         return f"Commands count for what the field showed {seconds:g} s before you press the key."
     return "Commands count for what the field shows when you press the key."

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
 
+from hitab_world import WorldError
 from keepaway_world.rcss.messages import (
     Init,
     Message,
@@ -26,25 +27,13 @@ _DATAGRAM = 65_536
 
 Readable = TypeVar("Readable", "Connection", socket.socket)
 
-REASONS = {
-    "no_more_team": "two other teams are already playing there; restart it",
-    "no_more_player_or_goalie_or_illegal_client_version": (
-        "the team is full, counting players that have left, which cannot rejoin; or it "
-        f"does not speak protocol version {VERSION}; restart it, version 15 or later"
-    ),
-    "illegal_client_version": (
-        f"it does not speak protocol version {VERSION}; use rcssserver 15 or later"
-    ),
-    "illegal_teamname": "it does not accept the team's name; use letters, digits, _, + and -",
-    "illegal_teamname_or_too_long_teamname": "the team's name is longer than 15 characters",
-    "already_have_offline_coach": "another trainer is connected; stop that one",
-    "connected_offline_coach_without_coach_mode": (
-        "it accepts no trainer; start it with server::coach_w_referee=1"
-    ),
-}
+WAY_OUT = (
+    f"restart it: it must speak protocol version {VERSION}, has room for two teams, whose players "
+    "cannot rejoin, and accepts a trainer with server::coach_w_referee=1 only"
+)
 
 
-class ServerError(Exception):
+class ServerError(WorldError):
     """The server cannot be used; the text gives the reason and the way out in one sentence."""
 
 
@@ -188,8 +177,8 @@ def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tupl
         if isinstance(message, Init):
             return message, sender
         if isinstance(message, Refusal):
-            reason = REASONS.get(message.reason, message.reason.replace("_", " "))
-            raise ServerError(f"the rcssserver at {where} refuses: {reason}")
+            reason = message.reason.replace("_", " ")
+            raise ServerError(f'the rcssserver at {where} refuses ("{reason}"); {WAY_OUT}')
         # The answer itself was lost: later messages already come from the new port.
         with contextlib.suppress(OSError):
             sock.sendto(b"(bye)\0", sender)

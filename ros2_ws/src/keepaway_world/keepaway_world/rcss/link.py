@@ -107,17 +107,11 @@ class Link:
             raise
 
     def _check(self, kind: str, index: int, init: Init) -> None:
-        if init.side == (LEFT if kind == "keeper" else RIGHT):
-            if init.number != index + 1:
-                raise ServerError(
-                    f"on the rcssserver at {self.where} other clients are, or were, the {kind}s; "
-                    "players that leave cannot be replaced, so restart the server"
-                )
-        else:
+        if (init.side, init.number) != (LEFT if kind == "keeper" else RIGHT, index + 1):
             raise ServerError(
-                f"on the rcssserver at {self.where} the {kind}s are the wrong team: another "
-                "team connected first, and the first are the keepers; restart the server and "
-                "start this world before any takers"
+                f"on the rcssserver at {self.where} other clients are, or were, the {kind}s, or "
+                "connected first, which makes them the keepers; players that leave cannot be "
+                "replaced: restart the server, and start this world before any takers"
             )
 
     def _check_settings(self, server: ServerSettings) -> None:

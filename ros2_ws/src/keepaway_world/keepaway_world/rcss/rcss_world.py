@@ -153,9 +153,7 @@ class RcssWorld:
             self._trainer.put(places)
         except NoAnswer as error:
             self._leave(str(error))
-            raise WorldError(str(error)) from None
-        except ServerError as error:
-            raise WorldError(str(error)) from None
+            raise
         self._game.put(places)
 
     def result(self) -> EpisodeResult:

@@ -68,9 +68,6 @@ def evaluate(
     ] = None,
     keepers: Keepers = "trained",
     collisions: Collisions = None,
-    kickable_margin: Annotated[
-        float | None, typer.Option(help="How far from a player's body a ball can be kicked, m.")
-    ] = None,
     world: Annotated[
         str,
         typer.Option(help="keepaway: the simulated world; rcssserver: a running RoboCup server."),
@@ -113,8 +110,6 @@ def evaluate(
             "play in-process in the world keepaway; leave out --pace and --world"
         )
     parameters = _game(taker_speed, collisions, parameter)
-    if kickable_margin is not None:
-        parameters["kickable_margin"] = kickable_margin
     if world == RCSSSERVER:
         parameters |= {"host": host, "port": port}
     with console.progress("evaluating", "episodes") as advance:

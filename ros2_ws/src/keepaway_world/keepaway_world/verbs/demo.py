@@ -12,6 +12,7 @@ from typing import Any
 
 from hitab_bringup import RunningSwarm, copy_library, open_library, temporary_swarm
 from hitab_client import console
+from hitab_client.commands import called
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
 from hitab_client.shipped import find_file
 from hitab_core import HitabError
@@ -199,11 +200,12 @@ def _tell(reports: list[LessonReport], figures: dict[str, Any], out: Path) -> No
         f"In {out}: field.png, automata.png, episode_lengths.png, figures.json, library/",
         soft_wrap=True,
     )
+    hitab = called()
     following = {
-        f"hitab library show Keepaway --library {library}": "what was learned",
-        f"hitab keepaway evaluate --library {library}": "play more",
-        "hitab up keepaway": "a world and three keepers to train yourself",
-        "hitab lesson list": "the lessons that trained these",
+        f"{hitab} library show Keepaway --library {library}": "what was learned",
+        f"{hitab} keepaway evaluate --library {library}": "play more",
+        f"{hitab} up keepaway": "a world and three keepers to train yourself",
+        f"{hitab} lesson list": "the lessons that trained these",
     }
     width = max(map(len, following))
     lines = (f"  {command:{width}}  # {what}" for command, what in following.items())

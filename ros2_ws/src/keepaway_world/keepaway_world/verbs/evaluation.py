@@ -214,7 +214,7 @@ def read_trained(library: Path, behavior: str) -> Trained:
         LibraryError: if it cannot be used, or has no such behavior.
     """
     if not library.is_dir():
-        raise LibraryError(f"{library}: there is no such library folder; train one: `hitab demo`")
+        raise LibraryError(f"{library}: there is no such library folder; name another")
     opened = open_library(library)
     automata = opened.load()
     there = {*automata, *opened.domain.automata}
@@ -233,8 +233,19 @@ def trained_game(
         HitabError: if there is no such game.
     """
     from hitab_world.inprocess import perform
+    from keepaway_world.parameters import KeepawayParameters
+    from keepaway_world.rcss.rcss_world import RcssWorld
+    from keepaway_world.rcss.server_settings import settings_from_dict
+    from keepaway_world.world import KeepawayWorld
 
-    with _made(world, parameters, seed) as made:
+    made: World
+    with contextlib.ExitStack() as leaving:
+        if world == RCSSSERVER:
+            server, figures = settings_from_dict(parameters)
+            made = RcssWorld(server, figures, seed, patience=PATIENCE_SECONDS)
+            leaving.callback(made.close)
+        else:
+            made = KeepawayWorld(KeepawayParameters.from_dict(parameters), seed)
         yield made, perform(made, trained.repertoire, trained.behavior)
 
 
@@ -264,22 +275,6 @@ def play_lockstep(
         measures = dict(zip(m.measure_names, m.measures, strict=True))
         played.append(EpisodeResult(m.number, m.seed, m.cycles, m.seconds, m.ended, measures))
     return played, wall, missed
-
-
-@contextlib.contextmanager
-def _made(kind: str, parameters: Mapping[str, Any], seed: int) -> Iterator[World]:
-    """Create a world in this process."""
-    from keepaway_world.parameters import KeepawayParameters
-    from keepaway_world.rcss.rcss_world import RcssWorld
-    from keepaway_world.rcss.server_settings import settings_from_dict
-    from keepaway_world.world import KeepawayWorld
-
-    if kind != RCSSSERVER:
-        yield KeepawayWorld(KeepawayParameters.from_dict(parameters), seed)
-        return
-    server, figures = settings_from_dict(parameters)
-    with contextlib.closing(RcssWorld(server, figures, seed, patience=PATIENCE_SECONDS)) as world:
-        yield world
 
 
 def _play_inprocess(

@@ -2,7 +2,7 @@
 
 The loop is `hitab_world.inprocess.play`. Agents and commanders are those of `hitab_core` and of
 this package, and what is decided is the same, bit for bit, as over topics in lockstep
-(`hitab_commander.lockstep`); reports and orders are passed as objects.
+(`hitab_commander.rounds`); reports and orders are passed as objects.
 
 Example::
 
@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind
-from hitab_commander.lockstep import Lockstep, Round
+from hitab_commander.rounds import Lockstep, Round
 from hitab_core import Agent, BehaviorLibrary, FeatureValueError, Use
 from hitab_core.commanding import Report, Subordinate
 
@@ -141,7 +141,7 @@ class _Member(_Node):
     def __init__(self, agent: Agent, behavior: str, cycle_seconds: float) -> None:
         super().__init__(agent, behavior)
         self.body = self
-        self.tick, self.act = agent.tick, agent.act
+        self.tick, self.act = agent.tick, agent.body.act
         self._cycle_seconds = cycle_seconds
         self._cycle = 0
 

@@ -1,0 +1,65 @@
+"""What the parts of an agent's node know of the node."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+from hitab_msgs import msg
+
+from hitab_agent.guarded_tick import Action
+from hitab_agent.settings import AgentSettings
+from hitab_core import Agent
+from hitab_ros import GuardedNode
+from hitab_ros.diagnostics import Diagnosis, Level
+
+
+class AgentBase(GuardedNode):
+    """The node of an agent, as `hitab_agent.agent_node.AgentNode` makes it of its parts.
+
+    Attributes:
+        agent: the engine's agent.
+        agent_name: its name.
+        settings: its parameters.
+        shared: what it shares with the other agents of its process, a `Shared`.
+        status: its status, a `StatusPublisher`.
+        session_log: tells those who record, a `SessionLog`.
+    """
+
+    agent: Agent
+    agent_name: str
+    settings: AgentSettings
+    shared: Any
+    status: Any
+    session_log: Any
+
+    def take_in(self, percept: msg.Percept) -> None:
+        """Perceive. The percept object may be reused: an agent must copy what it keeps."""
+
+    def answer(self, percept: msg.Percept) -> Action:
+        """Act on the last percept, unless it is for inspection only."""
+        raise NotImplementedError
+
+    def awaited_orders(self) -> Collection[str]:
+        """Return the topics of the orders that it waits for in a lockstep round."""
+        raise NotImplementedError
+
+    def ordered(self) -> None:
+        """Publish the outcome of an order: obeyed, or waiting with the reason."""
+
+    def settle(self) -> None:
+        """Retry a waiting order after a demonstrator has changed something."""
+
+    def answered(self, error: Exception | None) -> None:
+        """Settle after a request, and show in the status what went wrong."""
+
+    def taken_in(self, sequence: int, digest: str, error: str) -> None:
+        """Publish that a distribution was accepted or, without a digest, refused."""
+
+    def diagnose(self) -> Diagnosis:
+        """Return what is wrong with it."""
+        raise NotImplementedError
+
+    def troubles(self) -> list[tuple[Level, str]]:
+        """Return what else is wrong, for a kind of agent that has more than one body."""
+        return []

@@ -1,0 +1,69 @@
+"""What an agent notes for the process that takes its place, should its own be killed."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+FILE_NAME = "restart.json"
+
+
+class RestartMemory:
+    """A small file in an agent's state folder; it need not survive a power failure.
+
+    Writing must be fast: a line overwrites the previous one in a single call, which takes
+    microseconds. Only the first line is read; the rest of a longer previous line stays behind it.
+
+    Attributes:
+        values: what is noted, by name; at first what the process before this one has noted.
+        performed: the top-level behavior of the process before this one, empty if there was none;
+            None if this is the agent's first start in its swarm. An agent outside any swarm is
+            started by a person, who says what it should do.
+        damage: why the file is ignored; empty if it can be read.
+    """
+
+    def __init__(self, folder: Path, swarm: str) -> None:
+        """Read the file.
+
+        Args:
+            folder: the folder of the file; it is created at the first write.
+            swarm: identity of the agent's swarm; empty: none.
+        """
+        self._path = folder / FILE_NAME
+        self._swarm = swarm
+        self.values: dict[str, Any] = {}
+        self.performed: str | None = None
+        self.damage = ""
+        try:
+            with self._path.open(encoding="utf-8") as file:
+                self.values = dict(json.loads(file.readline()))
+        except FileNotFoundError:
+            pass
+        except (OSError, TypeError, ValueError) as error:
+            self.damage = f"{self._path} is ignored because it cannot be read: {error}"
+        if swarm and self.values.get("swarm") == swarm:
+            self.performed = str(self.values.get("behavior", ""))
+
+    def keep(self, values: Mapping[str, Any]) -> None:
+        """Note values, if that changes anything.
+
+        Raises:
+            OSError: if they cannot be written.
+        """
+        noted = {**self.values, **values, "swarm": self._swarm}
+        if noted == self.values:
+            return
+        flags = os.O_WRONLY | os.O_CREAT
+        try:
+            file = os.open(self._path, flags, 0o644)
+        except FileNotFoundError:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            file = os.open(self._path, flags, 0o644)
+        try:
+            os.write(file, json.dumps(noted).encode() + b"\n")
+        finally:
+            os.close(file)
+        self.values = noted

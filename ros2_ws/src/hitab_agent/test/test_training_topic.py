@@ -1,0 +1,131 @@
+"""What an agent is being trained is published while anybody subscribes, whole and in time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hitab_msgs import msg
+
+from hitab_agent.ticker import Ticker
+from hitab_agent.training_topic import TrainingTopic
+from hitab_core import Agent, BehaviorLibrary, Use, plain_domain
+from hitab_core.training import Curriculum
+from hitab_ros import names, qos
+
+CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position", "Speed"])
+
+
+class Trained:
+    """An agent that publishes what it is being trained on the node of a process."""
+
+    def __init__(self, process: Any, folder: Path) -> None:
+        self.process = process
+        self.came: list[msg.Training] = []
+        self.agent = Agent("ann", CART, BehaviorLibrary(folder / "library", CART), folder)
+        self.topic = TrainingTopic(process.node, self.agent, Ticker(process.node))
+        self.topic.offer()
+
+    def begin(self) -> Any:
+        self.agent.begin(Curriculum("Shuttle", (Use("Position"), Use("Speed"))))
+        self.show((0.0, "Right"), (5.0, "Left"), (0.0, "Right"), (5.0, "Right"))
+        return self.agent.session
+
+    def show(self, *commands: tuple[float, str]) -> None:
+        for position, behavior in commands:
+            cycle = self.agent.cycle + 1
+            self.agent.sense([position, position**2], [], cycle, cycle * 0.1)
+            self.agent.command(Use(behavior))
+            self.agent.tick()
+
+    def subscribe(self) -> None:
+        self.process.node.create_subscription(
+            msg.Training, names.TRAINING, self.came.append, qos.LATCHED
+        )
+
+    def until(self, condition: Any) -> msg.Training:
+        self.process.until(lambda: self.came and condition(self.came[-1]))
+        return self.came[-1]
+
+
+@pytest.fixture
+def trained(process: Any, tmp_path: Path) -> Trained:
+    return Trained(process, tmp_path)
+
+
+def test_who_subscribes_gets_the_training_as_it_is_then_each_revision_and_its_end(
+    trained: Trained,
+) -> None:
+    session = trained.begin()
+    trained.topic.look()
+    first = trained.topic.revision
+    trained.subscribe()
+    now = trained.until(lambda it: it.revision == first)
+    assert [e.next_state for e in now.automaton.examples] == [
+        e.next_state for e in session.examples
+    ]
+    assert {tree.state for tree in now.automaton.trees} == {"Start", "Left", "Right"}
+    session.undo()
+    undone = trained.until(lambda it: it.revision > first)
+    assert len(undone.automaton.examples) < len(now.automaton.examples)
+    assert len(undone.undone) == 1
+    trained.agent.discard()
+    assert trained.until(lambda it: not it.automaton.name).revision > undone.revision
+    assert trained.topic.revision == 0
+
+
+def test_nothing_is_built_while_nobody_subscribes(
+    trained: Trained, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built: list[str] = []
+    monkeypatch.setattr(
+        "hitab_agent.training_topic.training_message", lambda *_: built.append("built")
+    )
+    trained.begin()
+    done: list[str] = []
+    trained.process.meanwhile(done, 0.1)
+    trained.process.until(lambda: len(done) > 3)
+    assert trained.topic.revision > 0
+    assert not built
+
+
+def test_other_things_are_done_while_questions_are_looked_for(
+    trained: Trained, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, done, found = trained.begin(), [], []
+    search = session.search
+
+    def slow() -> Any:
+        while len(done) < 3:
+            yield None
+        yield from search()
+
+    monkeypatch.setattr(session, "search", slow)
+    trained.topic.searched = lambda: found.append(len(session.questions()))
+    trained.subscribe()
+    trained.until(lambda it: it.automaton.name)
+    trained.process.meanwhile(done)
+    asked = trained.until(lambda it: it.searched)
+    assert [q.kind for q in asked.questions] == ["contradiction"]
+    assert [choice.name for choice in asked.questions[0].choices] == ["Right", "Left"]
+    assert found == [1]
+
+
+def test_examples_that_change_during_the_search_are_asked_about(
+    trained: Trained, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session, searches = trained.begin(), []
+    search = session.search
+
+    def interrupted() -> Any:
+        searches.append(len(session.examples))
+        if len(searches) == 1:
+            trained.show((7.0, "Left"), (0.0, "Right"), (7.0, "Right"))
+        yield from search()
+
+    monkeypatch.setattr(session, "search", interrupted)
+    trained.subscribe()
+    asked = trained.until(lambda it: it.searched)
+    assert len(searches) == 2
+    assert [q.kind for q in asked.questions].count("contradiction") == 2

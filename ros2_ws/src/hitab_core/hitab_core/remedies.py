@@ -1,0 +1,95 @@
+"""What a person can do about an error: data, which each face words in its own way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum, unique
+
+
+@unique
+class Do(Enum):
+    """What can be done, in plain words; its arguments are the names in braces.
+
+    Faces that have a command, a button or a call for it keep a table from these to words.
+    ``Do.SAVE(agent="keeper_1")`` is a remedy. An argument that is not given is named in capitals.
+    """
+
+    # trainings
+    TRAIN = 'train {agent} to perform "{behavior}"'
+    TRAIN_FURTHER = 'train "{behavior}" of {agent} further, from its examples'
+    RESUME = "go on with the training of {agent}"
+    DEMONSTRATE = "command {agent} a behavior"
+    CHOOSE_FEATURES = "choose features for {agent} by what it decides"
+    VOCABULARY = "list what {agent} can do and perceive"
+    QUESTIONS = "see what {agent} asks"
+    EXAMPLES = "list the examples of {agent}"
+    EXAMPLES_OF = "list the examples of a trained behavior of {agent}"
+    TEST = "test what {agent} has learned"
+    CAUTION = "say when an agent is unsure"
+    SAVE = "save the training of {agent}"
+    DISCARD = "discard the training of {agent}"
+    PERFORM = "have {agent} perform a behavior"
+    IDLE = "make {agent} idle"
+    # libraries
+    CHECK_LIBRARY = "check the library"
+    ACCEPT = "accept {file}, if it was edited on purpose"
+    RESTORE = 'bring version {version} of "{behavior}" back in {folder}'
+    RESTORE_OF = 'bring version {version} of "{behavior}" of {agent} back'
+    DELETE = 'give "{behavior}" up in {folder}'
+    MOVE_AWAY = "move {file} away"
+    PUT_INTACT = "put an intact file in the place of {file}"
+    SEND = 'have an agent that has "{behavior}" send it'
+    RELOAD = "have the agents of {swarm} read their libraries again"
+    IMPORT = "load it from a file of behaviors"
+    # generations
+    NEXT_GENERATION = "make a generation of what {agent} trains"
+    GO_BACK = 'go back to generation {generation} of "{behavior}" with {agent}'
+    GENERATIONS = 'list the generations of "{behavior}" of {agent}'
+    # worlds and robots
+    GO = "release the emergency stop, if it is engaged"
+    ARM = "let {robot} act again"
+    PACE = "have the world wait for real time"
+    RESUME_WORLD = "let the world go on"
+    SAVE_SNAPSHOT = "save the snapshot {snapshot}"
+    DELETE_SNAPSHOT = "delete a snapshot"
+    # swarms
+    UP = "start {swarm}"
+    DOWN = "stop {swarm}, or end what is left of it"
+    DOWN_FOLDER = "stop the swarm in {folder}, or end what is left of it"
+    STATUS = "see who is there"
+    LOGS = "look into the log of {node}"
+    DOCTOR = "look for the cause"
+    RECORD = "record it"
+    # demonstrators
+    MEASURE_REACTION = "measure how late commands come"
+
+    def __call__(self, **arguments: object) -> Remedy:
+        """Return the remedy with these arguments."""
+        return Remedy(self, tuple((name, str(value)) for name, value in arguments.items()))
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """Something to do, with its arguments by name."""
+
+    code: Do
+    arguments: tuple[tuple[str, str], ...] = ()
+
+    def __str__(self) -> str:
+        """Return it in plain words.
+
+        Examples:
+            >>> str(Do.SAVE(agent="keeper_1")), str(Do.SAVE())
+            ('save the training of keeper_1', 'save the training of AGENT')
+        """
+        return self.worded({})
+
+    def worded(self, words: Mapping[Do, str]) -> str:
+        """Return it in the words of a table; in plain words if the table has none for it."""
+        return words.get(self.code, self.code.value).format_map(_Given(self.arguments))
+
+
+class _Given(dict[str, str]):
+    def __missing__(self, name: str) -> str:
+        return name.upper()

@@ -1,0 +1,63 @@
+"""Every remedy that an error carries can be worded by each face."""
+
+import ast
+from string import Formatter
+
+import pytest
+from mentions import ROOT, SOURCES
+from test_mentions import complaint
+
+from hitab_client.commands import CALLED_AS, COMMANDS, as_command, with_commands
+from hitab_core import Do, HitabError
+from hitab_ros.conversions import remedies_of, remedy_messages
+from hitab_studio.remedy_words import BUTTONS, in_studio
+
+
+def arguments(text):
+    return {name for _, name, _, _ in Formatter().parse(text) if name}
+
+
+def made():
+    """Go through all remedies that the code makes: where, the code and the names of arguments."""
+    for pattern in SOURCES:
+        for path in sorted(ROOT.glob(pattern)):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and ast.unparse(node.func).startswith("Do."):
+                    names = {keyword.arg for keyword in node.keywords}
+                    yield f"{path.name}:{node.lineno}", Do[node.func.attr], names
+
+
+@pytest.mark.parametrize("code", COMMANDS, ids=lambda code: code.name)
+def test_the_command_for_a_remedy_is_there(code):
+    numbers = {"version": "1", "generation": "1", "seconds": "0.3"}
+    known = {name: numbers.get(name, "X") for name in arguments(COMMANDS[code])}
+    words = COMMANDS[code].format_map(known).split()
+    assert complaint(words, in_passing=False) == ""
+
+
+def test_every_argument_of_a_remedy_is_told_by_some_face():
+    wrong = [
+        (place, code.name)
+        for place, code, names in made()
+        if not names <= arguments(code.value) | arguments(COMMANDS.get(code, ""))
+    ]
+    assert wrong == []
+
+
+def test_a_remedy_survives_the_way_to_each_face(monkeypatch):
+    error = HitabError("it waits", Do.RESUME(agent="ann"), Do.MOVE_AWAY(file="a b"), where="ann")
+    remedies = remedies_of(remedy_messages([*error.remedies, *error.remedies]))
+    assert remedies == error.remedies
+    assert str(error) == "ann: it waits; go on with the training of ann; move a b away"
+    told = "ann: it waits\n  go on with the training of ann: `{} train ann`\n  move a b away"
+    assert with_commands(error.problem, remedies) == told.format("hitab")
+    monkeypatch.setenv(CALLED_AS, "scripts/hitab")
+    assert with_commands(error.problem, remedies) == told.format("scripts/hitab")
+    assert BUTTONS[Do.RESUME] in in_studio(remedies[0])
+    assert as_command(Do.ACCEPT(file="a b.yaml")).endswith("library accept 'a b.yaml'`")
+
+
+def test_a_remedy_of_another_version_is_left_out():
+    (message,) = remedy_messages([Do.GO()])
+    message.code = "UNHEARD_OF"
+    assert remedies_of([message]) == ()

@@ -1,0 +1,104 @@
+"""What is shipped is what its lessons teach over topics, and it plays well."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from hitab_bringup import SwarmDescription, open_library, read_swarm, temporary_swarm
+from hitab_client.lessons import LessonPlayer, read_lesson
+from hitab_client.shipped import find_file, shipped
+from hitab_core import BehaviorLibrary
+from keepaway_world.verbs.evaluation import evaluate, trained_keepers
+from keepaway_world.verbs.paper import HOLD_TIME_S, PASSES, TABLE_1
+
+
+def school(name: str) -> SwarmDescription:
+    described = read_swarm(find_file(name, "swarms", "swarm"))
+    return described.with_world(paused=True, pace="lockstep")
+
+
+def keepers(domain: str = "", **parameters: object) -> SwarmDescription:
+    return trained_keepers(None, "", {"taker_speed": 0.25, **parameters}, domain=domain)
+
+
+def play(
+    swarm: SwarmDescription, lessons: Sequence[str], libraries: Sequence[str], folder: Path
+) -> dict[str, int]:
+    """Play lessons, and compare what each has taught; return how many examples each took."""
+    counts = {}
+    with temporary_swarm(swarm, folder / "run") as running:
+        for number, name in enumerate(lessons):
+            lesson = read_lesson(find_file(name, "lessons", "lesson"))
+            report = LessonPlayer(lesson, running.agents, running.world).play()
+            assert 0 < report.examples <= lesson.budget
+            counts[report.lesson] = report.examples
+            there = open_library(shipped("libraries", libraries[number % len(libraries)]))
+            saved = Path(report.path)
+            behavior = saved.name.partition(".")[0]
+            taught = BehaviorLibrary(saved.parent, there.domain).load()[behavior]
+            # But for the numbers of the world's cycles.
+            assert [(e.state, e.features, e.next_state, e.kind) for e in taught.examples] == [
+                (e.state, e.features, e.next_state, e.kind)
+                for e in there.load()[behavior].examples
+            ], name
+    return counts
+
+
+def test_the_papers_lessons_teach_what_is_shipped_with_no_more_examples(home, tmp_path):
+    lessons = ("approach_ball", "goto_ball", "control_ball", "keepaway")
+    counts = play(keepers(), lessons, ["keepaway"], tmp_path)
+    assert list(counts) == list(TABLE_1)
+    assert all(counts[name] <= TABLE_1[name].examples for name in counts)
+
+
+CAPTAIN = ["captain/freeze", "captain/regroup", "captain/captain"]
+
+
+def test_the_captains_lessons_teach_it_and_its_keepers_what_is_shipped(home, tmp_path):
+    libraries = ["keepaway_captained", "keepaway_captained", "captain"]
+    play(school("keepaway_captain"), CAPTAIN, libraries, tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("swarm", "lessons", "library"),
+    [
+        (
+            lambda: read_swarm(find_file("foraging_school", "swarms", "swarm")),
+            [f"foraging_{n}" for n in ("search", "goto", "carry", "forage")],
+            "foraging",
+        ),
+        *[
+            (lambda n=n: read_swarm(find_file(f"{n}_school", "swarms", "swarm")), [n], n)
+            for n in ("foraging_squad", "foraging_company")
+        ],
+    ],
+)
+def test_all_other_lessons_teach_what_is_shipped(home, tmp_path, swarm, lessons, library):
+    play(swarm(), lessons, [library], tmp_path)
+
+
+def figures(library: str, episodes: int, seed: int = 3, behavior: str = "Keepaway", **game):
+    """Return the mean hold time, s, of shipped keepers, and their mean number of passes."""
+    done = evaluate(
+        shipped("libraries", library),
+        behavior=behavior,
+        episodes=episodes,
+        seed=seed,
+        pace="inprocess",
+        parameters={"taker_speed": 0.25, **game},
+        advance=lambda *_: None,
+    )
+    played = done.played
+    seconds = [one.seconds for one in played]
+    return sum(seconds) / episodes, sum(one.measures["passes"] for one in played) / episodes
+
+
+def test_trained_keepers_keep_the_ball_at_least_as_long_as_the_papers():
+    whole, passes = figures("keepaway", 40)
+    assert whole >= HOLD_TIME_S
+    assert passes >= PASSES
+    # Rules without one example last that long as well. What was learned last is worth more than
+    # what it is made of: the same keepers, on the same episodes, without their top automaton.
+    assert whole >= 2.0 * figures("keepaway", 40, behavior="ControlBall")[0]
