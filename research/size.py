@@ -39,12 +39,11 @@ def lines_of_code(source: str) -> int:
     """Return the number of lines of code of a Python file."""
     left_out: set[int] = set()
     for node in ast.walk(ast.parse(source)):
-        is_text = (
-            isinstance(node, ast.Expr)
-            and isinstance(node.value, ast.Constant)
-            and isinstance(node.value.value, str)
-        )
-        if is_text or isinstance(node, ast.Import | ast.ImportFrom):
+        if isinstance(node, ast.Expr) and not (
+            isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+        ):
+            continue
+        if isinstance(node, ast.Expr | ast.Import | ast.ImportFrom):
             left_out.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
     found: set[int] = set()
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
