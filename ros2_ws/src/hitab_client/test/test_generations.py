@@ -163,7 +163,7 @@ def test_a_condition_is_added_as_in_a_lesson(tmp_path):
     with pytest.raises(SwarmError, match=r"--wait:\d+: not YAML"):
         with_condition(Configuration(), "{said: ", "keeper_1")
     with pytest.raises(SwarmError, match="there is no world"):
-        placed(tmp_path).check(None, "keeper_1")
+        placed(tmp_path).check(None)
 
 
 @dataclass

@@ -90,7 +90,7 @@ class Configuration(Record):
 
     # -- bringing it about ------------------------------------------------------------------
 
-    def check(self, world: WorldClient | None, agent: str) -> None:
+    def check(self, world: WorldClient | None) -> None:
         """Raise if it cannot be brought about; nothing has changed then.
 
         Raises:

@@ -40,7 +40,7 @@ class Generation(Record):
 
     Attributes:
         number: from 1.
-        parent: number of the generation whose examples it continues; 0: none.
+        parent: number of the generation with which the training went on before; 0: none.
         version: of the behavior in the library of the trained agent.
         digest: checksum of the behavior's file.
         at: when, ISO 8601.
