@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from hitab_msgs.msg import AgentStatus, Distribution, TransitionEvent
+from hitab_msgs.msg import Distribution
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap.records import Schema
-from mcap.well_known import MessageEncoding
-from mcap_ros2.decoder import DecoderFactory
 from rclpy.serialization import deserialize_message
 
 from hitab_client.errors import SwarmError
@@ -26,7 +23,6 @@ from hitab_ros import names, own_hash, session_topics
 
 SUFFIX = ".mcap"
 MAGIC = b"\x89MCAP0\r\n"
-Decode = Callable[[bytes], Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +30,7 @@ class Received:
     """A recorded message.
 
     Attributes:
+        file: name of the recording.
         topic: its full name.
         schema: of its type.
         type_hash: of the definition, as ROS 2 announced it; empty: unknown.
@@ -41,12 +38,32 @@ class Received:
         data: serialized.
     """
 
+    file: str
     topic: str
     schema: Schema
     type_hash: str
     sent: int
     received: int
     data: bytes
+
+    def decoded(self) -> Any:
+        """Return the message.
+
+        Raises:
+            SwarmError: if its type is defined differently here.
+        """
+        name = self.schema.name
+        kind = message_class(name)
+        if self.type_hash:
+            is_ours = self.type_hash == own_hash(name)
+        else:
+            is_ours = self.schema.data == definition(name).encode()
+        if not is_ours:
+            raise SwarmError(
+                f"{self.file} has messages of type {name} on {self.topic}, which is defined "
+                "differently here; use the version of HiTAB that recorded it"
+            )
+        return deserialize_message(self.data, kind)
 
 
 @contextmanager
@@ -68,15 +85,16 @@ def opened(path: Path) -> Iterator[Iterator[Received]]:
                 found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
                 if not found.isdecimal() or int(found) > FORMAT:
                     raise SwarmError(f"{file.name} {newer_format(found, FORMAT)}")
-            yield _messages(reader)
+            yield _messages(file.name, reader)
     except (OSError, McapError, ValueError) as error:
         raise SwarmError(f"{file.name} cannot be read: {error}") from None
 
 
-def _messages(reader: Any) -> Iterator[Received]:
+def _messages(file: str, reader: Any) -> Iterator[Received]:
     for schema, channel, message in reader.iter_messages():
         if schema is not None:
             yield Received(
+                file,
                 channel.topic,
                 schema,
                 channel.metadata.get("topic_type_hash", ""),
@@ -116,32 +134,6 @@ def _check_whole(name: str, stream: BinaryIO) -> None:
             "it was killed or is still writing; end that with Ctrl-C"
         )
     stream.seek(0)
-
-
-def decoder_for(schema: Schema, type_hash: str = "") -> Decode:
-    """Return what reads messages of a schema: by their own definition if ours differs from it.
-
-    A message from before a field was added lacks that attribute.
-
-    Raises:
-        McapError: if the schema cannot be understood.
-    """
-    if _is_ours(schema, type_hash):
-        return partial(deserialize_message, message_type=message_class(schema.name))
-    try:
-        decode = DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
-    except Exception as error:  # the parser raises what its parts raise
-        raise McapError(f"its definition of {schema.name} is damaged: {error}") from None
-    if decode is None:
-        raise McapError(f'its definition of {schema.name} is "{schema.encoding}", not "ros2msg"')
-    return decode
-
-
-def _is_ours(schema: Schema, type_hash: str) -> bool:
-    """Whether messages of a schema are defined as they are here."""
-    if type_hash:
-        return type_hash == own_hash(schema.name)
-    return bool(schema.data == definition(schema.name).encode())
 
 
 Sent = tuple[int, str, Any]
@@ -189,24 +181,13 @@ def session_of(path: Path, agent: str) -> Session:
         SwarmError: if it has nothing of it, or messages are defined differently here.
     """
     namespace = _namespace(path, agent)
-    wanted = {f"{namespace}/{n}": (n, kind) for n, kind in session_topics.TOPICS.items()}
-    wanted[f"{namespace}/{names.STATUS}"] = names.STATUS, AgentStatus
-    wanted[f"{namespace}/{names.TRANSITIONS}"] = names.TRANSITIONS, TransitionEvent
+    told = (*session_topics.TOPICS, names.STATUS, names.TRANSITIONS)
+    wanted = {f"{namespace}/{name}": name for name in told}
     sent: list[Sent] = []
     with opened(path) as messages:
         for message in messages:
-            name, kind = wanted.get(message.topic, ("", None))
-            if kind is None:
-                continue
-            if message.schema.name != type_name(kind) or not _is_ours(
-                message.schema, message.type_hash
-            ):
-                raise SwarmError(
-                    f"{path.name} has messages of type {message.schema.name} on {message.topic}, "
-                    f"and {type_name(kind)} is defined differently here; use the version of HiTAB "
-                    "that recorded it"
-                )
-            sent.append((message.sent, name, deserialize_message(message.data, kind)))
+            if name := wanted.get(message.topic):
+                sent.append((message.sent, name, message.decoded()))
     sent.sort(key=lambda one: one[0])
     begun = next((s for s, name, _ in sent if name == session_topics.KNOWN), 0)
     known = next(m for _, name, m in sent if name == session_topics.KNOWN)
