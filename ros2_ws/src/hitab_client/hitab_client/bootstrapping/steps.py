@@ -13,7 +13,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from hitab_msgs.msg import WorldStatus
-from hitab_msgs.srv import Control
 
 from hitab_client.acknowledgements import QUIET_SECONDS, DistributionReport
 from hitab_client.bootstrapping.configuration import Configuration
@@ -32,7 +31,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_client.learned import Learned
 from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_as_it_was import as_it_was
+from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
 from hitab_core import Do, HitabError, quantity, some
 from hitab_core.library import content_of, reissued
@@ -108,7 +107,7 @@ class Bootstrapping:
             chosen = last if configuration is None else configuration
             chosen.check(self._world)
             mates = mates_of(self._swarm, agent, to)
-            with self._paused() as before:
+            with standing_still(self._world) as before:
                 with contextlib.ExitStack() as stack:
                     with not_interrupted():
                         saved = self._swarm.save(agent, keep_unused=True)
@@ -174,7 +173,7 @@ class Bootstrapping:
             mates = mates_of(self._swarm, agent, to)
             if not discard:
                 refuse_unsaved(self._swarm, agent)
-            with self._paused() as before:
+            with standing_still(self._world) as before:
                 with not_interrupted():
                     versions = (*meant.restored, self._bring_back(known, number))
                     known = known.with_(meant.but(restored=versions), current=number).keep()
@@ -190,19 +189,6 @@ class Bootstrapping:
         return read_generations(folder_of(self._run_folder, agent), agent, behavior)
 
     # -- doing it ---------------------------------------------------------------------------
-
-    @contextlib.contextmanager
-    def _paused(self) -> Iterator[WorldStatus | None]:
-        """Have the world stand still, as fast as the agents when it goes on; then as before."""
-        if self._world is None:
-            yield None
-            return
-        world = self._world
-        with as_it_was(world) as before:
-            world.control(Control.Request.PACE, pace="lockstep")
-            world.state_at(0)
-            world.shown(world.control(Control.Request.PAUSE))
-            yield before
 
     @contextlib.contextmanager
     def _training_goes_on(

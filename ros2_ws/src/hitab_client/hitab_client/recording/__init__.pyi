@@ -7,5 +7,4 @@ from .definitions import type_name as type_name
 from .reading import Received as Received
 from .reading import opened as opened
 from .reading import session_of as session_of
-from .reading import trained_agents as trained_agents
 from .recorder import Recorder as Recorder

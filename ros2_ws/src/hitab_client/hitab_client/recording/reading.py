@@ -175,7 +175,8 @@ def session_of(path: Path, agent: str) -> Session:
 
     Args:
         path: of the recording.
-        agent: its name, with its namespace if there are several of that name.
+        agent: its name, with its namespace if there are several of that name; empty: the only
+            one that the recording has.
 
     Raises:
         SwarmError: if it has nothing of it, or messages are defined differently here.
@@ -204,11 +205,11 @@ def session_of(path: Path, agent: str) -> Session:
 
 
 def _namespace(path: Path, agent: str) -> str:
-    """Return the namespace of an agent in a recording."""
+    """Return the namespace of an agent in a recording; of the only one, if none is named."""
     there = trained_agents(path)
-    meant = [n for n in there if agent in (n, n.removeprefix("/"), n.rpartition("/")[2])]
-    if len(meant) == 1:
-        return meant[0]
+    found = [n for n in there if agent in ("", n, n.removeprefix("/"), n.rpartition("/")[2])]
+    if len(found) == 1:
+        return found[0]
     if not there:
         raise SwarmError(
             f"no agent can be trained from {path.name}: it lacks the topic "
@@ -216,9 +217,5 @@ def _namespace(path: Path, agent: str) -> str:
             "their own have it",
             Do.RECORD(),
         )
-    if meant:
-        raise SwarmError(
-            f'several agents in {path.name} are called "{agent}"; name one of '
-            f"{' and '.join(meant)}"
-        )
-    raise SwarmError(f'{path.name} has no session of an agent "{agent}" {has(there, agent)}')
+    what = "has several such sessions" if found else f'has no session of an agent "{agent}"'
+    raise SwarmError(f"{path.name} {what}; choose one with --agent {has(found or there, agent)}")
