@@ -77,7 +77,9 @@ class BagFile:
             message_encoding="cdr",
             schema_id=self._schemas[kind],
             metadata={
-                "offered_qos_profiles": _as_yaml([qos_record(profile) for profile in offered]),
+                "offered_qos_profiles": yaml.safe_dump(
+                    [qos_record(profile) for profile in offered], sort_keys=False
+                ),
                 "topic_type_hash": type_hash,
             },
         )
@@ -136,14 +138,3 @@ def qos_record(profile: QoSProfile) -> dict[str, Any]:
 def _time(duration: Any) -> dict[str, int]:
     seconds, rest = divmod(duration.nanoseconds, NANOSECONDS)
     return {"sec": seconds, "nsec": rest}
-
-
-class _Dumper(yaml.SafeDumper):
-    """Repeats what occurs twice: rosbag2's reader would take aliases, others might not."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        return True
-
-
-def _as_yaml(data: Any) -> str:
-    return yaml.dump(data, Dumper=_Dumper, sort_keys=False, default_flow_style=False)
