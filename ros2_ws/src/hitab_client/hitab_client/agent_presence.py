@@ -173,7 +173,10 @@ class AgentPresence:
                 self.await_agents((agent,), seconds)
             else:
                 self._await_unexpected(agent, seconds)
-        return self._present(agent, seconds + (self.more_seconds if agent in self.expected else 0))
+            self.refuse_strangers((agent,))
+        if agent not in self.statuses:
+            raise self._absence(agent, seconds)
+        return self.statuses[agent]
 
     def _await_unexpected(self, agent: str, seconds: float) -> None:
         """Wait for an agent that may have been started by hand, until there is no sign of it."""
@@ -221,17 +224,6 @@ class AgentPresence:
     def _is_settled(self) -> bool:
         """Whether no new agent has reported for a while."""
         return time.monotonic() > self._newest_at + SETTLE_SECONDS
-
-    def _present(self, agent: str, waited: float) -> AgentStatus:
-        """Return the status of an agent that was waited for.
-
-        Raises:
-            SwarmError: if it has none.
-        """
-        self.refuse_strangers((agent,))
-        if agent not in self.statuses:
-            raise self._absence(agent, waited)
-        return self.statuses[agent]
 
     def _absence(self, agent: str, waited: float) -> SwarmError:
         """Return the error for an agent that did not answer for some seconds."""

@@ -82,17 +82,12 @@ def test_what_is_no_recording_is_refused_and_what_would_be_one_is_named(tmp_path
     whole = tmp_path / "whole.mcap"
     write(whole, session())
     data = whole.read_bytes()
-    for size in (len(data) - 1, len(data) // 2, 20, 8):
-        (tmp_path / "cut.mcap").write_bytes(data[:size])
-        assert "cut.mcap is not complete: its end, with the index, is missing" in refusal(
-            tmp_path / "cut.mcap"
-        )
-    for text in (b"SQLite format 3\0", b"", b"#ROSBAG V2.0\n"):
-        (tmp_path / "other.db3").write_bytes(text)
-        assert "other.db3 is not an MCAP recording" in refusal(tmp_path / "other.db3")
-    assert "there is no such recording" in refusal(tmp_path / "absent.mcap")
-    (tmp_path / "empty").mkdir()
-    assert "contains no file of a bag (*.mcap)" in refusal(tmp_path / "empty")
+    cut = [data[:size] for size in (len(data) - 1, len(data) // 2, 20, 8)]
+    for content in (*cut, b"SQLite format 3\0", b"", b"#ROSBAG V2.0\n"):
+        (tmp_path / "other.mcap").write_bytes(content)
+        assert "other.mcap is no complete MCAP recording" in refusal(tmp_path / "other.mcap")
+    assert "absent.mcap cannot be read" in refusal(tmp_path / "absent.mcap")
+    assert "cannot be read" in refusal(tmp_path)
 
 
 def test_a_damaged_recording_is_refused(tmp_path: Path) -> None:

@@ -144,7 +144,7 @@ def from_recording(
     by bit; if not, an error says where they part.
 
     Args:
-        recording: A file or folder that `hitab record` or the studio wrote.
+        recording: A file that `hitab record` or the studio wrote.
         folder: For the library; a new folder.
         agent: Whose training. Default: of the only one.
         save: Also save the training that the recording ends in.

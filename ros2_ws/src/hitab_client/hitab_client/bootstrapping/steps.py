@@ -33,7 +33,7 @@ from hitab_client.learned import Learned
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
-from hitab_core import Do, HitabError, quantity, some
+from hitab_core import Do, quantity, some
 from hitab_core.library import content_of, reissued
 
 Progress = Callable[[int, int, str], None]
@@ -203,14 +203,12 @@ class Bootstrapping:
         """
         try:
             yield
-        except BaseException as error:
+        except BaseException:
             with not_interrupted():
                 try:
                     self._resume(agent, training, replaces)
                 except SwarmError as another:
-                    if isinstance(error, HitabError):
-                        both = f"{error.problem}\n{another.problem}"
-                        raise SwarmError(both, *error.remedies, *another.remedies) from None
+                    self._say(str(another))
                     self.left += f"; {another}"
             raise
         with not_interrupted():

@@ -18,10 +18,9 @@ from rclpy.serialization import deserialize_message
 from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import FORMAT, METADATA
 from hitab_client.recording.definitions import definition, message_class, type_name
-from hitab_core import Do, has, newer_format, quantity
+from hitab_core import Do, has, newer_format
 from hitab_ros import names, own_hash, session_topics
 
-SUFFIX = ".mcap"
 MAGIC = b"\x89MCAP0\r\n"
 
 
@@ -71,23 +70,22 @@ def opened(path: Path) -> Iterator[Iterator[Received]]:
     """Open a recording; the context's value yields its messages in the order of their reception.
 
     Args:
-        path: of the file, or of the folder of a bag with one file.
+        path: of the file.
 
     Raises:
         SwarmError: if it is no recording, not complete, or of a newer format.
     """
-    file = _file_in(path)
     try:
-        with file.open("rb") as stream:
-            _check_whole(file.name, stream)
+        with path.open("rb") as stream:
+            _check_whole(path.name, stream)
             reader = make_reader(stream)
             for metadata in reader.iter_metadata():
                 found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
                 if not found.isdecimal() or int(found) > FORMAT:
-                    raise SwarmError(f"{file.name} {newer_format(found, FORMAT)}")
-            yield _messages(file.name, reader)
+                    raise SwarmError(f"{path.name} {newer_format(found, FORMAT)}")
+            yield _messages(path.name, reader)
     except (OSError, McapError, ValueError) as error:
-        raise SwarmError(f"{file.name} cannot be read: {error}") from None
+        raise SwarmError(f"{path.name} cannot be read: {error}") from None
 
 
 def _messages(file: str, reader: Any) -> Iterator[Received]:
@@ -104,34 +102,15 @@ def _messages(file: str, reader: Any) -> Iterator[Received]:
             )
 
 
-def _file_in(path: Path) -> Path:
-    if not path.exists():
-        raise SwarmError(f"{path}: there is no such recording")
-    if not path.is_dir():
-        return path
-    files = sorted(path.glob(f"*{SUFFIX}"))
-    if len(files) != 1:
-        what = quantity(len(files), "file") if files else "no file"
-        raise SwarmError(
-            f"{path} contains {what} of a bag (*{SUFFIX}); name one file, or record a bag that is "
-            "not split"
-        )
-    return files[0]
-
-
 def _check_whole(name: str, stream: BinaryIO) -> None:
     """Raise if a file does not begin and end as MCAP."""
     begins = stream.read(len(MAGIC))
-    if begins != MAGIC:
-        raise SwarmError(
-            f"{name} is not an MCAP recording; convert other bags with `ros2 bag convert`"
-        )
     size = stream.seek(0, io.SEEK_END)
     stream.seek(max(len(MAGIC), size - len(MAGIC)))
-    if stream.read() != MAGIC:
+    if begins != MAGIC or stream.read() != MAGIC:
         raise SwarmError(
-            f"{name} is not complete: its end, with the index, is missing, since whatever wrote "
-            "it was killed or is still writing; end that with Ctrl-C"
+            f"{name} is no complete MCAP recording: whatever wrote it was killed or is still "
+            "writing, or it is another bag, which `ros2 bag convert` converts"
         )
     stream.seek(0)
 
