@@ -106,7 +106,7 @@ def test_wrong_libraries_and_behaviors_are_refused(training, tmp_path):
 WORLD_ERRORS = [
     (lambda w: w.place({"bal": {"x": 1.0}}), "bal"),
     (lambda w: w.control("dance"), 'unknown action "dance"'),
-    (lambda w: w.control("pace", factor=float("inf")), "factor inf is out of range"),
+    (lambda w: w.control("pace", factor=float("inf")), "factor is inf; it must be finite"),
     (lambda w: w.snapshot("restore", "nothing"), 'no snapshot "nothing"'),
 ]
 

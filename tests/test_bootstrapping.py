@@ -133,7 +133,7 @@ def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):
     aside.rename(folder)
     assert "keeper_2 refuses: " in str(wrong.value)
     assert "keeper_3 does not answer" in str(wrong.value)
-    assert "go back to generation" in str(wrong.value)
+    assert 'go back to generation 1 of "Run" with keeper_1' in str(wrong.value)
     assert team.agents.statuses[ONE].mode == "training"
 
     number = int(str(wrong.value).split("generation ")[1].split()[0])

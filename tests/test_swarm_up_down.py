@@ -51,8 +51,8 @@ def test_a_swarm_comes_up_answers_and_goes_down(hitab, apart):
     refused, *ways_out = again.stderr.splitlines()
     assert "keeper_1, keeper_2, keeper_3, world" in refused
     assert all(line.startswith("  ") for line in ways_out)
-    assert "stop it with `hitab down soccer`" in " ".join(ways_out)
-    assert "ROS_DOMAIN_ID" in " ".join(ways_out)
+    assert "`hitab down soccer`" in " ".join(ways_out)
+    assert "choose another ROS_DOMAIN_ID" in refused
     assert RunFolder(apart / "other").processes() == []
 
     told = json.loads(hitab("status", "--json", "-").stdout)

@@ -33,12 +33,8 @@ class AgentBase(GuardedNode):
     status: Any
     session_log: Any
 
-    def take_in(self, percept: msg.Percept) -> bool:
-        """Perceive; return whether that succeeded.
-
-        The percept object may be reused: an agent must copy what it keeps.
-        """
-        raise NotImplementedError
+    def take_in(self, percept: msg.Percept) -> None:
+        """Perceive. The percept object may be reused: an agent must copy what it keeps."""
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""

@@ -255,8 +255,8 @@ class AgentNode(AgentBase):
         self.take_in(percept)
         return self.answer(percept)
 
-    def take_in(self, percept: msg.Percept) -> bool:
-        """Perceive; return whether that succeeded."""
+    def take_in(self, percept: msg.Percept) -> None:
+        """Perceive."""
         log, agent = self.transition_log, self.agent
         self.session_log.tell(session_topics.PERCEIVED, percept)
         log.cycle = percept.cycle
@@ -279,7 +279,6 @@ class AgentNode(AgentBase):
             self._tick.fail(error)
         if percept.lockstep and self.superior is not None:
             self.superior.round_begins(percept, self.seconds_of(percept))
-        return self._sensed
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""

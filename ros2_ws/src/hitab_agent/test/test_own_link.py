@@ -87,7 +87,7 @@ def test_it_drives_only_once_re_armed_after_its_start_and_after_a_stop(robot):
 def test_an_agent_that_could_not_act_acts_only_once_re_armed(robot, monkeypatch):
     assert robot.arm() == ""
     assert robot.drives()
-    monkeypatch.setattr(robot.node.agent, "act", lambda: 1 / 0)
+    monkeypatch.setattr(robot.node.agent.body, "act", lambda: 1 / 0)
     assert not robot.drives()
     monkeypatch.undo()
     assert not robot.drives()

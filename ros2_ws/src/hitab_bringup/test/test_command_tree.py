@@ -99,11 +99,7 @@ def test_commanders_stand_beside_what_they_command_in_as_many_hosts_as_wished():
 
 def test_a_run_folder_tells_each_host_whom_to_run_and_each_library_its_kind(tmp_path):
     swarm = parsed("\n".join([TREE.rstrip(), "hosts: 1\n"]))
-    orders = tmp_path / "state" / "captain" / "orders.json"
-    orders.parent.mkdir(parents=True)
-    orders.write_text("{}")
     prepare(swarm, tmp_path)
-    assert not orders.exists()  # of the last time that it was up
     roster = json.loads((tmp_path / "rosters" / "host_1.json").read_text())
     captain = next(entry for entry in roster if entry["name"] == "captain")
     assert captain["node"] == "hitab_commander.commander_node:CommanderNode"

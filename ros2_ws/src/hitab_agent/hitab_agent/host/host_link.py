@@ -31,7 +31,7 @@ class _Perceiver(NamedTuple):
     """An agent's node, with what never raises: a failing agent does not affect the others."""
 
     node: AgentBase
-    take_in: Callable[[Any], bool]
+    take_in: Callable[[Any], None]
     answer: Callable[[Any], Action]
 
 
@@ -79,7 +79,7 @@ class HostLink:
 
     def add(self, node: AgentBase) -> None:
         """Have an agent perceive and act from the next announcement on."""
-        take_in = node.guard.wrap("perceiving", node.take_in, otherwise=False)
+        take_in = node.guard.wrap("perceiving", node.take_in)
         answer = node.guard.wrap("acting", node.answer, otherwise=NO_ACTION)
         self._perceivers.append(_Perceiver(node, take_in, answer))
 

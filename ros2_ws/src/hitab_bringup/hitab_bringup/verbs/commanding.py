@@ -124,9 +124,10 @@ def perform(
     use = Use.parse(behavior) if behavior else Use("")
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
-        faults = swarm_up.agents.statuses[agent].faults if behavior else ()
+        status = swarm_up.agents.statuses[agent]
     console.say(answer.message or f"{agent} performs {behavior or 'nothing'}")
-    tell_faults(faults)
+    if behavior:
+        tell_faults(status)
 
 
 def distribute(

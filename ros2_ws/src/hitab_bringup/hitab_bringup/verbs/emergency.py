@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.commands import as_command, with_commands
+from hitab_client.commands import as_command, called, with_commands
 from hitab_core import Do
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def go(context: typer.Context, reason: Reason = "") -> None:
         )
     unsure = "they may still be stopped; try again"
     heard = _switch(False, reason, "released", unsure)
-    console.say(f"released: {heard}; {as_command(Do.ARM())}")
+    console.say(f"released: {heard}; robots wait for `{called()} arm`")
 
 
 def arm(

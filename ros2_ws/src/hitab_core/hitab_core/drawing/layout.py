@@ -148,7 +148,7 @@ def place_words(
         states: where the states are.
         width, height: of the panel around the origin.
     """
-    every = np.array(curves)[:, ::COARSE]
+    every = np.array([curve[::COARSE] for curve in curves])
     found: dict[int, Box] = {}
     for i in sorted(range(len(sizes)), key=lambda i: -math.prod(sizes[i])):  # the largest first
         places = _candidates(sizes[i], curves[i])

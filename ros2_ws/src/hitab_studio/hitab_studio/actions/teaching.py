@@ -173,7 +173,7 @@ async def take(session: Session, data: Data) -> None:
     before = session.shared.held.get(session.agent, session)
     session.shared.held[session.agent] = session
     if before is not session:
-        before.tell(f"{session.name} has taken {session.agent}", "bad")
+        before.tell(f"{session.name.capitalize()} has taken {session.agent}", "bad")
     session.tell(f"{session.agent} is yours")
     session.shared.store.touch()
 
