@@ -34,6 +34,6 @@ setup(
     license="Apache-2.0",
     python_requires=">=3.11",
     entry_points={
-        "console_scripts": ["hitab = hitab_bringup.main:main"],
+        "console_scripts": ["hitab = hitab_bringup.command:main"],
     },
 )

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from importlib.metadata import entry_points, version
+from importlib.metadata import entry_points
 from typing import Annotated, Any
 
 import typer
@@ -40,7 +40,7 @@ from hitab_bringup.verbs import (
 from hitab_client import console, interruptions
 from hitab_client.commands import called
 from hitab_client.ros_environment import refuse_problems
-from hitab_core import HitabError
+from hitab_core import HitabError, installed_version
 
 VERBS = "hitab.verbs"
 COMMANDS = "hitab.commands"
@@ -124,7 +124,7 @@ HELP = "Train robots, teams and swarms by demonstration, while they run."
 
 def _say_version(wanted: bool) -> None:
     if wanted:
-        console.say(f"hitab {version('hitab_bringup')}")
+        console.say(f"hitab {installed_version()}")
         raise typer.Exit
 
 

@@ -51,7 +51,7 @@ def _prefixes(package: str) -> list[Path]:
         from ament_index_python.packages import get_package_prefix
 
         return [Path(get_package_prefix(package)), Path(sys.prefix)]
-    except (ImportError, LookupError):
+    except (ImportError, LookupError, OSError):  # OSError: ROS from wheels needs no set-up
         return [Path(sys.prefix)]
 
 

@@ -39,6 +39,7 @@ from .learning.scikit_learn import TransitionTreeClassifier as TransitionTreeCla
 from .learning.transition_tree import TransitionTree as TransitionTree
 from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
+from .library.provenance import installed_version as installed_version
 from .plain import plain_domain as plain_domain
 from .remedies import Do as Do
 from .remedies import Remedy as Remedy

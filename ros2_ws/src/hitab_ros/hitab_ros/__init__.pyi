@@ -17,6 +17,7 @@ from .alive import give_signs_of_life as give_signs_of_life
 from .definitions import own_hash as own_hash
 from .definitions import own_hashes as own_hashes
 from .definitions import refuse_other_definitions as refuse_other_definitions
+from .definitions import share_folder as share_folder
 from .emergency_stop import EmergencySwitch as EmergencySwitch
 from .guard import Guard as Guard
 from .guarded_node import NO_TYPE_DESCRIPTIONS as NO_TYPE_DESCRIPTIONS

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import json
+import sys
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
@@ -22,6 +23,20 @@ class DefinitionsDifferError(FinalError):
     """Another node defines a message or service differently; restarting does not help."""
 
 
+def share_folder(package: str) -> Path:
+    """Return the folder with the data of a ROS package.
+
+    Raises:
+        LookupError: if it is not installed.
+    """
+    try:
+        return Path(get_package_share_directory(package))
+    except (LookupError, OSError):  # OSError: no AMENT_PREFIX_PATH, as with ROS from wheels
+        if (folder := Path(sys.prefix, "share", package)).is_dir():
+            return folder
+        raise LookupError(f"the ROS package {package} is not installed") from None
+
+
 @functools.cache
 def own_hashes(kind: str) -> dict[str, str]:
     """Return the hashes of a definition, as this process has it, and of all its parts.
@@ -30,7 +45,7 @@ def own_hashes(kind: str) -> dict[str, str]:
         kind: such as ``hitab_msgs/msg/Percept`` or ``hitab_msgs/srv/Place_Request``.
     """
     package, folder, name = kind.split("/")
-    file = Path(get_package_share_directory(package)) / folder / f"{name.split('_')[0]}.json"
+    file = share_folder(package) / folder / f"{name.split('_')[0]}.json"
     hashes = json.loads(file.read_text(encoding="utf-8"))["type_hashes"]
     return {one["type_name"]: one["hash_string"] for one in hashes}
 

@@ -49,5 +49,7 @@ def reserved_domain(is_taken: Callable[[int], bool] = lambda number: False) -> I
             if not is_taken(number) and not is_used_here(number):
                 break
             refused.push(stack)
-        with stack:
+        try:
             yield number
+        finally:
+            stack.close()  # not told of an error: `domain_id` would swallow an OSError

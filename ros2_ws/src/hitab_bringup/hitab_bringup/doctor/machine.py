@@ -7,11 +7,11 @@ import resource
 import shutil
 import sys
 from collections.abc import Iterator
-from importlib.metadata import version
 from pathlib import Path
 
 from hitab_bringup.doctor.finding import ERROR, WARNING, Finding, judged
 from hitab_client.run_folder import state_home
+from hitab_core import installed_version
 
 PYTHONS = ((3, 11), (3, 13))
 
@@ -35,7 +35,7 @@ def python() -> Iterator[Finding]:
     good = PYTHONS[0] <= sys.version_info[:2] <= PYTHONS[1]
     way_out = "install Python 3.11, 3.12 or 3.13, then run scripts/setup"
     yield judged("Python", told, good, way_out, ERROR)
-    yield Finding("HiTAB", version("hitab_bringup"))
+    yield Finding("HiTAB", installed_version())
 
 
 def home() -> Iterator[Finding]:

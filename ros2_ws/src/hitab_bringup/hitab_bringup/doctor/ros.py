@@ -28,8 +28,9 @@ def installation() -> Iterator[Finding]:
         yield Finding("ROS", f"cannot be loaded: {wrong}", ERROR, way_out)
         return
     place = Path(rclpy.__file__).resolve().parents[1]
-    distro = os.environ.get("ROS_DISTRO", "") or "of unknown distribution"
-    told = f"{distro}, from {'wheels' if is_from_wheels() else 'an installation'} ({place})"
+    wheels = is_from_wheels()  # of the right distribution, as HiTAB requires them
+    distro = os.environ.get("ROS_DISTRO", "") or (DISTRO if wheels else "of unknown distribution")
+    told = f"{distro}, from {'wheels' if wheels else 'an installation'} ({place})"
     way_out = f"HiTAB is made for ROS 2 {DISTRO}: use scripts/hitab"
     yield judged("ROS", told, distro == DISTRO, way_out)
 

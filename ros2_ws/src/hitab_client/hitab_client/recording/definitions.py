@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
-from ament_index_python.packages import get_package_share_directory
-
 from hitab_client.errors import SwarmError
-from hitab_ros import own_hashes
+from hitab_ros import own_hashes, share_folder
 
 _BREAK = "=" * 80
 
@@ -57,7 +54,7 @@ def definition(name: str) -> str:
 def _text(name: str) -> str:
     package, folder, kind = name.split("/")
     try:
-        return Path(get_package_share_directory(package), folder, f"{kind}.msg").read_text("utf-8")
+        return (share_folder(package) / folder / f"{kind}.msg").read_text("utf-8")
     except (LookupError, OSError):
         raise SwarmError(
             f"the ROS package {package} has no {folder}/{kind}.msg here, which a recording must "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -37,7 +38,12 @@ def time_now() -> str:
 
 def tool_name() -> str:
     """Return the name of this package and, if it is installed, its version."""
-    try:
-        return f"hitab_core {version('hitab_core')}"
-    except PackageNotFoundError:
-        return "hitab_core"
+    return f"hitab_core {installed_version()}".rstrip()
+
+
+def installed_version() -> str:
+    """Return the version of HiTAB, which pip installs as one distribution; "" if unknown."""
+    for name in ("hitab_core", "hitab"):
+        with suppress(PackageNotFoundError):
+            return version(name)
+    return ""
