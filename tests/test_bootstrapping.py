@@ -89,7 +89,6 @@ def test_one_goes_back_to_a_generation_with_the_team(team):
     assert len(team.agents.training(ONE).examples) == 2
     assert {team.agents.statuses[n].behavior for n in (TWO, THREE)} == {"Run"}
 
-    assert work.back(ONE, "Run", first.number).restored == there.restored, "it is there already"
     team.agents.command(ONE, "GoMedium")
     assert work.next(ONE, evaluation=NONE).parent == first.number
     with pytest.raises(SwarmError, match=r"has no generation 99 \(known: 1, 2"):

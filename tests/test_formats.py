@@ -5,13 +5,18 @@ import shutil
 from pathlib import Path
 
 import pytest
+from hitab_msgs.msg import WorldState
 from mcap.writer import Writer
+from rclpy.serialization import serialize_message
 
 from hitab_bringup import parse_swarm, read_swarm
 from hitab_client.bootstrapping import read_generations
 from hitab_client.lessons import read_lesson
+from hitab_client.recording import type_name
+from hitab_client.recording.bag_file import BagFile
 from hitab_commander import read_kind
 from hitab_core import HitabError
+from hitab_ros import own_hash, qos
 from hitab_studio.replay import Recording
 from keepaway_world.world import KeepawayWorld
 
@@ -40,16 +45,19 @@ def test_files_of_each_kind_from_before_are_read(tmp_path):
     assert world.snapshot() == snapshot
 
 
-def test_a_recording_from_before_shows_the_same_moments_back_and_forth():
-    recording = Recording(FORMATS / "keepaway.mcap")
-    assert {"ball", "keeper_1", "taker_1"} <= set(recording.scene(0.0).names)
-    # It is from before worlds declared looks, which changed the definition of the state.
-    assert {look.shape for look in recording.scene(0.0).looks.values()} == {"disc"}
+def test_a_recording_shows_the_same_moments_back_and_forth(tmp_path):
+    bag = BagFile(tmp_path / "a.mcap")
+    kind = type_name(WorldState)
+    channel = bag.add_topic("/world/state", kind, [qos.LATCHED], own_hash(kind))
+    for cycle in range(1, 4):
+        second = cycle * 10**9
+        bag.write(channel, serialize_message(WorldState(cycle=cycle)), second, second)
+    bag.close()
+    recording = Recording(bag.path)
     moments = (0.0, recording.seconds, 0.9 * recording.seconds)
     cycles = [recording.scene(at).cycle for at in moments]
-    assert cycles[0] < cycles[2] < cycles[1]
+    assert cycles == [1, 3, 2]
     assert [recording.scene(at).cycle for at in reversed(moments)] == cycles[::-1]
-    assert sorted(recording.statuses(recording.seconds)) == ["keeper_1", "keeper_2", "keeper_3"]
     assert recording.statuses(-1.0) == {}
 
 
@@ -70,8 +78,7 @@ def test_files_of_a_newer_format_are_refused_before_anything_else_in_them(tmp_pa
     ("version", "encoding", "text", "message"),
     [
         ("2", "ros2msg", b"", r"strange\.mcap has format version 2"),
-        ("1", "ros2msg", b"no definition", "its definition of hitab_msgs/msg/WorldState is"),
-        ("1", "ros2idl", b"", 'is "ros2idl", not "ros2msg"'),
+        ("1", "ros2msg", b"no definition", "hitab_msgs/msg/WorldState .* defined differently"),
     ],
 )
 def test_a_recording_that_cannot_be_understood_is_refused(

@@ -13,7 +13,6 @@ ROOT = Path(__file__).parents[1]
 SOURCES = ROOT / "ros2_ws" / "src"
 CALLED = {
     "PIL": "pillow",
-    "mcap_ros2": "mcap-ros2-support",
     "sklearn": "scikit-learn",
     "yaml": "PyYAML",
 }

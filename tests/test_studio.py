@@ -208,17 +208,13 @@ def test_a_run_is_recorded_and_replayed_on_the_same_page(swarm, person, home):
     person.sees("download-the last one.mcap")
     assert (home / "recordings" / "the last one.mcap").read_bytes() == recorded
 
-    from mcap.reader import make_reader
-    from mcap_ros2.decoder import DecoderFactory
+    from hitab_client.recording import opened
 
     (path,) = (home / "recordings").glob("*.mcap")
-    with path.open("rb") as file:
-        decoded = list(
-            make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()
-        )
-    topics = {channel.topic for _, channel, _, _ in decoded}
-    assert {"/world/state", "/world/status", f"/{ONE}/status"} <= topics
-    states = [message for _, c, _, message in decoded if c.topic == "/world/state"]
+    with opened(path) as messages:
+        found = list(messages)
+    assert {"/world/state", "/world/status", f"/{ONE}/status"} <= {m.topic for m in found}
+    states = [message.decoded() for message in found if message.topic == "/world/state"]
     assert any(abs(e.x + 9.0) < 0.1 for e in states[-1].entities if e.name == ONE)
     person.click("delete-the last one.mcap")
     person.click("delete-now")

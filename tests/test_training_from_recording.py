@@ -184,12 +184,12 @@ def test_the_command_records_chosen_topics_too_and_trains_from_what_it_recorded(
     hitab: Callable[..., Any],
     tmp_path: Path,
 ) -> None:
-    bag, library = tmp_path / "bag", tmp_path / "library"
+    bag, library = tmp_path / "bag.mcap", tmp_path / "library"
     scans = keepers.link.node.create_publisher(LaserScan, "/robot_1/scan", 10, temporary=True)
     done: list[Any] = []
     options = ("-t", "/robot_1/scan", "-t", "robot_1/odom", "--seconds", "4")
     thread = threading.Thread(
-        target=lambda: done.append(hitab("record", "-o", str(bag), *options))
+        target=lambda: done.append(hitab("record", "-o", str(bag.with_suffix("")), *options))
     )
     thread.start()
     while thread.is_alive():
@@ -203,13 +203,8 @@ def test_the_command_records_chosen_topics_too_and_trains_from_what_it_recorded(
         in done[0].stderr
     )
     assert "/robot_1/odom is not in it: nobody has published it" in done[0].stderr
-    beside = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
-    counts = {
-        one["topic_metadata"]["name"]: one["message_count"]
-        for one in beside["topics_with_message_count"]
-    }
-    assert beside["relative_file_paths"] == ["bag_0.mcap"]
-    assert counts["/robot_1/scan"] > 0
+    with opened(bag) as messages:
+        assert "/robot_1/scan" in {message.topic for message in messages}
     again = hitab("record", "-o", str(bag))
     assert f"{bag} exists already" in again.stderr
 

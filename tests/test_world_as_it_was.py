@@ -7,6 +7,7 @@ import pytest
 from hitab_msgs.msg import WorldStatus
 
 from hitab_client.errors import SwarmError
+from hitab_client.interruptions import handle_interruptions
 from hitab_client.world_as_it_was import as_it_was
 from hitab_ros import qos
 
@@ -43,6 +44,17 @@ def changed(keepers, then: Callable[[], object]) -> None:
         then()
 
 
+@pytest.fixture
+def handled():
+    """Ctrl-C is handled as in the command."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handle_interruptions()
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("handled")
 def test_ctrl_c_while_it_is_handed_back_is_obeyed_afterwards(running):
     # Without putting it off, the pace is handed back and the mode is not.
     def interrupt(status: WorldStatus) -> None:

@@ -17,7 +17,6 @@ setup(
         "setuptools",
         "lazy_loader",
         "mcap",
-        "mcap-ros2-support",
         "psutil",
         "pydantic",
         "PyYAML",

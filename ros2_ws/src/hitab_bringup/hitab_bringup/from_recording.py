@@ -9,8 +9,8 @@ from pathlib import Path
 from hitab_msgs.srv import SaveBehavior
 
 from hitab_agent import OfflineAgent, Retraced, Retracer, Step
-from hitab_client.recording import session_of, trained_agents
-from hitab_core import LibraryError, has
+from hitab_client.recording import session_of
+from hitab_core import LibraryError
 from hitab_ros import names
 
 
@@ -47,7 +47,7 @@ def train_from_recording(
     """
     if folder.exists() and any(folder.iterdir()):
         raise LibraryError(f"{folder} is not empty; name a new folder")
-    session = session_of(path, agent or _only(path))
+    session = session_of(path, agent)
     with (
         tempfile.TemporaryDirectory(prefix="hitab-") as state,
         OfflineAgent(session.agent, session.domain, folder, Path(state), session.known) as offline,
@@ -62,13 +62,3 @@ def train_from_recording(
             done.saved.append(trained)
             unsaved = None
     return Outcome(session.agent, done, unsaved)
-
-
-def _only(path: Path) -> str:
-    """Return the only agent that a recording has a session of; if there is none, "" says so."""
-    there = trained_agents(path)
-    if len(there) > 1:
-        raise LibraryError(
-            f"{path.name} has sessions of several agents; choose one with --agent {has(there)}"
-        )
-    return there[0] if there else ""

@@ -24,7 +24,6 @@ from .errors import NamesTakenError as NamesTakenError
 from .errors import SwarmError as SwarmError
 from .learned import Learned as Learned
 from .learned import Training as Training
-from .path_tracker import PathTracker as PathTracker
 from .ros_link import RosLink as RosLink
 from .run_folder import RunFolder as RunFolder
 from .run_folder import RunRecord as RunRecord

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -88,16 +87,17 @@ class Acknowledgements:
         """Wait for all answers to a distribution, as long as the next one arrives in time."""
         acks = self._acks.setdefault(sequence, {})
         wanted = set(receivers)
-        before, newest = -1, time.monotonic()
-        while not (before >= len(wanted) and wanted <= acks.keys()):
-            if len(acks) != before:
-                before, newest = len(acks), time.monotonic()
-                if progress is not None:
-                    progress(len(wanted & acks.keys()), len(wanted))
-                continue
-            if time.monotonic() - newest > seconds:
+        known = -1
+
+        def one_more() -> bool:
+            return len(acks) > known
+
+        while True:
+            if progress is not None:
+                progress(len(wanted & acks.keys()), len(wanted))
+            known = len(acks)
+            if wanted <= acks.keys() or not self._link.spin_until(one_more, seconds):
                 break
-            self._link.spin(0.05)
         report = DistributionReport(sequence, digest)
         for name in receivers:
             ack = acks.get(name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 from hitab_msgs.msg import AgentStatus
 
@@ -66,6 +66,7 @@ class AgentPresence:
         self.statuses: dict[str, AgentStatus] = {}
         self.strangers: dict[str, str] = {}
         self._watched: set[str] = set()
+        self._begin_waiting()
         if len(self.expected) <= WATCHED_MAX:
             self.watch_all()
 
@@ -86,6 +87,8 @@ class AgentPresence:
 
     def _take_status(self, agent: str, status: AgentStatus) -> None:
         if is_own(status.swarm, self.identity, started_by_it=agent in self.expected):
+            if agent not in self.statuses:
+                self._newest_at = time.monotonic()
             self.statuses[agent] = status
             self.strangers.pop(agent, None)
         else:
@@ -133,12 +136,11 @@ class AgentPresence:
         for agent in wanted:
             self._watch(agent)
         few = bool(agents) and self._is_large
-        settled = self._settling()
-        is_due = _pacer(LOOK_SECONDS + LOOK_SECONDS_EACH * len(self.expected))
+        self._begin_waiting()
         lost: set[str] = set()
 
         def complete() -> bool:
-            if is_due():
+            if self._is_due():
                 lost.clear()
                 lost.update(filter(self.processes.is_lost, wanted))
                 if not few:
@@ -147,7 +149,7 @@ class AgentPresence:
                 if self.strangers:
                     self.refuse_strangers(wanted)
                 return wanted <= self.statuses.keys() | lost
-            return bool(self.statuses) and settled()
+            return bool(self.statuses) and self._is_settled
 
         self.link.spin_until(
             complete,
@@ -171,20 +173,22 @@ class AgentPresence:
                 self.await_agents((agent,), seconds)
             else:
                 self._await_unexpected(agent, seconds)
-        return self._present(agent, seconds + (self.more_seconds if agent in self.expected else 0))
+            self.refuse_strangers((agent,))
+        if agent not in self.statuses:
+            raise self._absence(agent, seconds)
+        return self.statuses[agent]
 
     def _await_unexpected(self, agent: str, seconds: float) -> None:
         """Wait for an agent that may have been started by hand, until there is no sign of it."""
         topic = names.of_agent(agent, names.STATUS, self.prefix)
-        settled = self._settling()
-        is_due = _pacer(LOOK_SECONDS)
+        self._begin_waiting()
 
         def decided() -> bool:
-            if is_due() and not self._is_large:
+            if self._is_due() and not self._is_large:
                 self.discover()
             if agent in self.statuses or agent in self.strangers:
                 return True
-            if self.link.node.count_publishers(topic) or not settled():
+            if self.link.node.count_publishers(topic) or not self._is_settled:
                 return False
             return self._is_large or (bool(self.statuses) and not self._awaited(self.expected))
 
@@ -205,55 +209,32 @@ class AgentPresence:
         missing = set(agents) - self.statuses.keys()
         return {agent for agent in missing if not self.processes.is_lost(agent)}
 
-    def _settling(self) -> Callable[[], bool]:
-        """Return a function that tells whether no new agent has reported for a while."""
-        newest = (len(self.statuses), time.monotonic())
+    def _begin_waiting(self) -> None:
+        self._looks_at, self._newest_at = -math.inf, time.monotonic()
 
-        def settled() -> bool:
-            nonlocal newest
-            if len(self.statuses) != newest[0]:
-                newest = (len(self.statuses), time.monotonic())
-            return time.monotonic() > newest[1] + SETTLE_SECONDS
+    def _is_due(self) -> bool:
+        """Whether it is time to look at topics and processes again."""
+        now = time.monotonic()
+        if now < self._looks_at:
+            return False
+        self._looks_at = now + LOOK_SECONDS + LOOK_SECONDS_EACH * len(self.expected)
+        return True
 
-        return settled
-
-    def _present(self, agent: str, waited: float) -> AgentStatus:
-        """Return the status of an agent that was waited for.
-
-        Raises:
-            SwarmError: if it has none.
-        """
-        self.refuse_strangers((agent,))
-        if agent not in self.statuses:
-            raise self._absence(agent, waited)
-        return self.statuses[agent]
+    @property
+    def _is_settled(self) -> bool:
+        """Whether no new agent has reported for a while."""
+        return time.monotonic() > self._newest_at + SETTLE_SECONDS
 
     def _absence(self, agent: str, waited: float) -> SwarmError:
         """Return the error for an agent that did not answer for some seconds."""
         if agent in self.expected or agent in self.statuses:
-            return self.processes.reason(agent) or self._unexplained(agent, waited)
+            if (reason := self.processes.reason(agent)) is not None:
+                return reason
+            pid = self.processes.pid(agent)
+            running = f"; its process ({pid}) still runs" if pid else ""
+            silent = f"{agent} has been silent for {round(waited, 1):g} s"
+            return SwarmError(f"{silent}{running}", Do.LOGS(node=agent))
         known = {*self.statuses, *self.expected}
         if not known:
             return SwarmError(f'no agent "{agent}" answers, and no other does', Do.UP())
         return SwarmError(f'no agent "{agent}" answers {has(known, agent)}', Do.STATUS())
-
-    def _unexplained(self, agent: str, waited: float) -> SwarmError:
-        pid = self.processes.pid(agent)
-        running = f"; its process ({pid}) still runs" if pid else ""
-        silent = f"{agent} has been silent for {round(waited, 1):g} s"
-        return SwarmError(f"{silent}{running}", Do.LOGS(node=agent))
-
-
-def _pacer(seconds: float) -> Callable[[], bool]:
-    """Return a function that is true when called first, and then once in so many seconds."""
-    due = -math.inf
-
-    def is_due() -> bool:
-        nonlocal due
-        now = time.monotonic()
-        if now < due:
-            return False
-        due = now + seconds
-        return True
-
-    return is_due

@@ -47,12 +47,14 @@ class CommandView:
                 continue
             name = topic[len(self._prefix) + 1 : -len(ending)]
             if "/" not in name:
-                self._watch(name)
+                self.watch([name])
 
     def watch(self, commanders: Iterable[str]) -> None:
         """Start listening to commanders."""
-        for commander in commanders:
-            self._watch(commander)
+        for commander in set(commanders) - self._watched:
+            self._watched.add(commander)
+            topic = names.of_agent(commander, GROUP, self._prefix)
+            self._link.subscribe(CommanderStatus, topic, self._take, qos.LATCHED)
 
     def incomplete(self, commanders: Iterable[str]) -> list[str]:
         """Return the commanders that have not heard from all their subordinates yet."""
@@ -62,16 +64,6 @@ class CommandView:
             for name in commanders
             if name not in groups or any(s.silent for s in groups[name].subordinates)
         ]
-
-    def _watch(self, commander: str) -> None:
-        if commander not in self._watched:
-            self._watched.add(commander)
-            self._link.subscribe(
-                CommanderStatus,
-                names.of_agent(commander, GROUP, self._prefix),
-                self._take,
-                qos.LATCHED,
-            )
 
     def _take(self, group: CommanderStatus) -> None:
         if is_own(group.swarm, self._identity, started_by_it=False):

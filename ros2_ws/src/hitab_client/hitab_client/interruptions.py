@@ -8,13 +8,9 @@ import sys
 import threading
 from collections.abc import Iterator
 from types import FrameType
-from typing import Any
-
-NUMBERS = (signal.SIGINT, signal.SIGTERM)
 
 _came: list[int] = []
 _depth = 0
-_handled = False
 
 
 def handle_interruptions() -> None:
@@ -23,8 +19,6 @@ def handle_interruptions() -> None:
     Ctrl-C raises KeyboardInterrupt, unless this process was started to ignore it; SIGTERM raises
     SystemExit with the usual status.
     """
-    global _handled
-    _handled = True
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
     signal.signal(signal.SIGTERM, _interrupt)
@@ -42,35 +36,13 @@ def forget_handled() -> None:
 
 @contextlib.contextmanager
 def not_interrupted() -> Iterator[None]:
-    """Defer the first of these signals to the end; do nothing outside the main thread."""
+    """Defer the first of these signals to the end, where `handle_interruptions` was called.
+
+    Do nothing outside the main thread.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    with _deferred() if _handled else _handlers_replaced():
-        yield
-
-
-@contextlib.contextmanager
-def cheaply_not_interrupted() -> Iterator[None]:
-    """Do the same for what is done often, where `handle_interruptions` was called."""
-    if not _handled or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    with _deferred():
-        yield
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    if _depth and not _came:
-        _came.append(number)
-    elif number == signal.SIGINT:
-        raise KeyboardInterrupt
-    else:
-        sys.exit(128 + number)
-
-
-@contextlib.contextmanager
-def _deferred() -> Iterator[None]:
     global _depth
     _depth += 1
     try:
@@ -81,20 +53,10 @@ def _deferred() -> Iterator[None]:
             _interrupt(_came.pop(), None)
 
 
-@contextlib.contextmanager
-def _handlers_replaced() -> Iterator[None]:
-    came: list[int] = []
-
-    def put_off(number: int, frame: FrameType | None) -> None:
-        if came:
-            raise KeyboardInterrupt
-        came.append(number)
-
-    before: dict[int, Any] = {number: signal.signal(number, put_off) for number in NUMBERS}
-    try:
-        yield
-    finally:
-        for which, handler in before.items():
-            signal.signal(which, handler)
-        if came:
-            signal.raise_signal(came[0])
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if _depth and not _came:
+        _came.append(number)
+    elif number == signal.SIGINT:
+        raise KeyboardInterrupt
+    else:
+        sys.exit(128 + number)

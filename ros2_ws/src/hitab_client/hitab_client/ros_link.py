@@ -15,7 +15,7 @@ from rclpy.qos import QoSProfile
 
 from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
-from hitab_client.interruptions import cheaply_not_interrupted
+from hitab_client.interruptions import not_interrupted
 from hitab_core import Do
 from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, Patience
 
@@ -90,7 +90,7 @@ class RosLink:
     def spin(self, seconds: float = 0.1) -> None:
         """Handle pending events; wait at most this long for one, and defer Ctrl-C so long."""
         # The executor's compiled code takes an interruption inside it for a failed conversion.
-        with cheaply_not_interrupted():
+        with not_interrupted():
             self._executor.spin_once(timeout_sec=seconds)
         if self._failure is not None:
             failure, self._failure = self._failure, None

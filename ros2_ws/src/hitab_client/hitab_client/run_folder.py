@@ -61,13 +61,6 @@ class RunRecord:
     processes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     namespace: str = ""
 
-    def process_of(self, name: str) -> str:
-        """Return the name of the process that runs an agent, or the world."""
-        if name in self.processes:
-            return name
-        found = (process for process, agents in self.processes.items() if name in agents)
-        return next(found, name)
-
 
 def state_home() -> Path:
     """Return the folder that holds the run folders."""

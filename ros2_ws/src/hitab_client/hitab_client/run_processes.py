@@ -32,20 +32,6 @@ STOPPED = ("STOPPED", "STOPPING")
 STARTING = ("STARTING", "BACKOFF")
 
 
-class _SocketConnection(http.client.HTTPConnection):
-    """HTTP over a socket file."""
-
-    def __init__(self, path: str, seconds: float) -> None:
-        super().__init__("localhost", timeout=seconds)
-        self._path = path
-
-    def connect(self) -> None:
-        """Connect."""
-        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self.sock.settimeout(self.timeout)
-        self.sock.connect(self._path)
-
-
 class _SocketTransport(Transport):
     """XML-RPC over a socket file."""
 
@@ -55,7 +41,11 @@ class _SocketTransport(Transport):
 
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         """Return the connection."""
-        return _SocketConnection(self._path, self._seconds)
+        connection = http.client.HTTPConnection("localhost")
+        connection.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        connection.sock.settimeout(self._seconds)
+        connection.sock.connect(self._path)
+        return connection
 
 
 def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[dict[str, Any]]:

@@ -398,13 +398,10 @@ class SwarmClient(AgentPresence):
         Raises:
             SwarmError: if the source refuses, or a receiver is missing.
         """
-        named = (source, *receivers)
-        self.await_agents([name for name in named if name in self.expected] if receivers else ())
-        for agent in named:
-            if agent in self.expected:
-                self._present(agent, DISCOVERY_SECONDS)
-            else:
-                self.await_agent(agent)
+        if not receivers:
+            self.await_agents()
+        for agent in (source, *receivers):
+            self.await_agent(agent)
         meant = [name for name in receivers or self.mates_of(source) if name != source]
         if not meant:
             raise SwarmError(f"there is no other agent of the domain of {source} to send it to")

@@ -40,6 +40,26 @@ def as_it_was(world: WorldClient) -> Iterator[WorldStatus]:
         ) from problem
 
 
+@contextlib.contextmanager
+def standing_still(world: WorldClient | None) -> Iterator[WorldStatus | None]:
+    """Have a world stand still, as fast as the agents when it goes on; then as before.
+
+    Args:
+        world: the world; None: there is none, and nothing is done.
+
+    Raises:
+        SwarmError: as `as_it_was`.
+    """
+    if world is None:
+        yield None
+        return
+    with as_it_was(world) as before:
+        world.control(Control.Request.PACE, pace="lockstep")
+        world.state_at(0)
+        world.shown(world.control(Control.Request.PAUSE))
+        yield before
+
+
 def _restore(world: WorldClient, before: WorldStatus) -> Exception | None:
     """Restore as much as possible; return the first error."""
     paused = before.mode == WorldState.PAUSED

@@ -116,7 +116,7 @@ class WorldClient:
         if self.status is None:
             late = f"the world has been silent for {seconds:g} s"
             silent = SwarmError(late, Do.LOGS(node=names.WORLD))
-            raise self._reason() or (silent if own else self._absent)
+            raise self._processes.reason(names.WORLD) or (silent if own else self._absent)
         return self.status
 
     @property
@@ -125,10 +125,6 @@ class WorldClient:
         if self._processes.are_known:
             return SwarmError(NOT_SIMULATED)
         return SwarmError(NO_WORLD, Do.UP())
-
-    def _reason(self) -> SwarmError | None:
-        """Return why the world does not answer, as far as its process shows it."""
-        return self._processes.reason(names.WORLD)
 
     def is_there(self) -> bool:
         """Whether a world has been discovered."""
@@ -145,7 +141,7 @@ class WorldClient:
             kind,
             self._name(service),
             kind.Request(**fields),
-            missing=lambda: self._reason() or self._absent,
+            missing=lambda: self._processes.reason(names.WORLD) or self._absent,
         )
         if not answer.success:
             raise refused(answer, "the world refuses")
@@ -219,7 +215,9 @@ class WorldClient:
             waiting_for=lambda: some(self.missing) or "the world",
         ):
             late = f"the world did not {what} within {seconds:g} s"
-            raise self._reason() or SwarmError(late, Do.LOGS(node=names.WORLD))
+            raise self._processes.reason(names.WORLD) or SwarmError(
+                late, Do.LOGS(node=names.WORLD)
+            )
         assert self.state is not None
         return self.state
 

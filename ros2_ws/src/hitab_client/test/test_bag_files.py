@@ -6,10 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 from hitab_msgs import msg
 from hitab_msgs.srv import BeginTraining, EditExamples
-from mcap.reader import make_reader
 from mcap.writer import Writer
 from rclpy.serialization import serialize_message
 from std_msgs.msg import String
@@ -20,7 +18,6 @@ from hitab_client.recording import (
     message_class,
     session_of,
     type_name,
-    write_metadata_file,
 )
 from hitab_client.recording.bag_file import BagFile
 from hitab_ros import own_hash, qos, session_topics
@@ -28,7 +25,7 @@ from hitab_ros import own_hash, qos, session_topics
 REQUEST = BeginTraining.Request(automaton="Near", features=["DistanceTo(ball)"], request=2**63)
 
 
-def write(path: Path, messages: dict[str, Any]) -> BagFile:
+def write(path: Path, messages: dict[str, Any]) -> None:
     """Write one message per topic, sent one after the other."""
     bag = BagFile(path)
     for at, (topic, message) in enumerate(messages.items()):
@@ -37,7 +34,6 @@ def write(path: Path, messages: dict[str, Any]) -> BagFile:
         channel = bag.add_topic(topic, kind, [profile], own_hash(kind))
         bag.write(channel, serialize_message(message), received=2000 + at, sent=1000 + at)
     bag.close()
-    return bag
 
 
 def session() -> dict[str, Any]:
@@ -50,34 +46,11 @@ def session() -> dict[str, Any]:
     }
 
 
-def test_a_bag_says_of_itself_what_a_folder_says_of_it(tmp_path: Path) -> None:
-    bag = write(tmp_path / "a.mcap", session())
-    with (tmp_path / "a.mcap").open("rb") as file:
-        records = {one.name: one.metadata for one in make_reader(file).iter_metadata()}
-    inside = yaml.safe_load(records["rosbag2"]["serialized_metadata"])
-    path = write_metadata_file(tmp_path, bag.information())
-    beside = yaml.safe_load(path.read_text())["rosbag2_bagfile_information"]
-    assert path.name == "metadata.yaml"
-    assert inside == beside
-    assert beside["version"] == 9
-    assert beside["message_count"] == 4
-    assert beside["relative_file_paths"] == ["a.mcap"]
-    assert beside["duration"] == {"nanoseconds": 3}
-    assert [one["topic_metadata"]["name"] for one in beside["topics_with_message_count"]] == [
-        *session()
-    ]
-
-
-def request_in_an_older_recording(text: str) -> object:
-    return session_topics.request_of(text.replace('"action": 5', '"action": "retime"'))
-
-
 def test_a_request_is_read_as_it_was_written() -> None:
     edit = EditExamples.Request(action=EditExamples.Request.RETIME, numbers=[1, 4], ago=0.1 + 0.2)
     for service, request in (("begin", REQUEST), ("edit_examples", edit)):
         text = session_topics.request_text(service, request)
         assert session_topics.request_of(text) == (service, request)
-    assert request_in_an_older_recording(text) == ("edit_examples", edit)
     other = '{"service": "reboot", "request": {}}'
     for wrong in ("", "[]", other, text.replace("ago", "then"), text.replace("[1, 4]", "4")):
         with pytest.raises(ValueError, match="is no request to an agent"):
@@ -109,17 +82,12 @@ def test_what_is_no_recording_is_refused_and_what_would_be_one_is_named(tmp_path
     whole = tmp_path / "whole.mcap"
     write(whole, session())
     data = whole.read_bytes()
-    for size in (len(data) - 1, len(data) // 2, 20, 8):
-        (tmp_path / "cut.mcap").write_bytes(data[:size])
-        assert "cut.mcap is not complete: its end, with the index, is missing" in refusal(
-            tmp_path / "cut.mcap"
-        )
-    for text in (b"SQLite format 3\0", b"", b"#ROSBAG V2.0\n"):
-        (tmp_path / "other.db3").write_bytes(text)
-        assert "other.db3 is not an MCAP recording" in refusal(tmp_path / "other.db3")
-    assert "there is no such recording" in refusal(tmp_path / "absent.mcap")
-    (tmp_path / "empty").mkdir()
-    assert "contains no file of a bag (*.mcap)" in refusal(tmp_path / "empty")
+    cut = [data[:size] for size in (len(data) - 1, len(data) // 2, 20, 8)]
+    for content in (*cut, b"SQLite format 3\0", b"", b"#ROSBAG V2.0\n"):
+        (tmp_path / "other.mcap").write_bytes(content)
+        assert "other.mcap is no complete MCAP recording" in refusal(tmp_path / "other.mcap")
+    assert "absent.mcap cannot be read" in refusal(tmp_path / "absent.mcap")
+    assert "cannot be read" in refusal(tmp_path)
 
 
 def test_a_damaged_recording_is_refused(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.interfaces import ConnectionExtRosbag2, QosDurability, QosReliability
 from std_msgs.msg import String
 
-from hitab_client.recording import type_name, write_metadata_file
+from hitab_client.recording import type_name
 from hitab_client.recording.bag_file import BagFile
 from hitab_ros import own_hash, qos
 
@@ -22,31 +22,28 @@ MESSAGES = {
 }
 
 
-def test_a_bag_is_read_by_another_reader_as_a_folder_and_as_a_file(tmp_path: Path) -> None:
-    folder = tmp_path / "bag"
-    bag = BagFile(folder / "bag_0.mcap")
+def test_a_bag_is_read_by_another_reader(tmp_path: Path) -> None:
+    bag = BagFile(tmp_path / "bag.mcap")
     for at, (topic, (message, profile)) in enumerate(MESSAGES.items()):
         kind = type_name(type(message))
         channel = bag.add_topic(topic, kind, [profile], own_hash(kind))
         bag.write(channel, serialize_message(message), received=2000 + at, sent=1000 + at)
     bag.close()
-    write_metadata_file(folder, bag.information())
 
-    for path in (folder, bag.path):
-        with AnyReader([path]) as reader:
-            found = {
-                connection.topic: (at, reader.deserialize(data, connection.msgtype))
-                for connection, at, data in reader.messages()
-            }
-            offered = {
-                connection.topic: connection.ext.offered_qos_profiles[0]
-                for connection in reader.connections
-                if isinstance(connection.ext, ConnectionExtRosbag2)
-            }
-        assert [at for at, _ in found.values()] == [2000, 2001, 2002, 2003]
-        assert list(found["/one/status"][1].active_path) == ["Go", "Stop"]
-        assert list(found["/one/perceived"][1].values) == [0.1, 1.5]
-        assert set(offered) == set(MESSAGES)
-        assert offered["/one/status"].durability is QosDurability.TRANSIENT_LOCAL
-        assert offered["/one/known"].durability is QosDurability.VOLATILE
-        assert {one.reliability for one in offered.values()} == {QosReliability.RELIABLE}
+    with AnyReader([bag.path]) as reader:
+        found = {
+            connection.topic: (at, reader.deserialize(data, connection.msgtype))
+            for connection, at, data in reader.messages()
+        }
+        offered = {
+            connection.topic: connection.ext.offered_qos_profiles[0]
+            for connection in reader.connections
+            if isinstance(connection.ext, ConnectionExtRosbag2)
+        }
+    assert [at for at, _ in found.values()] == [2000, 2001, 2002, 2003]
+    assert list(found["/one/status"][1].active_path) == ["Go", "Stop"]
+    assert list(found["/one/perceived"][1].values) == [0.1, 1.5]
+    assert set(offered) == set(MESSAGES)
+    assert offered["/one/status"].durability is QosDurability.TRANSIENT_LOCAL
+    assert offered["/one/known"].durability is QosDurability.VOLATILE
+    assert {one.reliability for one in offered.values()} == {QosReliability.RELIABLE}

@@ -18,7 +18,7 @@ from hitab_client.lessons.conditions import (
     Said,
     Speed,
 )
-from hitab_client.world_view import WorldView, speakers
+from hitab_client.world_view import WorldView
 
 
 @dataclass
@@ -91,10 +91,6 @@ def test_a_thing_that_is_not_there_is_told_with_what_was_meant():
         VIEW.distance("keeper_1", "bal")
     with pytest.raises(LessonError, match=r'no "robot" here \(known: ball, keeper, taker\)'):
         VIEW.distance("keeper_1", "closest robot")
-
-
-def test_speakers_are_those_who_say_something():
-    assert speakers(VIEW.things) == {"taker_1"}
 
 
 def test_without_a_world_only_what_agents_say_can_be_asked_for():

@@ -4,8 +4,6 @@ import signal
 import subprocess
 import sys
 
-import pytest
-
 BEGIN = """
 import signal
 from hitab_client.interruptions import *
@@ -15,9 +13,9 @@ DEFERRED = (
     BEGIN
     + """
 try:
-    with {which}():
+    with not_interrupted():
         signal.raise_signal({number})
-        with {which}():
+        with not_interrupted():
             pass
         print("done", flush=True)
     print("not reached")
@@ -45,26 +43,19 @@ def run(code: str, **options) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("which", ["not_interrupted", "cheaply_not_interrupted"])
-def test_ctrl_c_is_deferred_to_the_end_of_what_must_be_done_whole(which):
-    done = run(DEFERRED.format(which=which, number="signal.SIGINT"))
+def test_ctrl_c_is_deferred_to_the_end_of_what_must_be_done_whole():
+    done = run(DEFERRED.format(number="signal.SIGINT"))
     assert (done.returncode, done.stdout) == (0, "done\ninterrupted\n"), done.stderr
 
 
 def test_sigterm_is_deferred_too_and_ends_with_its_status():
-    done = run(DEFERRED.format(which="not_interrupted", number="signal.SIGTERM"))
+    done = run(DEFERRED.format(number="signal.SIGTERM"))
     assert (done.returncode, done.stdout) == (128 + signal.SIGTERM, "done\n"), done.stderr
 
 
 def test_the_second_ctrl_c_is_not_deferred():
     done = run(TWICE)
     assert done.stdout == "first\nsecond\n", done.stderr
-
-
-def test_where_nothing_was_set_up_it_is_deferred_as_well():
-    code = DEFERRED.replace("handle_interruptions()", "")
-    done = run(code.format(which="not_interrupted", number="signal.SIGINT"))
-    assert (done.returncode, done.stdout) == (0, "done\ninterrupted\n"), done.stderr
 
 
 def test_a_process_that_was_started_to_ignore_ctrl_c_does_so():

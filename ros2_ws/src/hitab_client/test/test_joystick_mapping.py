@@ -46,28 +46,14 @@ def test_shipped_mappings_give_a_button_to_all_that_a_person_needs(name):
 def test_what_is_wrong_is_named_with_its_line():
     for old, new, wrong in [
         ("hold: B", "hold: D", r"my.yaml:3: `D` is not among the buttons \(known: A, B, C, Up\)"),
-        ("hold: B", "", "`hold:` is missing here"),
         ("hold: B", "hold: A", "my.yaml:4: `A` is used twice: for hold and for a behavior"),
         ("C: 2", "C: 0", "my.yaml:2: `C:` is the same button as A"),
-        ("C: 2", "C: -1", "my.yaml:2: `C:` must be at least 0, not -1"),
-        ("C: 2", "C: two", '`C:` must be a whole number, not the text "two"'),
-        (
-            "C: stop",
-            "C: stopp",
-            r'my.yaml:5: `C:` is the text "stopp", .* Did you mean "stop"\?',
-        ),
         ("C: stop", "", "no button stops the robots: give one the action `stop`"),
         ("GoTo(ball)", "GoTo(", "my.yaml:4: `A:` must be a behavior, such as Forward"),
         ("Up: 2", "Up: 0", "`Up:` must be a behavior, .* or the number of one, from 1, not 0"),
-        ("above: 0.5", "above: 2", "`above:` must be at most 1, not 2"),
         (", above: 0.5", "", "needs either `above:` or `below:`"),
         ("-0.3", "0", "my.yaml:6: `speed:` must be a number other than 0, not 0"),
-        ("-0.3", ".inf", "`speed:` must be a number other than 0"),
-        ("ahead:", "forward:", "`forward:` .* is not known .known: ahead, left, turn"),
-        ("driving:", "deadzone: 1\ndriving:", "`deadzone:` must be at most 0.9, not 1"),
         ("driving:", "timeout: .nan\ndriving:", "`timeout:` must be at most 2, not nan"),
-        ("driving:", "format: 9\ndriving:", "has format version 9"),
-        ("buttons:", "knobs:", "`buttons:` is missing here"),
     ]:
         assert old in RIGHT
         with pytest.raises(DescriptionError, match=wrong):

@@ -131,20 +131,6 @@ def test_the_emergency_stop_counts_in_any_message(player):
     assert Player(Stick(MAPPING)).send(RB).pressed == ("RB",), "the first one"
 
 
-@pytest.mark.parametrize(
-    ("axes", "buttons", "age", "why"),
-    [
-        (7, 11, 0.0, "the joystick has 7 axes, but the mapping xbox uses 8 axes"),
-        (8, 1, 0.0, "the joystick has 1 button, but the mapping xbox uses 11 buttons"),
-        (8, 11, 2.0, "2.0 s old when they come; set the clocks"),
-    ],
-)
-def test_why_a_message_does_not_count_is_said(player, axes, buttons, age, why):
-    player.send(LB)
-    taken = player.take([0.0] * axes, [0] * buttons, age)
-    assert why in taken.trouble
-
-
 def test_messages_out_of_order_do_not_count_and_stamps_ahead_of_the_clock_do(player):
     player.send(LB)
     player.send(LB, ahead=1.0)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from hitab_core import BehaviorLibrary, LibraryError, load_domain
-from hitab_core.library import content_of, reissued, same_behavior
+from hitab_core.library import content_of, reissued
 
 SHIPPED = Path(__file__).parents[2] / "keepaway_world" / "libraries" / "keepaway"
 
@@ -21,7 +21,7 @@ def test_a_file_is_reissued_with_its_comments_and_can_be_read(tmp_path):
         '  note: "generation 2 restored"',
         after.splitlines()[-1],
     ]
-    assert same_behavior(content_of(before, "a"), content_of(after, "b"))
+    assert content_of(after, "b")["trees"] == content_of(before, "a")["trees"]
 
     library = BehaviorLibrary(tmp_path, load_domain("keepaway"))
     library.install(texts | {"GotoBall": after})

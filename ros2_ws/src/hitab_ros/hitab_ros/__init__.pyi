@@ -15,6 +15,7 @@ from . import stamps as stamps
 from . import testing as testing
 from .alive import give_signs_of_life as give_signs_of_life
 from .definitions import own_hash as own_hash
+from .definitions import own_hashes as own_hashes
 from .definitions import refuse_other_definitions as refuse_other_definitions
 from .definitions import share_folder as share_folder
 from .emergency_stop import EmergencySwitch as EmergencySwitch

@@ -38,8 +38,8 @@ def share_folder(package: str) -> Path:
 
 
 @functools.cache
-def own_hash(kind: str) -> str:
-    """Return the hash of a definition as this process has it.
+def own_hashes(kind: str) -> dict[str, str]:
+    """Return the hashes of a definition, as this process has it, and of all its parts.
 
     Args:
         kind: such as ``hitab_msgs/msg/Percept`` or ``hitab_msgs/srv/Place_Request``.
@@ -47,7 +47,12 @@ def own_hash(kind: str) -> str:
     package, folder, name = kind.split("/")
     file = share_folder(package) / folder / f"{name.split('_')[0]}.json"
     hashes = json.loads(file.read_text(encoding="utf-8"))["type_hashes"]
-    return str(next(one["hash_string"] for one in hashes if one["type_name"] == kind))
+    return {one["type_name"]: one["hash_string"] for one in hashes}
+
+
+def own_hash(kind: str) -> str:
+    """Return the hash of a definition as this process has it."""
+    return own_hashes(kind)[kind]
 
 
 def refuse_other_definitions(node: Node) -> None:

@@ -48,9 +48,6 @@ SERVICES: Mapping[str, Any] = {
 SEARCHED = "list_questions"
 """Stands for a request without fields: the agent has looked for questions, and numbered them."""
 
-_ACTIONS = ("", "undo", "redo", "delete", "relabel", "retime", "features")
-"""What older recordings call the actions of EditExamples."""
-
 PERCEPTS_QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE
 )
@@ -75,8 +72,6 @@ def request_of(text: str) -> tuple[str, Any]:
         service, fields = read["service"], read["request"]
         if service == SEARCHED:
             return service, None
-        if isinstance(fields.get("action"), str):
-            fields["action"] = _ACTIONS.index(fields["action"])
         kind = SERVICES[service].Request
         if fields.keys() != kind.get_fields_and_field_types().keys():
             raise ValueError("it has other fields")

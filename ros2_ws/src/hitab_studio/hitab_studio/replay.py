@@ -12,7 +12,7 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
 
 from hitab_client import SwarmError
-from hitab_client.recording import Decode, Received, decoder_for, opened, type_name
+from hitab_client.recording import Received, opened, type_name
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9
@@ -25,12 +25,14 @@ class _Line:
     """Messages of one topic in order of arrival, decoded on access."""
 
     times: list[float] = field(default_factory=list)
-    _data: list[tuple[Decode, bytes]] = field(default_factory=list)
+    _messages: list[Received] = field(default_factory=list)
     _last: tuple[int, Any] = (-1, None)
 
-    def add(self, seconds: float, decode: Decode, data: bytes) -> None:
+    def add(self, seconds: float, message: Received) -> None:
+        if not self.times:
+            message.decoded()  # refused now, if at all
         self.times.append(seconds)
-        self._data.append((decode, data))
+        self._messages.append(message)
 
     def last(self, seconds: float) -> Any:
         """Return the last message until then, None if there is none.
@@ -48,10 +50,7 @@ class _Line:
             yield self._decoded(i)
 
     def _decoded(self, i: int) -> Any:
-        if i < 0:
-            return None
-        decode, data = self._data[i]
-        return decode(data)
+        return None if i < 0 else self._messages[i].decoded()
 
 
 class Recording:
@@ -77,22 +76,18 @@ class Recording:
         self.seconds = self._states.times[-1] - self.start
 
     def _read(self, messages: Iterable[Received]) -> None:
-        decoders: dict[int, Decode] = {}
         for message in messages:
-            schema = message.schema
-            if schema.name not in KINDS:
+            name = message.schema.name
+            if name not in KINDS:
                 continue
             seconds = message.received / NANOSECONDS
-            decode = decoders.get(schema.id)
-            if decode is None:
-                decode = decoders[schema.id] = decoder_for(schema, message.type_hash)
-            if schema.name == EPISODE:
-                self.episodes.append((seconds, decode(message.data).ended))
+            if name == EPISODE:
+                self.episodes.append((seconds, message.decoded().ended))
                 continue
-            line = self._states if schema.name == STATE else self._events
-            if schema.name == STATUS:
+            line = self._states if name == STATE else self._events
+            if name == STATUS:
                 line = self._statuses.setdefault(message.topic.split("/")[-2], _Line())
-            line.add(seconds, decode, message.data)
+            line.add(seconds, message)
 
     def scene(self, seconds: float) -> Scene:
         """Return the scene this many seconds after the beginning."""

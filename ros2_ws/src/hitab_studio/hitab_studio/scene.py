@@ -124,7 +124,7 @@ def scene_of(state: Any) -> Scene:
 
 
 def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
-    """Return the look of each kind; recordings from before worlds declared any have none."""
+    """Return the look of each kind; one that the world has not declared has the usual one."""
     declared = {
         look.kind: Look(
             color=look.color or AGENT_COLOR,
@@ -134,7 +134,7 @@ def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
             opacity=round(look.opacity, 3),
             layer=look.layer,
         )
-        for look in getattr(state, "looks", ())
+        for look in state.looks
     }
     return {kind: declared.get(kind, Look()) for kind in sorted(kinds)}
 

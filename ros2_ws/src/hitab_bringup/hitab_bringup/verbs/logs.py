@@ -101,6 +101,7 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
 def _chosen(name: str, folder: RunFolder, record: RunRecord | None) -> list[LogFile]:
     from hitab_bringup.run_logs import logs_of
     from hitab_client import SwarmError
+    from hitab_client.run_processes import RunProcesses
     from hitab_core import has
 
     files = logs_of(folder)
@@ -108,7 +109,7 @@ def _chosen(name: str, folder: RunFolder, record: RunRecord | None) -> list[LogF
         if not files:
             raise SwarmError(f"{folder.path} has no logs")
         return files
-    process = record.process_of(name) if record is not None else name
+    process = RunProcesses(record).process_of(name)
     for file in files:
         if file.process == process:
             return [file]

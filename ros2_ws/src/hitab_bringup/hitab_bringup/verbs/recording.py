@@ -40,8 +40,8 @@ def record(
     from it.
 
     Args:
-        output: A file to write, ending in .mcap, or else a folder, as `ros2 bag record` makes it.
-            Default: a file among the recordings that the studio shows.
+        output: The file to write; .mcap is added. Default: one among the recordings that the
+            studio shows.
         topics: Also record this topic, such as /robot_1/scan. Repeatable.
         robots: Also record all topics with messages that robots use: those of sensor_msgs,
             nav_msgs, geometry_msgs and tf2_msgs, so also images and point clouds.
@@ -56,9 +56,10 @@ def record(
       hitab record -o session --robots
     """
     with connection(swarm, reads=True) as there:
+        from hitab_client.interruptions import not_interrupted
         from hitab_client.recording import Recorder
 
-        path, folder = _paths(output, there.record.swarm if there.record else "")
+        path = _path(output, there.record.swarm if there.record else "")
         chosen = [topic if topic.startswith("/") else f"/{topic}" for topic in topics or ()]
         recorder = Recorder(there.link, path, also=chosen, robots=robots)
         if there.has_world:
@@ -73,7 +74,8 @@ def record(
         except KeyboardInterrupt:
             pass  # how it ends
         finally:
-            _close(recorder, folder)
+            with not_interrupted():
+                recorder.close()
         lasted = time.monotonic() - began
     for topic in recorder.missing:
         console.note(f"{topic} is not in it: nobody has published it in this ROS domain")
@@ -86,23 +88,17 @@ def record(
     size = path.stat().st_size
     shown = f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"
     console.say(
-        f"recorded {quantity(recorder.count, 'message')} in {lasted:.0f} s to {folder or path} "
-        f"({shown})"
+        f"recorded {quantity(recorder.count, 'message')} in {lasted:.0f} s to {path} ({shown})"
     )
 
 
-def _paths(output: Path | None, swarm: str) -> tuple[Path, Path | None]:
-    """Return the file to write, and the folder that is a bag, if it is to be one."""
-    from hitab_client import SwarmError
+def _path(output: Path | None, swarm: str) -> Path:
+    """Return the file to write."""
     from hitab_client.recording.recordings import SUFFIX, new_recording
 
     if output is None:
-        return new_recording(swarm), None
-    if output.suffix == SUFFIX:
-        return output, None
-    if output.exists():
-        raise SwarmError(f"{output} exists already; choose another name")
-    return output / f"{output.resolve().name}_0{SUFFIX}", output
+        return new_recording(swarm)
+    return output if output.suffix == SUFFIX else output.with_name(f"{output.name}{SUFFIX}")
 
 
 def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
@@ -136,17 +132,6 @@ def _progress() -> Iterator[Callable[[str], None]]:
         yield lambda text: status.update(f"recording: {text}")
 
 
-def _close(recorder: Recorder, folder: Path | None) -> None:
-    """Make the recording complete, whatever ends it."""
-    from hitab_client.interruptions import not_interrupted
-    from hitab_client.recording import write_metadata_file
-
-    with not_interrupted():
-        recorder.close()
-        if folder is not None:
-            write_metadata_file(folder, recorder.bag.information())
-
-
 def from_recording(
     recording: Path,
     folder: Path,
@@ -159,7 +144,7 @@ def from_recording(
     by bit; if not, an error says where they part.
 
     Args:
-        recording: A file or folder that `hitab record` or the studio wrote.
+        recording: A file that `hitab record` or the studio wrote.
         folder: For the library; a new folder.
         agent: Whose training. Default: of the only one.
         save: Also save the training that the recording ends in.

@@ -15,7 +15,6 @@ Every key is optional. Where nothing can be placed, as with robots, only `wait` 
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Self
 
@@ -25,7 +24,7 @@ from pydantic import Field, model_validator
 
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
-from hitab_client.lessons.condition_watch import ConditionWatch, WorldWatch
+from hitab_client.lessons.condition_watch import ConditionWatch
 from hitab_client.lessons.conditions import Condition
 from hitab_client.lessons.lesson import Things, placed
 from hitab_client.swarm_client import SwarmClient
@@ -90,7 +89,7 @@ class Configuration(Record):
 
     # -- bringing it about ------------------------------------------------------------------
 
-    def check(self, world: WorldClient | None, agent: str) -> None:
+    def check(self, world: WorldClient | None) -> None:
         """Raise if it cannot be brought about; nothing has changed then.
 
         Raises:
@@ -142,13 +141,10 @@ class Configuration(Record):
         condition = self.wait
         if condition is None:
             return
-        watch: AbstractContextManager[ConditionWatch] = (
-            ConditionWatch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
-        )
         within = self.within if self.within is not None else float("inf")
         try:
             swarm.set_mode(agent, AgentStatus.TESTING, restart=True)
-            with watch as watching:
+            with ConditionWatch(swarm, world, factor=factor) as watching:
                 came = watching.until(
                     condition, within, lambda view: seen(condition.describe(view))
                 )

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -40,7 +39,7 @@ class Generation(Record):
 
     Attributes:
         number: from 1.
-        parent: number of the generation whose examples it continues; 0: none.
+        parent: number of the generation with which the training went on before; 0: none.
         version: of the behavior in the library of the trained agent.
         digest: checksum of the behavior's file.
         at: when, ISO 8601.
@@ -73,16 +72,7 @@ class Generation(Record):
     restored: tuple[int, ...] = Field(default=(), strict=False)
 
 
-class _File(Record):
-    format: Format
-    agent: str
-    behavior: str
-    current: int = Field(ge=0)
-    generations: list[Generation] = Field(default_factory=list)
-
-
-@dataclass(frozen=True)
-class Generations:
+class Generations(Record):
     """All generations of one behavior of one agent.
 
     Attributes:
@@ -93,11 +83,12 @@ class Generations:
         all: the generations, by ascending number.
     """
 
-    folder: Path
+    folder: Path = Field(default=Path(), alias=":folder", exclude=True)
+    format: Format = FORMAT
     agent: str
     behavior: str
-    current: int = 0
-    all: tuple[Generation, ...] = ()
+    current: int = Field(default=0, ge=0)
+    all: tuple[Generation, ...] = Field(default=(), alias="generations", strict=False)
 
     # -- looking ----------------------------------------------------------------------------
 
@@ -164,7 +155,7 @@ class Generations:
         """Return them with one more, or with a changed one."""
         others = [g for g in self.all if g.number != generation.number]
         ordered = tuple(sorted((*others, generation), key=lambda g: g.number))
-        return replace(self, all=ordered, current=self.current if current is None else current)
+        return self.but(all=ordered, current=self.current if current is None else current)
 
     def keep(self) -> Generations:
         """Write the list.
@@ -172,15 +163,10 @@ class Generations:
         Raises:
             LibraryError: if it cannot be written.
         """
-        content = {
-            "format": FORMAT,
-            "agent": self.agent,
-            "behavior": self.behavior,
-            "current": self.current,
-            "generations": [record_of(generation) for generation in self.all],
-        }
+        content = self.model_dump(mode="json", by_alias=True)
+        content["generations"] = [record_of(generation) for generation in self.all]
         text = f"# See `hitab bootstrap list {self.agent} {self.behavior}`.\n"
-        text += yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=100)
+        text += yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=100)
         path = file_of(self.folder, self.behavior)
         with file_errors(path, "write"):
             write_durably(path, text.encode())
@@ -199,14 +185,6 @@ class Generations:
 
     def _bundle(self, number: int) -> Path:
         return self.folder / self.behavior / f"{number:04}.bundle.yaml"
-
-
-class _Dumper(yaml.SafeDumper):
-    """Writes everything out: the strict reader refuses anchors and aliases."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        """Return true: what occurs twice is written twice."""
-        return True
 
 
 def folder_of(run_folder: Path, agent: str) -> Path:
@@ -232,19 +210,20 @@ def read_generations(folder: Path, agent: str, behavior: str) -> Generations:
     """
     path = file_of(folder, behavior)
     if not path.exists():
-        return Generations(folder, agent, behavior)
+        return Generations(agent=agent, behavior=behavior).but(folder=folder)
     document = open_yaml(path, error=SwarmError)
-    read = open_record(_File, document, FORMAT, SwarmError)
+    read = open_record(Generations, document, FORMAT, SwarmError)
     complaints = Complaints(document, SwarmError)
     for key, found, own in (("agent", read.agent, agent), ("behavior", read.behavior, behavior)):
         if found != own:
             complaints.add((key,), f"`{key}: {found}` is not known {has([own], found)}")
-    numbers = [generation.number for generation in read.generations]
+    numbers = [generation.number for generation in read.all]
     if len(set(numbers)) < len(numbers) or read.current not in (0, *numbers):
         complaints.add((), "each generation needs a number of its own, and `current:` one of them")
     complaints.raise_any()
-    known = (g.but(restart=g.restart.about(agent)) for g in read.generations)
-    return Generations(folder, agent, behavior, read.current, tuple(known))
+    return read.but(
+        folder=folder, all=tuple(g.but(restart=g.restart.about(agent)) for g in read.all)
+    )
 
 
 @contextlib.contextmanager

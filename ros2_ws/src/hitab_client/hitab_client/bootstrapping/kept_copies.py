@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from functools import partial
 
 from hitab_msgs.msg import BehaviorFile, Distribution
 from hitab_msgs.srv import Distribute
@@ -44,11 +45,6 @@ class KeptCopies:
     def _take(self, sent: Distribution) -> None:
         self._heard[sent.sequence] = {file.name: file.text for file in sent.files}
 
-    def _of(self, sequence: int) -> Mapping[str, str] | None:
-        """Return the files of a distribution by name; None: it was not heard."""
-        self._link.spin_until(lambda: sequence in self._heard, HEAR_SECONDS, 0.01)
-        return self._heard.get(sequence)
-
     def present(self, agent: str, behavior: str) -> Mapping[str, str]:
         """Return a behavior of an agent and all that it is made of: the texts of the files.
 
@@ -60,9 +56,9 @@ class KeptCopies:
             answer = self._swarm.ask(
                 agent, Distribute, names.DISTRIBUTE, behavior=behavior, receivers=[NOBODY]
             )
-            found = self._of(answer.sequence)
-            if found is not None:
-                return found
+            sequence = answer.sequence
+            if self._link.spin_until(partial(self._heard.get, sequence), HEAR_SECONDS, 0.01):
+                return self._heard[sequence]
         raise SwarmError(
             f"{agent} has sent its files {TRIES} times, and none arrived here", Do.DOCTOR()
         )

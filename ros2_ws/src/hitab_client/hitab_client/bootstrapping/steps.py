@@ -8,12 +8,11 @@ them. Each such stage is a generation: it is kept with its score, and one can go
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from hitab_msgs.msg import WorldStatus
-from hitab_msgs.srv import Control
 
 from hitab_client.acknowledgements import QUIET_SECONDS, DistributionReport
 from hitab_client.bootstrapping.configuration import Configuration
@@ -27,15 +26,15 @@ from hitab_client.bootstrapping.generations import (
     time_now,
 )
 from hitab_client.bootstrapping.kept_copies import KeptCopies
-from hitab_client.bootstrapping.trainees import mates_of, parent_of, refuse_unsaved, training_of
+from hitab_client.bootstrapping.trainees import mates_of, refuse_unsaved, training_of
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_client.learned import Learned
 from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_as_it_was import as_it_was
+from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
-from hitab_core import Do, HitabError, quantity, some
-from hitab_core.library import content_of, reissued, same_behavior
+from hitab_core import Do, quantity, some
+from hitab_core.library import content_of, reissued
 
 Progress = Callable[[int, int, str], None]
 """Called with the amount done, the total (0: unknown) and the current activity."""
@@ -104,17 +103,18 @@ class Bootstrapping:
         with held(self._run_folder):
             training = training_of(self._swarm, agent)
             known = self._known(agent, training.name)
-            chosen = self._configuration(known, configuration, agent)
+            last = known.get(known.current).restart if known.current else Configuration()
+            chosen = last if configuration is None else configuration
+            chosen.check(self._world)
             mates = mates_of(self._swarm, agent, to)
-            parent = parent_of(known, training)
-            with self._paused() as before:
+            with standing_still(self._world) as before:
                 with contextlib.ExitStack() as stack:
                     with not_interrupted():
                         saved = self._swarm.save(agent, keep_unused=True)
                         stack.enter_context(self._training_goes_on(agent, training))
                         made = Generation(
                             number=max((g.number for g in known.all), default=0) + 1,
-                            parent=parent,
+                            parent=known.current,
                             version=self._swarm.behavior(agent, training.name).version,
                             digest=saved.digest,
                             at=time_now(),
@@ -169,17 +169,16 @@ class Bootstrapping:
             meant = known.get(number)
             known.texts(number)  # which may be damaged
             chosen = configuration if configuration is not None else meant.restart
-            chosen.check(self._world, agent)
+            chosen.check(self._world)
             mates = mates_of(self._swarm, agent, to)
             if not discard:
                 refuse_unsaved(self._swarm, agent)
-            with self._paused() as before:
+            with standing_still(self._world) as before:
                 with not_interrupted():
-                    version = self._bring_back(known, number)
-                    versions = (*meant.restored, version) if version else meant.restored
+                    versions = (*meant.restored, self._bring_back(known, number))
                     known = known.with_(meant.but(restored=versions), current=number).keep()
-                resumed = self._as_saved(agent, behavior, meant)
-                with self._training_goes_on(agent, resumed, replaces=True):
+                saved = replace(self._swarm.behavior(agent, behavior), arguments=meant.arguments)
+                with self._training_goes_on(agent, saved, replaces=True):
                     known = self._give(known, number, mates, evaluation)
                 self._restart(known, chosen, before)
             return known.get(number)
@@ -189,28 +188,7 @@ class Bootstrapping:
     def _known(self, agent: str, behavior: str) -> Generations:
         return read_generations(folder_of(self._run_folder, agent), agent, behavior)
 
-    def _configuration(
-        self, known: Generations, named: Configuration | None, agent: str
-    ) -> Configuration:
-        last = known.get(known.current).restart if known.current else Configuration()
-        chosen = last if named is None else named
-        chosen.check(self._world, agent)
-        return chosen
-
     # -- doing it ---------------------------------------------------------------------------
-
-    @contextlib.contextmanager
-    def _paused(self) -> Iterator[WorldStatus | None]:
-        """Have the world stand still, as fast as the agents when it goes on; then as before."""
-        if self._world is None:
-            yield None
-            return
-        world = self._world
-        with as_it_was(world) as before:
-            world.control(Control.Request.PACE, pace="lockstep")
-            world.state_at(0)
-            world.shown(world.control(Control.Request.PAUSE))
-            yield before
 
     @contextlib.contextmanager
     def _training_goes_on(
@@ -225,14 +203,12 @@ class Bootstrapping:
         """
         try:
             yield
-        except BaseException as error:
+        except BaseException:
             with not_interrupted():
                 try:
                     self._resume(agent, training, replaces)
                 except SwarmError as another:
-                    if isinstance(error, HitabError):
-                        both = f"{error.problem}\n{another.problem}"
-                        raise SwarmError(both, *error.remedies, *another.remedies) from None
+                    self._say(str(another))
                     self.left += f"; {another}"
             raise
         with not_interrupted():
@@ -259,10 +235,6 @@ class Bootstrapping:
             ) from None
         self._say(f"{agent}: {answer.message}")
 
-    def _as_saved(self, agent: str, behavior: str, meant: Generation) -> Learned:
-        saved = self._swarm.behavior(agent, behavior)
-        return replace(saved, arguments=meant.arguments)
-
     def _give(
         self, known: Generations, number: int, mates: Sequence[str], evaluation: Evaluation
     ) -> Generations:
@@ -271,7 +243,17 @@ class Bootstrapping:
         agent, behavior = known.agent, known.behavior
         rest = Do.GO_BACK(agent=agent, behavior=behavior, generation=number)
         self.left = f"generation {number} is kept, but not given to all of the team; {rest}"
-        report = self._distributed(agent, made, behavior, mates)
+        report = DistributionReport(0, "")
+        if mates:
+            report = self._swarm.distribute(
+                agent,
+                behavior,
+                arguments=made.arguments,
+                receivers=mates,
+                start=True,
+                seconds=self._patience,
+                progress=lambda done, total: self._progress(done, total, "distributing"),
+            )
         missing = {name: f"refuses: {why}" for name, why in report.refused.items()}
         missing |= dict.fromkeys(report.silent, "does not answer")
         made = made.but(team=tuple(report.accepted), missing=missing)
@@ -291,39 +273,20 @@ class Bootstrapping:
             self._say(f"{some(mates, most=3)} perform{'s' * (len(mates) == 1)} it")
         return self._scored(known, made, evaluation)
 
-    def _distributed(
-        self, agent: str, made: Generation, behavior: str, mates: Sequence[str]
-    ) -> DistributionReport:
-        if not mates:
-            return DistributionReport(0, "")
-        return self._swarm.distribute(
-            agent,
-            behavior,
-            arguments=made.arguments,
-            receivers=mates,
-            start=True,
-            seconds=self._patience,
-            progress=lambda done, total: self._progress(done, total, "distributing"),
-        )
-
     def _scored(self, known: Generations, made: Generation, evaluation: Evaluation) -> Generations:
         if made.score is not None:
             return known
+        score, why = None, ""
         if self._world is None:
-            why, score = "there is no world to play in", None
+            why = "there is no world to play in"
         elif not evaluation.episodes:
-            why, score = "no episodes were asked for", None
+            why = "no episodes were asked for"
         else:
-            total = evaluation.episodes
-            why, score = (
-                "",
-                evaluated(
-                    self._world,
-                    evaluation,
-                    self._say,
-                    lambda done: self._progress(done, total, "evaluating"),
-                ),
-            )
+
+            def progress(done: int) -> None:
+                self._progress(done, evaluation.episodes, "evaluating")
+
+            score = evaluated(self._world, evaluation, self._say, progress)
         told = f"generation {made.number} has no score: {why}"
         if score is not None:
             played = f"{quantity(score.episodes, 'episode')}, seed {score.seed}"
@@ -332,47 +295,25 @@ class Bootstrapping:
         return known.with_(made.but(score=score, unscored=why)).keep()
 
     def _bring_back(self, known: Generations, number: int) -> int:
-        """Give a generation back to the trained agent; return its new version, 0: it has it."""
-        agent, behavior, texts = known.agent, known.behavior, known.texts(number)
-        present: Mapping[str, str] = {}
+        """Give a generation back to the trained agent, as a new version; return its number."""
+        agent, behavior, texts = known.agent, known.behavior, dict(known.texts(number))
         versions = [version for g in known.all for version in (g.version, *g.restored)]
-        try:
+        with contextlib.suppress(SwarmError):  # it was deleted, or is damaged
             versions += self._swarm.behavior(agent, behavior).versions
-        except SwarmError as error:
-            self._say(f"it is brought back whole, since {error}")  # deleted or damaged
-        else:
-            present = self._copies.present(agent, behavior)
-        contents = {name: content_of(text, name) for name, text in present.items()}
-        changed = [
-            name
-            for name, text in texts.items()
-            if name not in contents or not same_behavior(contents[name], content_of(text, name))
-        ]
-        if not changed:
-            self._say(f"{agent} has generation {number} of {behavior} already")
-            return 0
-        files = {name: text if name in changed else present[name] for name, text in texts.items()}
-        version = 0
-        if behavior in changed:
-            before = contents[behavior]["provenance"]["version"] if present else 0
-            version = max((*versions, before)) + 1
-            files[behavior] = reissued(
-                texts[behavior],
-                behavior,
-                version=version,
-                created=time_now(),
-                author=self._swarm.demonstrator,
-                earlier=contents[behavior]["checksum"] if present else "",
-                note=f"generation {number} restored",
-            )
-        self._copies.send(agent, behavior, files)
-        parts = [name for name in changed if name != behavior]
-        self._say(
-            f"{agent} has generation {number} of {behavior} again"
-            + (f", as version {version}" if version else "")
-            + (f"; with {', '.join(parts)} as at that time" if parts else "")
+        texts[behavior] = reissued(
+            texts[behavior],
+            behavior,
+            version=max(versions) + 1,
+            created=time_now(),
+            author=self._swarm.demonstrator,
+            earlier=content_of(texts[behavior], behavior)["checksum"],
+            note=f"generation {number} restored",
         )
-        return version
+        self._copies.send(agent, behavior, texts)
+        self._say(
+            f"{agent} has generation {number} of {behavior} again, as version {max(versions) + 1}"
+        )
+        return max(versions) + 1
 
     def _restart(
         self, known: Generations, chosen: Configuration, before: WorldStatus | None

@@ -6,12 +6,10 @@ from collections.abc import Sequence
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_client.bootstrapping.generations import Generations
 from hitab_client.errors import SwarmError
 from hitab_client.learned import Learned
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import START, Do, HitabError, quantity
-from hitab_core.library import content_of
+from hitab_core import START, Do, quantity
 
 
 def training_of(swarm: SwarmClient, agent: str) -> Learned:
@@ -69,19 +67,6 @@ def mates_of(swarm: SwarmClient, agent: str, to: Sequence[str]) -> list[str]:
                 Do.DISCARD(agent=mate),
             )
     return list(dict.fromkeys(mates))
-
-
-def parent_of(known: Generations, training: Learned) -> int:
-    """Return the generation whose examples the training continues; 0: none."""
-    if not known.current:
-        return 0
-    try:
-        text = known.texts(known.current)[known.behavior]
-        content = content_of(text, known.behavior)
-    except HitabError:
-        return known.current  # nothing speaks against it
-    kept = {(e["command"], e["cycle"], e["state"], e["next_state"]) for e in content["examples"]}
-    return known.current if kept & _marks(training) else 0
 
 
 def _marks(learned: Learned) -> set[tuple[int, int, str, str]]:

@@ -10,21 +10,17 @@ from collections.abc import Collection, Container, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+import yaml
+
 from hitab_client.run_folder import state_home
-from hitab_core import FLAGS, HitabError, Use
-from hitab_core.library.durable_files import file_errors, locked, make_folder, write_durably
+from hitab_core import FLAGS, Use
+from hitab_core.library.durable_files import write_durably
 
 KEYS = "1234567890qweiopsghjkcvm"
 """Keys of behaviors, in the order in which they are given; other keys have other meanings."""
 
 FLAG_KEYS = dict(zip(FLAGS, "dx", strict=True))
 """Keys of the flags, which every training has."""
-
-LOCK_S = 1.0
-"""How long to wait for another process that gives keys, s."""
-
-DOMAINS_MAX = 100
-"""Maximum number of domains whose keys are kept."""
 
 
 def file() -> Path:
@@ -70,15 +66,12 @@ class Keys:
         if self._path is None:
             _give(given, new, {})
             return
-        try:
-            with file_errors(self._path, "write"):
-                make_folder(self._path.parent, sync=False)
-                with locked(self._path.parent, alone=True, patience=LOCK_S):
-                    kept = _read(self._path)
-                    left = _give(given, new, kept.pop(domain, {}))
-                    _write(self._path, kept | {domain: left})
-        except HitabError:
-            _give(given, new, {})
+        kept = _read(self._path)
+        left = _give(given, new, kept.pop(domain, {}))
+        text = "# The key of each behavior in `hitab drive` and the studio, by domain.\n"
+        text += yaml.safe_dump(kept | {domain: left}, sort_keys=False)
+        with suppress(OSError):
+            write_durably(self._path, text.encode(), sync=False)
 
     def of(self, domain: str, behavior: str) -> str:
         """Return the key of a behavior; "" if it has none."""
@@ -125,46 +118,18 @@ def _give(given: dict[str, str], new: Iterable[str], kept: dict[str, str]) -> di
         new: behaviors without one.
         kept: by behavior.
     """
-    taken = set(given.values())
-    others = {b: k for b, k in kept.items() if b not in given and k not in taken}
-    for behavior in new:
-        if behavior in others:
-            given[behavior] = others.pop(behavior)
-    for behavior in new:
-        taken = {*given.values(), *others.values()}
-        free = next((key for key in KEYS if key not in taken), None)
-        if behavior in given:
-            continue
-        if free is None and others:
-            free = others.pop(next(iter(others)))
-        if free is not None:
-            given[behavior] = free
-    return others | given
+    others = {b: k for b, k in kept.items() if b not in given and k not in given.values()}
+    given |= {behavior: others.pop(behavior) for behavior in new if behavior in others}
+    taken = {*given.values(), *others.values()}
+    free = [*(key for key in KEYS if key not in taken), *others.values()]
+    given |= dict(zip((b for b in new if b not in given), free, strict=False))
+    return {b: k for b, k in others.items() if k not in given.values()} | given
 
 
 def _read(path: Path) -> dict[str, dict[str, str]]:
     """Return the keys by domain and behavior; what is no key is left out."""
-    import yaml
-
     with suppress(OSError, ValueError, AttributeError, yaml.YAMLError):
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
-        found = {str(d): {str(b): str(k) for b, k in ks.items()} for d, ks in content.items()}
-        return {d: _without_doubles(keys) for d, keys in found.items()}
+        of_keys = {str(d): {str(k): str(b) for b, k in ks.items()} for d, ks in content.items()}
+        return {d: {b: k for k, b in ks.items() if k in {*KEYS}} for d, ks in of_keys.items()}
     return {}
-
-
-def _without_doubles(keys: dict[str, str]) -> dict[str, str]:
-    first: dict[str, str] = {}
-    for behavior, key in keys.items():
-        if len(key) == 1 and key in KEYS:
-            first.setdefault(key, behavior)
-    return {behavior: key for key, behavior in first.items()}
-
-
-def _write(path: Path, kept: dict[str, dict[str, str]]) -> None:
-    import yaml
-
-    kept = dict(list(kept.items())[-DOMAINS_MAX:])
-    text = "# The key of each behavior in `hitab drive` and the studio, by domain.\n"
-    text += yaml.safe_dump(kept, sort_keys=False)
-    write_durably(path, text.encode(), sync=False)

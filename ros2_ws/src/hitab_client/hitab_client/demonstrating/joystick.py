@@ -57,17 +57,14 @@ class JoystickInput:
             self._tell_trouble(taken.trouble)
         elif was_lost or self._trouble:
             self._was_there, self._trouble = True, ""
-            demonstrator.tell(f"the joystick is there; nothing counts unless {self._hold} is held")
+            hold = self._mapping.hold
+            demonstrator.tell(f"the joystick is there; nothing counts unless {hold} is held")
         if taken.trouble:
             demonstrator.let_go()
         else:
             demonstrator.steer(taken.velocity, self._mapping.timeout)
         for button in taken.pressed:
             self._press(button)
-
-    @property
-    def _hold(self) -> str:
-        return self._mapping.hold
 
     def _press(self, button: str) -> None:
         demonstrator = self._demonstrator

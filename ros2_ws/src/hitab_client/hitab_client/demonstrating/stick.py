@@ -76,12 +76,11 @@ class Stick:
         """
         stops = self._newly_down(self._stops, axes, buttons)
         trouble = self._trouble(axes, buttons, stamp, wall)
-        if trouble:
-            if self.is_lost(now):
-                self._forget()
-            return Taken(tuple(stops), STILL, trouble)
         if self.is_lost(now):
-            self._forget()
+            self._down = {*self._mapping.buttons} - self._stops | (self._down & self._stops)
+            self._pressed_at.clear()
+        if trouble:
+            return Taken(tuple(stops), STILL, trouble)
         self._heard = now
         if 0.0 < stamp <= wall:
             self._stamp = stamp
@@ -89,18 +88,13 @@ class Stick:
         hold = self._mapping.hold
         # What was down when the messages began has not been pressed.
         held = hold in self._down and hold in self._pressed_at
-        pressed = [b for b in others if held and b != hold and self._is_no_bounce(b, now)]
+        bounced = {b for b, at in self._pressed_at.items() if now < at + BOUNCE_S}
+        pressed = [b for b in others if held and b != hold and b not in bounced]
         for name in others:
             self._pressed_at[name] = now
-        velocity = self._velocity(axes) if held or hold in others else STILL
+        ahead, left, turn = (self._speed(way, axes) for way in WAYS)
+        velocity = (ahead, left, turn) if held or hold in others else STILL
         return Taken((*stops, *pressed), velocity)
-
-    def _forget(self) -> None:
-        self._down = {*self._mapping.buttons} - self._stops | (self._down & self._stops)
-        self._pressed_at.clear()
-
-    def _is_no_bounce(self, name: str, now: float) -> bool:
-        return now >= self._pressed_at.get(name, -math.inf) + BOUNCE_S
 
     def _newly_down(
         self, names: set[str], axes: Sequence[float], buttons: Sequence[int]
@@ -152,10 +146,6 @@ class Stick:
         if stamp < self._stamp and wall - self._stamp <= mapping.timeout:
             return "the joystick's messages come out of order"
         return ""
-
-    def _velocity(self, axes: Sequence[float]) -> Velocity:
-        ahead, left, turn = (self._speed(way, axes) for way in WAYS)
-        return ahead, left, turn
 
     def _speed(self, way: str, axes: Sequence[float]) -> float:
         axis = self._mapping.driving.get(way)

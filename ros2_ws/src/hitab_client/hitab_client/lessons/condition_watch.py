@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Self
+from typing import Any, Self
 
-from hitab_msgs.msg import WorldState
+from hitab_msgs.msg import TransitionEvent, WorldState
 
 from hitab_client.lessons.conditions import Condition
-from hitab_client.path_tracker import PathTracker
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_client.world_view import WorldView, speakers
+from hitab_ros import names, qos
 from hitab_ros.stamps import seconds_of
 
 LOOK_SECONDS = 0.1
@@ -25,61 +25,104 @@ LOOK_SECONDS = 0.1
 
 
 class ConditionWatch:
-    """Watches the agents of a swarm that has no world; a context manager.
+    """Watches the agents of a swarm; a context manager, since it costs the agents time.
+
+    An agent's status has its active states, but only at intervals; its transitions report every
+    change, so that no short-lived state is missed.
 
     Args:
         swarm: the agents.
+        world: their world, which is paused and stepped here; None: they have none.
+        factor: multiple of real time, for people who look on; 0: as fast as possible.
     """
 
-    def __init__(self, swarm: SwarmClient) -> None:
-        self.swarm = swarm
-        self._entered: dict[str, list[str]] = {}
-        self._since = 0.0
+    def __init__(
+        self, swarm: SwarmClient, world: WorldClient | None = None, *, factor: float = 0.0
+    ) -> None:
+        self._swarm = swarm
+        self._world = world
+        self._factor = factor
+        self._due = 0.0
+        self._subscriptions: list[Any] = []
+        self._passed: dict[str, list[str]] = {}
 
     def __enter__(self) -> Self:
-        self._tracker = PathTracker(
-            self.swarm.link, self.swarm.agents(), prefix=self.swarm.prefix
-        ).__enter__()
+        link = self._swarm.link
+        topics = [
+            names.of_agent(agent, names.TRANSITIONS, self._swarm.prefix)
+            for agent in self._swarm.agents()
+        ]
+        self._subscriptions = [
+            link.subscribe(TransitionEvent, topic, self._take, qos.EVENTS, temporary=True)
+            for topic in topics
+        ]
+        link.spin_until(lambda: all(map(link.node.count_publishers, topics)), 3.0, 0.01)
         self.begin()
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._tracker.__exit__(*error)
+        for subscription in self._subscriptions:
+            self._swarm.link.node.destroy_subscription(subscription)
+
+    def _take(self, event: TransitionEvent) -> None:
+        self._passed.setdefault(event.agent, []).append(event.to_state)
 
     def begin(self) -> None:
         """Forget what has been said, entered and ended; count the time from now."""
-        self._entered = {}
+        self._entered: dict[str, list[str]] = {}
+        self._said: frozenset[str] = frozenset()
+        self._ended: tuple[str, ...] = ()
         self._since = self.now()
 
     def now(self) -> float:
         """Return the time in the agents' world, s."""
-        return time.monotonic()
+        if self._world is None:
+            return time.monotonic()
+        assert self._world.state is not None
+        return seconds_of(self._world.state.header.stamp)
 
     def go_on(self) -> None:
-        """Let some time pass, and see what happens meanwhile."""
-        self._tracker.take()
-        self.swarm.link.spin_until(lambda: False, LOOK_SECONDS)
-        self._entered = self._tracker.take()
+        """Let some time pass, or one cycle of the world, and see what happens meanwhile."""
+        self._passed = {}
+        if self._world is None:
+            self._swarm.link.spin_until(lambda: False, LOOK_SECONDS)
+            self._entered = self._passed
+            return
+        earlier, before = self._world.state, self.now()
+        state = self._world.step()
+        self._entered = self._passed
+        self._said |= speakers(state.entities)
+        if state.note and state.note not in (getattr(earlier, "note", ""), "reset"):
+            self._ended += (state.note,)
+        if self._factor:
+            now = time.monotonic()
+            self._due = max(self._due, now - 0.5) + max(0.0, self.now() - before) / self._factor
+            self._swarm.link.spin_until(lambda: False, self._due - now)
 
     def view(self) -> WorldView:
         """Return the present moment."""
-        return WorldView(None, self.now() - self._since, self._paths(), reading=self._reading)
-
-    def _paths(self) -> dict[str, list[str]]:
-        # The status may lag behind by some cycles; the states entered in this one do not.
-        return {
-            name: [*status.active_path, *self._entered.get(name, ())]
-            for name, status in self.swarm.statuses.items()
-        }
+        state: WorldState | None = None if self._world is None else self._world.state
+        return WorldView(
+            None if state is None else state.entities,
+            self.now() - self._since,
+            # The status may lag behind by some cycles; the states entered in this one do not.
+            {
+                name: [*status.active_path, *self._entered.get(name, ())]
+                for name, status in self._swarm.statuses.items()
+            },
+            self._said,
+            self._ended,
+            reading=self._reading,
+        )
 
     def _reading(self, agent: str, feature: str) -> float:
         """Return the value that an agent perceives; NaN: none.
 
         A flag is one of the automaton that uses it as a feature: the outermost one counts.
         """
-        if agent not in self.swarm.statuses:
-            self.swarm.await_agent(agent)
-        answer = self.swarm.read_features(agent, [feature])
+        if agent not in self._swarm.statuses:
+            self._swarm.await_agent(agent)
+        answer = self._swarm.read_features(agent, [feature])
         used = [r.value for r in answer.readings if r.automaton and r.feature == feature]
         asked = [r.value for r in answer.readings if not r.automaton]
         return float(used[0] if used else asked[-1])
@@ -103,63 +146,3 @@ class ConditionWatch:
                 return False
             self.go_on()
         return True
-
-
-class WorldWatch(ConditionWatch):
-    """Watches a paused world and steps it.
-
-    Args:
-        swarm: the agents.
-        world: their world, which is paused.
-        factor: multiple of real time, for people who look on; 0: as fast as possible.
-    """
-
-    def __init__(self, swarm: SwarmClient, world: WorldClient, *, factor: float = 0.0) -> None:
-        super().__init__(swarm)
-        self.world = world
-        self._factor = factor
-        self._said: frozenset[str] = frozenset()
-        self._ended: tuple[str, ...] = ()
-        self._due = 0.0
-
-    def begin(self) -> None:
-        """Forget what has been said, entered and ended; count the time from now."""
-        super().begin()
-        self._said, self._ended = frozenset(), ()
-
-    @property
-    def state(self) -> WorldState:
-        """The present state of the world."""
-        assert self.world.state is not None
-        return self.world.state
-
-    def now(self) -> float:
-        """Return the world's time, s."""
-        return seconds_of(self.state.header.stamp)
-
-    def go_on(self) -> None:
-        """Run one cycle, no faster than ``factor`` allows."""
-        earlier = self.state
-        self._tracker.take()
-        state = self.world.step()
-        self._entered = self._tracker.take()
-        self._said |= speakers(state.entities)
-        if state.note and state.note not in (earlier.note, "reset"):
-            self._ended += (state.note,)
-        if self._factor:
-            now = time.monotonic()
-            self._due = max(self._due, now - 0.5)
-            passed = seconds_of(state.header.stamp) - seconds_of(earlier.header.stamp)
-            self._due += max(0.0, passed) / self._factor
-            self.swarm.link.spin_until(lambda: False, self._due - now)
-
-    def view(self) -> WorldView:
-        """Return the present moment."""
-        return WorldView(
-            self.state.entities,
-            self.now() - self._since,
-            self._paths(),
-            self._said,
-            self._ended,
-            reading=self._reading,
-        )

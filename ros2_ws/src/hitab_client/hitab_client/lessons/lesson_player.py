@@ -8,8 +8,7 @@ watched as time passes, as a person watches them.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from hitab_msgs.msg import AgentStatus
@@ -17,7 +16,7 @@ from hitab_msgs.srv import Control
 
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.interruptions import not_interrupted
-from hitab_client.lessons.condition_watch import ConditionWatch, WorldWatch
+from hitab_client.lessons.condition_watch import ConditionWatch
 from hitab_client.lessons.lesson import (
     Begin,
     Check,
@@ -37,7 +36,7 @@ from hitab_client.lessons.lesson import (
     Until,
 )
 from hitab_client.swarm_client import SwarmClient
-from hitab_client.world_as_it_was import as_it_was
+from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
 from hitab_core import ExampleKind, HitabError, quantity, some
 
@@ -103,9 +102,7 @@ class LessonPlayer:
         self.world = world
         self.report = LessonReport(lesson.name, lesson.budget)
         self.begun: dict[str, str] = {}
-        self.watch = (
-            ConditionWatch(swarm) if world is None else WorldWatch(swarm, world, factor=factor)
-        )
+        self.watch = ConditionWatch(swarm, world, factor=factor)
         self._discard = discard
         self._performing: dict[str, str] = {}
 
@@ -120,7 +117,7 @@ class LessonPlayer:
                 took more examples than its budget.
         """
         began = time.monotonic()
-        with self._paused():
+        with standing_still(self.world):
             start = self.watch.now()
             with self.watch:
                 for index, step in enumerate(self.lesson.steps):
@@ -131,18 +128,6 @@ class LessonPlayer:
         self.report.wall_s = round(time.monotonic() - began, 3)
         self._check_budget()
         return self.report
-
-    @contextmanager
-    def _paused(self) -> Iterator[None]:
-        """Have the world wait for the lesson."""
-        world = self.world
-        if world is None:
-            yield
-            return
-        with as_it_was(world):
-            world.control(Control.Request.PACE, pace="lockstep")
-            world.shown(world.control(Control.Request.PAUSE))
-            yield
 
     def take_back(self) -> list[str]:
         """Discard what the lesson has begun and not saved; return what was done, in sentences."""

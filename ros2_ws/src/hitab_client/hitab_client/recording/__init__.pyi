@@ -1,14 +1,10 @@
 from . import recordings as recordings
 from .bag_file import FORMAT as FORMAT
 from .bag_file import METADATA as METADATA
-from .bag_file import write_metadata_file as write_metadata_file
 from .definitions import definition as definition
 from .definitions import message_class as message_class
 from .definitions import type_name as type_name
-from .reading import Decode as Decode
 from .reading import Received as Received
-from .reading import decoder_for as decoder_for
 from .reading import opened as opened
 from .reading import session_of as session_of
-from .reading import trained_agents as trained_agents
 from .recorder import Recorder as Recorder

@@ -1,12 +1,11 @@
 """A bag of one file: MCAP with what ``ros2 bag`` looks for in it.
 
-See rosbag2 of ROS 2 Jazzy, whose metadata have version 9: ``rosbag2_storage/src/qos.cpp``,
-``rosbag2_storage/yaml.hpp`` and ``rosbag2_storage_mcap/src/mcap_storage.cpp``.
+See rosbag2 of ROS 2 Jazzy: ``rosbag2_storage/src/qos.cpp`` and
+``rosbag2_storage_mcap/src/mcap_storage.cpp``.
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -24,9 +23,6 @@ METADATA = "hitab"
 FORMAT = 1
 """The format version that is written."""
 
-ROSBAG2 = "rosbag2"
-ROSBAG2_VERSION = 9
-METADATA_FILE = "metadata.yaml"
 NANOSECONDS = 10**9
 
 
@@ -47,9 +43,6 @@ class BagFile:
         self.path = path
         self.count = 0
         self._schemas: dict[str, int] = {}
-        self._topics: dict[int, dict[str, Any]] = {}
-        self._counts: dict[int, int] = {}
-        self._first = self._last = 0
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = path.open("xb")
@@ -79,25 +72,17 @@ class BagFile:
             self._schemas[kind] = self._writer.register_schema(
                 name=kind, encoding="ros2msg", data=definition(kind).encode()
             )
-        profiles = [qos_record(profile) for profile in offered]
-        channel = self._writer.register_channel(
+        return self._writer.register_channel(
             topic=topic,
             message_encoding="cdr",
             schema_id=self._schemas[kind],
             metadata={
-                "offered_qos_profiles": _as_yaml(profiles),
+                "offered_qos_profiles": yaml.safe_dump(
+                    [qos_record(profile) for profile in offered], sort_keys=False
+                ),
                 "topic_type_hash": type_hash,
             },
         )
-        self._topics[channel] = {
-            "name": topic,
-            "type": kind,
-            "serialization_format": "cdr",
-            "offered_qos_profiles": profiles,
-            "type_description_hash": type_hash,
-        }
-        self._counts[channel] = 0
-        return channel
 
     def write(self, channel: int, data: bytes, received: int, sent: int) -> None:
         """Write a message.
@@ -113,9 +98,6 @@ class BagFile:
         """
         self._writer.add_message(channel, log_time=received, data=data, publish_time=sent)
         self.count += 1
-        self._counts[channel] += 1
-        self._first = min(self._first or received, received)
-        self._last = max(self._last, received)
 
     def flush(self) -> None:
         """Give everything to the system, so that it survives this process.
@@ -125,35 +107,6 @@ class BagFile:
         """
         self._writer.flush()
 
-    def information(self) -> dict[str, Any]:
-        """Return what ``metadata.yaml`` says of the bag."""
-        begun = {"nanoseconds_since_epoch": self._first}
-        lasted = {"nanoseconds": self._last - self._first}
-        return {
-            "version": ROSBAG2_VERSION,
-            "storage_identifier": "mcap",
-            "duration": lasted,
-            "starting_time": begun,
-            "message_count": self.count,
-            "topics_with_message_count": [
-                {"topic_metadata": topic, "message_count": self._counts[channel]}
-                for channel, topic in self._topics.items()
-            ],
-            "compression_format": "",
-            "compression_mode": "",
-            "relative_file_paths": [self.path.name],
-            "files": [
-                {
-                    "path": self.path.name,
-                    "starting_time": begun,
-                    "duration": lasted,
-                    "message_count": self.count,
-                }
-            ],
-            "custom_data": {},
-            "ros_distro": os.environ.get("ROS_DISTRO", "jazzy"),
-        }
-
     def close(self) -> None:
         """Write the index and close the file.
 
@@ -162,18 +115,9 @@ class BagFile:
         """
         try:
             with self._file:
-                text = _as_yaml(self.information())
-                self._writer.add_metadata(ROSBAG2, {"serialized_metadata": text})
                 self._writer.finish()
         except OSError as error:
             raise SwarmError(f"{self.path} is not complete: {error.strerror}") from None
-
-
-def write_metadata_file(folder: Path, information: dict[str, Any]) -> Path:
-    """Write the file that makes a folder with a bag's file a bag; return its path."""
-    path = folder / METADATA_FILE
-    path.write_text(_as_yaml({"rosbag2_bagfile_information": information}), encoding="utf-8")
-    return path
 
 
 def qos_record(profile: QoSProfile) -> dict[str, Any]:
@@ -194,14 +138,3 @@ def qos_record(profile: QoSProfile) -> dict[str, Any]:
 def _time(duration: Any) -> dict[str, int]:
     seconds, rest = divmod(duration.nanoseconds, NANOSECONDS)
     return {"sec": seconds, "nsec": rest}
-
-
-class _Dumper(yaml.SafeDumper):
-    """Repeats what occurs twice: rosbag2's reader would take aliases, others might not."""
-
-    def ignore_aliases(self, data: Any) -> bool:
-        return True
-
-
-def _as_yaml(data: Any) -> str:
-    return yaml.dump(data, Dumper=_Dumper, sort_keys=False, default_flow_style=False)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
 from importlib import import_module
 from typing import Any
 
 from hitab_client.errors import SwarmError
-from hitab_ros import share_folder
+from hitab_ros import own_hashes, share_folder
 
-_FIELD = re.compile(r"^\s*([A-Za-z][\w/]*)(?:\[[^\]]*\]|<=\d+)*\s+[A-Za-z]\w*")
 _BREAK = "=" * 80
 
 
@@ -45,43 +43,20 @@ def definition(name: str) -> str:
     Raises:
         SwarmError: if its package has none.
     """
-    own = _text(name)
-    parts = [own]
-    waiting, seen = _inner(name, own), {name}
-    while waiting:
-        inner = waiting.pop(0)
-        if inner in seen:
-            continue
-        seen.add(inner)
-        text = _text(inner)
-        package, _, kind = inner.split("/")
-        parts.append(f"{_BREAK}\nMSG: {package}/{kind}\n{text}")
-        waiting += _inner(inner, text)
+    parts = [_text(name)]
+    for inner in own_hashes(name):
+        if inner != name:
+            package, _, kind = inner.split("/")
+            parts.append(f"{_BREAK}\nMSG: {package}/{kind}\n{_text(inner)}")
     return "\n".join(parts)
 
 
 def _text(name: str) -> str:
     package, folder, kind = name.split("/")
-    return _file(package, folder, f"{kind}.msg")
-
-
-def _file(package: str, folder: str, file: str) -> str:
     try:
-        return (share_folder(package) / folder / file).read_text("utf-8")
+        return (share_folder(package) / folder / f"{kind}.msg").read_text("utf-8")
     except (LookupError, OSError):
         raise SwarmError(
-            f"the ROS package {package} has no {folder}/{file} here, which a recording must "
+            f"the ROS package {package} has no {folder}/{kind}.msg here, which a recording must "
             "contain; install that package"
         ) from None
-
-
-def _inner(name: str, text: str) -> list[str]:
-    package = name.split("/")[0]
-    found = []
-    for line in text.splitlines():
-        match = _FIELD.match(line)
-        if match is None or not match.group(1).split("/")[-1][0].isupper():
-            continue
-        parts = match.group(1).split("/")
-        found.append(f"{parts[0] if len(parts) > 1 else package}/msg/{parts[-1]}")
-    return found

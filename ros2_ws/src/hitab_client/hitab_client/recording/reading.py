@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from hitab_msgs.msg import AgentStatus, Distribution, TransitionEvent
+from hitab_msgs.msg import Distribution
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap.records import Schema
-from mcap.well_known import MessageEncoding
-from mcap_ros2.decoder import DecoderFactory
 from rclpy.serialization import deserialize_message
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import FORMAT, METADATA
 from hitab_client.recording.definitions import definition, message_class, type_name
-from hitab_core import Do, has, newer_format, quantity
+from hitab_core import Do, has, newer_format
 from hitab_ros import names, own_hash, session_topics
 
-SUFFIX = ".mcap"
 MAGIC = b"\x89MCAP0\r\n"
-Decode = Callable[[bytes], Any]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +29,7 @@ class Received:
     """A recorded message.
 
     Attributes:
+        file: name of the recording.
         topic: its full name.
         schema: of its type.
         type_hash: of the definition, as ROS 2 announced it; empty: unknown.
@@ -41,6 +37,7 @@ class Received:
         data: serialized.
     """
 
+    file: str
     topic: str
     schema: Schema
     type_hash: str
@@ -48,35 +45,54 @@ class Received:
     received: int
     data: bytes
 
+    def decoded(self) -> Any:
+        """Return the message.
+
+        Raises:
+            SwarmError: if its type is defined differently here.
+        """
+        name = self.schema.name
+        kind = message_class(name)
+        if self.type_hash:
+            is_ours = self.type_hash == own_hash(name)
+        else:
+            is_ours = self.schema.data == definition(name).encode()
+        if not is_ours:
+            raise SwarmError(
+                f"{self.file} has messages of type {name} on {self.topic}, which is defined "
+                "differently here; use the version of HiTAB that recorded it"
+            )
+        return deserialize_message(self.data, kind)
+
 
 @contextmanager
 def opened(path: Path) -> Iterator[Iterator[Received]]:
     """Open a recording; the context's value yields its messages in the order of their reception.
 
     Args:
-        path: of the file, or of the folder of a bag with one file.
+        path: of the file.
 
     Raises:
         SwarmError: if it is no recording, not complete, or of a newer format.
     """
-    file = _file_in(path)
     try:
-        with file.open("rb") as stream:
-            _check_whole(file.name, stream)
+        with path.open("rb") as stream:
+            _check_whole(path.name, stream)
             reader = make_reader(stream)
             for metadata in reader.iter_metadata():
                 found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
                 if not found.isdecimal() or int(found) > FORMAT:
-                    raise SwarmError(f"{file.name} {newer_format(found, FORMAT)}")
-            yield _messages(reader)
+                    raise SwarmError(f"{path.name} {newer_format(found, FORMAT)}")
+            yield _messages(path.name, reader)
     except (OSError, McapError, ValueError) as error:
-        raise SwarmError(f"{file.name} cannot be read: {error}") from None
+        raise SwarmError(f"{path.name} cannot be read: {error}") from None
 
 
-def _messages(reader: Any) -> Iterator[Received]:
+def _messages(file: str, reader: Any) -> Iterator[Received]:
     for schema, channel, message in reader.iter_messages():
         if schema is not None:
             yield Received(
+                file,
                 channel.topic,
                 schema,
                 channel.metadata.get("topic_type_hash", ""),
@@ -86,62 +102,17 @@ def _messages(reader: Any) -> Iterator[Received]:
             )
 
 
-def _file_in(path: Path) -> Path:
-    if not path.exists():
-        raise SwarmError(f"{path}: there is no such recording")
-    if not path.is_dir():
-        return path
-    files = sorted(path.glob(f"*{SUFFIX}"))
-    if len(files) != 1:
-        what = quantity(len(files), "file") if files else "no file"
-        raise SwarmError(
-            f"{path} contains {what} of a bag (*{SUFFIX}); name one file, or record a bag that is "
-            "not split"
-        )
-    return files[0]
-
-
 def _check_whole(name: str, stream: BinaryIO) -> None:
     """Raise if a file does not begin and end as MCAP."""
     begins = stream.read(len(MAGIC))
-    if begins != MAGIC:
-        raise SwarmError(
-            f"{name} is not an MCAP recording; convert other bags with `ros2 bag convert`"
-        )
     size = stream.seek(0, io.SEEK_END)
     stream.seek(max(len(MAGIC), size - len(MAGIC)))
-    if stream.read() != MAGIC:
+    if begins != MAGIC or stream.read() != MAGIC:
         raise SwarmError(
-            f"{name} is not complete: its end, with the index, is missing, since whatever wrote "
-            "it was killed or is still writing; end that with Ctrl-C"
+            f"{name} is no complete MCAP recording: whatever wrote it was killed or is still "
+            "writing, or it is another bag, which `ros2 bag convert` converts"
         )
     stream.seek(0)
-
-
-def decoder_for(schema: Schema, type_hash: str = "") -> Decode:
-    """Return what reads messages of a schema: by their own definition if ours differs from it.
-
-    A message from before a field was added lacks that attribute.
-
-    Raises:
-        McapError: if the schema cannot be understood.
-    """
-    if _is_ours(schema, type_hash):
-        return partial(deserialize_message, message_type=message_class(schema.name))
-    try:
-        decode = DecoderFactory().decoder_for(MessageEncoding.CDR, schema)
-    except Exception as error:  # the parser raises what its parts raise
-        raise McapError(f"its definition of {schema.name} is damaged: {error}") from None
-    if decode is None:
-        raise McapError(f'its definition of {schema.name} is "{schema.encoding}", not "ros2msg"')
-    return decode
-
-
-def _is_ours(schema: Schema, type_hash: str) -> bool:
-    """Whether messages of a schema are defined as they are here."""
-    if type_hash:
-        return type_hash == own_hash(schema.name)
-    return bool(schema.data == definition(schema.name).encode())
 
 
 Sent = tuple[int, str, Any]
@@ -183,30 +154,20 @@ def session_of(path: Path, agent: str) -> Session:
 
     Args:
         path: of the recording.
-        agent: its name, with its namespace if there are several of that name.
+        agent: its name, with its namespace if there are several of that name; empty: the only
+            one that the recording has.
 
     Raises:
         SwarmError: if it has nothing of it, or messages are defined differently here.
     """
     namespace = _namespace(path, agent)
-    wanted = {f"{namespace}/{n}": (n, kind) for n, kind in session_topics.TOPICS.items()}
-    wanted[f"{namespace}/{names.STATUS}"] = names.STATUS, AgentStatus
-    wanted[f"{namespace}/{names.TRANSITIONS}"] = names.TRANSITIONS, TransitionEvent
+    told = (*session_topics.TOPICS, names.STATUS, names.TRANSITIONS)
+    wanted = {f"{namespace}/{name}": name for name in told}
     sent: list[Sent] = []
     with opened(path) as messages:
         for message in messages:
-            name, kind = wanted.get(message.topic, ("", None))
-            if kind is None:
-                continue
-            if message.schema.name != type_name(kind) or not _is_ours(
-                message.schema, message.type_hash
-            ):
-                raise SwarmError(
-                    f"{path.name} has messages of type {message.schema.name} on {message.topic}, "
-                    f"and {type_name(kind)} is defined differently here; use the version of HiTAB "
-                    "that recorded it"
-                )
-            sent.append((message.sent, name, deserialize_message(message.data, kind)))
+            if name := wanted.get(message.topic):
+                sent.append((message.sent, name, message.decoded()))
     sent.sort(key=lambda one: one[0])
     begun = next((s for s, name, _ in sent if name == session_topics.KNOWN), 0)
     known = next(m for _, name, m in sent if name == session_topics.KNOWN)
@@ -223,11 +184,11 @@ def session_of(path: Path, agent: str) -> Session:
 
 
 def _namespace(path: Path, agent: str) -> str:
-    """Return the namespace of an agent in a recording."""
+    """Return the namespace of an agent in a recording; of the only one, if none is named."""
     there = trained_agents(path)
-    meant = [n for n in there if agent in (n, n.removeprefix("/"), n.rpartition("/")[2])]
-    if len(meant) == 1:
-        return meant[0]
+    found = [n for n in there if agent in ("", n, n.removeprefix("/"), n.rpartition("/")[2])]
+    if len(found) == 1:
+        return found[0]
     if not there:
         raise SwarmError(
             f"no agent can be trained from {path.name}: it lacks the topic "
@@ -235,9 +196,5 @@ def _namespace(path: Path, agent: str) -> str:
             "their own have it",
             Do.RECORD(),
         )
-    if meant:
-        raise SwarmError(
-            f'several agents in {path.name} are called "{agent}"; name one of '
-            f"{' and '.join(meant)}"
-        )
-    raise SwarmError(f'{path.name} has no session of an agent "{agent}" {has(there, agent)}')
+    what = "has several such sessions" if found else f'has no session of an agent "{agent}"'
+    raise SwarmError(f"{path.name} {what}; choose one with --agent {has(found or there, agent)}")

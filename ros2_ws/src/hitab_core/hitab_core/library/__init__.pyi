@@ -20,5 +20,4 @@ from .edition import Edition as Edition
 from .edition import Editions as Editions
 from .reissuing import content_of as content_of
 from .reissuing import reissued as reissued
-from .reissuing import same_behavior as same_behavior
 from .yaml_places import kind_of as kind_of

@@ -6,7 +6,6 @@ next version.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from hitab_core.errors import LibraryError
@@ -57,11 +56,3 @@ def content_of(text: str, file: str) -> dict[str, Any]:
             f"{file}: is not a behavior file as it was saved: it was edited or damaged"
         )
     return content
-
-
-def same_behavior(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
-    """Return whether two contents differ in nothing but where they come from."""
-    outside = {"provenance", "checksum", "uses"}
-    return {k: v for k, v in one.items() if k not in outside} == {
-        k: v for k, v in other.items() if k not in outside
-    }
