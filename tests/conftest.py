@@ -48,9 +48,9 @@ def apart(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterat
             supervision.stop(folder)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def three_keepers(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningSwarm]:
-    """Three keepers in a paused world, which the files that a worker tests share."""
+    """Three keepers in a paused world."""
     folder = tmp_path_factory.mktemp("keepers")
     with temporary_swarm(trained_keepers(None, "", PARAMETERS), folder) as running:
         yield running
@@ -101,9 +101,9 @@ def url(swarm: RunningSwarm, tmp_path_factory: pytest.TempPathFactory) -> Iterat
         yield address
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chrome() -> Iterator[Any]:
-    """Return a browser."""
+    """Return a browser; while it is there, an event loop runs that other files cannot have."""
     with browser() as started:
         yield started
 

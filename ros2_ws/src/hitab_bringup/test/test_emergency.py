@@ -87,7 +87,7 @@ def test_robots_are_stopped_and_released_and_re_armed_though_there_is_no_agent(f
     assert status == 1
     assert "robot_1 may not act again: emergency stop by" in err
     status, out, _ = hitab(capfd, "go")
-    assert out == "released: red/robot_2, robot_1; let ROBOT act again: `hitab arm ROBOT`\n"
+    assert out == "released: red/robot_2, robot_1; robots wait for `hitab arm`\n"
     assert one.machine.why
     assert hitab(capfd, "arm", "/red/robot_2")[1] == "/red/robot_2 may act\n"
     assert one.machine.why
