@@ -26,7 +26,7 @@ CORE_FLOORS = (
     ("advice",),
     ("running",),
     ("drawing", "library"),
-    ("training",),
+    ("exporting", "training"),
     ("caution", "saving"),
     ("agent",),
     ("commanding", "learning_agent", "plain"),

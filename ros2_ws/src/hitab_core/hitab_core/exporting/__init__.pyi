@@ -1,0 +1,2 @@
+from .export import LANGUAGES as LANGUAGES
+from .export import exported as exported

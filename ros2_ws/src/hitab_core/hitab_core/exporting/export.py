@@ -1,0 +1,54 @@
+"""Exports a behavior of a library to a language."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from hitab_core.errors import VocabularyError
+from hitab_core.exporting.hierarchy_form import Hierarchy, hierarchy_of
+from hitab_core.exporting.python import as_python
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.bundle import bundle_digest
+from hitab_core.library.provenance import tool_name
+from hitab_core.use import Use
+from hitab_core.vocabulary import unknown
+
+
+class Language(NamedTuple):
+    """What writes a behavior, given where it comes from, and the ending of such a file's name."""
+
+    write: Callable[[Hierarchy, str], str]
+    suffix: str
+
+
+LANGUAGES: Mapping[str, Language] = MappingProxyType({"python": Language(as_python, ".py")})
+
+
+def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
+    """Return a behavior, with everything that it is made of, as a program without HiTAB.
+
+    Args:
+        library: that has it.
+        behavior: its name, with a target for each parameter, such as ``Chase(ball)``.
+        to: one of `LANGUAGES`.
+
+    Raises:
+        VocabularyError: if there is no such behavior or language, or naming what of the behavior
+            cannot be exported.
+        LibraryError: if the library cannot be read.
+    """
+    if to not in LANGUAGES:
+        raise VocabularyError(unknown("language", to, LANGUAGES))
+    edition, use = library.edition(strict=False), Use.parse(behavior)
+    hierarchy = hierarchy_of(edition.repertoire, use)
+    parts = [name for name in edition.repertoire.needed_by(use.name) if name in edition.files]
+    digest = bundle_digest(tuple((name, edition.files[name].text) for name in parts))
+    origin = (
+        f"{use}, exported by {tool_name()} from the library "
+        f"{library.folder.resolve().name} of domain {library.domain.name}, "
+        f"version {library.domain.version}.\n"
+        f"Digest of {', '.join(parts)}:\n{digest}"
+    )
+    return LANGUAGES[to].write(hierarchy, origin)

@@ -1,0 +1,216 @@
+"""A learned behavior and all that it is made of, as plain tables that any language can hold.
+
+Every automaton of the hierarchy occurs once for each binding of its parameters. Since a behavior
+cannot use itself, at most one performance of it is active at a time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NoReturn
+
+from hitab_core.action_behavior import ActionBehavior
+from hitab_core.automaton import FLAGS, OWN_FEATURES, START, Automaton
+from hitab_core.errors import VocabularyError
+from hitab_core.hierarchy import in_order
+from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_choice
+from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.repertoire import Repertoire
+from hitab_core.running.senses import checks_of
+from hitab_core.transition_function import HandWritten, TransitionFunction
+from hitab_core.use import Use
+
+OWN = tuple(map(str, OWN_FEATURES))
+"""The features that each automaton has of its own, which come before those of the robot."""
+
+
+@dataclass(frozen=True, slots=True)
+class Test:
+    """``low < value <= high``, after ``value %= period`` if there is one; see `compiled_tree`.
+
+    Attributes:
+        feature: index into `OWN` followed by `Hierarchy.features`.
+        yes, no: index of the next node.
+        share: of the examples that went to ``yes``, which decides where the value is missing.
+    """
+
+    feature: int
+    period: float
+    low: float
+    high: float
+    yes: int
+    no: int
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """Pairs: the state with this index is drawn below this number; the last number is 1."""
+
+    chances: tuple[tuple[float, int], ...]
+
+
+Tree = tuple[Test | Leaf, ...]
+"""The root first, each node before those that it leads to."""
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureForm:
+    """A feature bound to targets.
+
+    Attributes:
+        label: its name with its targets.
+        categories, required: as in `hitab_core.running.senses.checked`.
+        period: of a toroidal feature, else 0.
+    """
+
+    label: str
+    categories: int
+    required: bool
+    period: float
+
+
+@dataclass(frozen=True, slots=True)
+class StateForm:
+    """A state.
+
+    Attributes:
+        label: in the automaton's own terms.
+        performs: a behavior bound to targets; None in Start and in flag states.
+        is_automaton: whether that is an automaton.
+        one_shot: whether it is pulsed only once.
+        tree: decides where to go; None: nowhere.
+    """
+
+    label: str
+    performs: Use | None
+    is_automaton: bool
+    one_shot: bool
+    tree: Tree | None
+
+
+@dataclass(frozen=True, slots=True)
+class AutomatonForm:
+    """An automaton bound to targets; its first state is Start."""
+
+    use: Use
+    states: tuple[StateForm, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Hierarchy:
+    """Automata, each after those that it uses; the last is the behavior itself."""
+
+    automata: tuple[AutomatonForm, ...]
+    features: tuple[FeatureForm, ...]
+
+    @property
+    def top(self) -> AutomatonForm:
+        """The behavior itself."""
+        return self.automata[-1]
+
+    @property
+    def basics(self) -> dict[Use, bool]:
+        """The basic behaviors that the robot has to have, and whether they are pulsed once."""
+        return {
+            state.performs: state.one_shot
+            for automaton in self.automata
+            for state in automaton.states
+            if state.performs is not None and not state.is_automaton
+        }
+
+
+def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
+    """Return a behavior with everything that it is made of.
+
+    Args:
+        repertoire: of the robot.
+        use: of a learned behavior, its parameters bound to targets.
+
+    Raises:
+        VocabularyError: if it does not exist, or naming what of it cannot leave the engine.
+    """
+    repertoire.check_performable(use)
+    if use.name not in repertoire.automata:
+        raise VocabularyError(
+            f'"{use.name}" is a basic behavior, which the robot has already; export a learned one'
+        )
+
+    def automata_of(label: str) -> list[str]:
+        bound, parameters = _bound(repertoire, Use.parse(label))
+        return [
+            str(state.bound(parameters))
+            for state in bound.states
+            if state.name in repertoire.automata
+        ]
+
+    slots: dict[str, int] = {label: slot for slot, label in enumerate(OWN)}
+    forms = [
+        _automaton(repertoire, Use.parse(label), slots)
+        for label in in_order([str(use)], automata_of)
+    ]
+    features = []
+    for label in list(slots)[len(OWN) :]:
+        feature = repertoire.domain.features[Use.parse(label).name]
+        checks = checks_of(Use.parse(label), feature)
+        features.append(FeatureForm(*checks, period=feature.scale.period))
+    return Hierarchy(tuple(forms), tuple(features))
+
+
+def _bound(repertoire: Repertoire, use: Use) -> tuple[Automaton, dict[str, str]]:
+    automaton = repertoire.automata[use.name]
+    return automaton, dict(zip(automaton.parameters, use.arguments, strict=True))
+
+
+def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> AutomatonForm:
+    automaton, parameters = _bound(repertoire, use)
+    features = [str(feature.bound(parameters)) for feature in automaton.features]
+    indices = {label: index for index, label in enumerate((START, *automaton.labels))}
+    trees: dict[str, Tree] = {}
+    for label, function in automaton.transitions.items():
+        if not isinstance(function, TransitionTree):
+            _refuse(use.name, function)
+        for used in function.features_used:
+            slots.setdefault(features[used], len(slots))
+        trees[label] = _tree(function, [slots.get(name, -1) for name in features], indices)
+    states = [StateForm(START, None, False, False, trees.get(START))]
+    for state, label in zip(automaton.states, automaton.labels, strict=True):
+        if state.name in FLAGS:
+            states.append(StateForm(label, None, False, False, None))
+            continue
+        if isinstance(repertoire.get(state.name), ActionBehavior):
+            raise VocabularyError(
+                f'"{use.name}" cannot be exported: "{state.name}" in it is an action, whose goals '
+                "and results are handled by HiTAB; export a behavior that does without, or have "
+                "HiTAB perform this one"
+            )
+        performs = state.bound(parameters)
+        is_automaton, one_shot = state.name in repertoire.automata, repertoire.is_one_shot(state)
+        states.append(StateForm(label, performs, is_automaton, one_shot, trees.get(label)))
+    return AutomatonForm(use, tuple(states))
+
+
+def _refuse(name: str, function: TransitionFunction) -> NoReturn:
+    if isinstance(function, HandWritten):
+        why = "it is written by hand, and code is not exported; train a behavior in its place"
+    else:
+        why = "it was learned by another classifier than a tree; train it further as a tree"
+    raise VocabularyError(f'automaton "{name}" cannot be exported: {why}')
+
+
+def _tree(function: TransitionTree, slots: list[int], indices: dict[str, int]) -> Tree:
+    states = [indices[label] for label in function.labels]
+    queue: list[Compiled] = [
+        compiled(function.root_, slots, lambda counts: leaf_choice(counts, states))
+    ]
+    nodes: list[Test | Leaf] = []
+    for node in queue:  # which grows
+        if type(node) is tuple:
+            slot, period, low, high, yes, no, share = node
+            nodes.append(Test(slot, period, low, high, len(queue), len(queue) + 1, share))
+            queue += [yes, no]
+        elif isinstance(node, Draw):
+            nodes.append(Leaf(tuple(zip(node.cumulative, node.choices, strict=True))))
+        else:
+            nodes.append(Leaf(((1.0, node),)))
+    return tuple(nodes)

@@ -1,0 +1,62 @@
+"""A behavior as one file of Python 3.8 or later that needs nothing else."""
+
+from __future__ import annotations
+
+import ast
+import keyword
+from importlib.resources import files
+
+from hitab_core.exporting.hierarchy_form import Hierarchy, Leaf, StateForm, Test
+from hitab_core.exporting.names import identifiers
+
+USE = """\
+    import random, time
+    robot = {name}()
+    action = robot.tick(percept, time.monotonic(), random.random)  # once per cycle
+
+`percept` maps the names in FEATURES to numbers: booleans to 0 or 1, a category to its index, and
+a value that is missing to None."""
+
+
+def as_python(hierarchy: Hierarchy, origin: str) -> str:
+    """Return the text of the file; ``origin`` says where the behavior comes from."""
+    runtime = files(__package__).joinpath("python_runtime.py").read_text(encoding="utf-8")
+    parsed = ast.parse(runtime)
+    there = {node.name for node in parsed.body if isinstance(node, (ast.ClassDef))}
+    reserved = {*keyword.kwlist, *there, "AUTOMATA", "FEATURES", "FLAGS", "inf", "math"}
+    top = str(hierarchy.top.use)
+    name = identifiers([top], reserved)[top]
+    lines = [f'"""{origin}\n', USE.format(name=name), '"""']
+    lines += runtime.splitlines()[parsed.body[0].end_lineno :]
+    lines += ["", "", "FEATURES += ["]
+    lines += [
+        f"    ({feature.label!r}, {feature.categories}, {feature.required}),"
+        for feature in hierarchy.features
+    ]
+    lines.append("]")
+    for automaton in hierarchy.automata:
+        lines.append(f"AUTOMATA[{str(automaton.use)!r}] = (")
+        for state in automaton.states:
+            lines += _state(state)
+        lines.append(")")
+    lines += ["", "", f"class {name}(Behavior):", f'    """Performs {top}."""', ""]
+    return "\n".join([*lines, f"    NAME = {top!r}", ""])
+
+
+def _state(state: StateForm) -> list[str]:
+    performs = "None"
+    if state.is_automaton:
+        performs = repr(str(state.performs))
+    elif state.performs is not None:
+        performs = f"Action({state.performs.name!r}, {state.performs.arguments}, {state.one_shot})"
+    if state.tree is None:
+        return [f"    State({state.label!r}, {performs}, None),"]
+    nodes = [f"            {_node(node)}," for node in state.tree]
+    return [f"    State({state.label!r}, {performs}, (", *nodes, "    )),"]
+
+
+def _node(node: Test | Leaf) -> str:
+    if isinstance(node, Leaf):
+        return repr(tuple(zip(*node.chances, strict=True)))
+    limits = (node.feature, node.period, node.low, node.high, node.yes, node.no, node.share)
+    return f"({', '.join(map(repr, limits))})"

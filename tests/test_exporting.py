@@ -1,0 +1,121 @@
+"""An exported behavior decides as the engine does, percept by percept."""
+
+from __future__ import annotations
+
+import ast
+from functools import cache
+from types import ModuleType
+from typing import Any
+
+import pytest
+from replays import (
+    Replayed,
+    Step,
+    all_transitions,
+    draws,
+    recorded_steps,
+    replayed,
+    steered_steps,
+)
+
+from foraging_world.world import ForagingWorld
+from hitab_bringup import open_library
+from hitab_client.shipped import shipped
+from hitab_core import BehaviorLibrary, Repertoire, Use
+from hitab_core.exporting import exported
+from hitab_core.exporting.hierarchy_form import Hierarchy, hierarchy_of
+from hitab_world.inprocess import perform, play
+from keepaway_world.world import KeepawayWorld
+
+SHIPPED = {
+    "keepaway": ("Keepaway",),
+    "keepaway_captained": ("Keepaway", "Freeze", "Regroup"),
+    "keepaway_handcoded": ("GotoBall",),
+    "captain": ("Captain",),
+    "foraging": ("Forage", "Carry(squad_box)", "Carry(company_box)"),
+    "foraging_squad": ("SquadForage",),
+    "foraging_company": ("CompanyForage",),
+}
+"""Behaviors that the automata of each library are part of."""
+
+WORLDS = {"keepaway": KeepawayWorld, "foraging": ForagingWorld}
+COUNT = 10_000
+
+
+@cache
+def library(name: str) -> BehaviorLibrary:
+    return open_library(shipped("libraries", name))
+
+
+@cache
+def hierarchy(name: str, behavior: str) -> Hierarchy:
+    return hierarchy_of(library(name).edition().repertoire, Use.parse(behavior))
+
+
+@cache
+def steps_of(name: str, behavior: str) -> tuple[Step, ...]:
+    """Return percepts of episodes, if the robots of a world perform it, then steered ones."""
+    form, there = hierarchy(name, behavior), library(name)
+    recorded: list[Step] = []
+    if there.domain.name in WORLDS:
+        world = WORLDS[there.domain.name](seed=1)
+        players = perform(world, Repertoire(there.domain, there.load()), behavior)
+        recorded = recorded_steps(form, there.domain, world, players)
+        play(world, players, 3, cycles_max=400)
+        assert len(recorded) > 100
+    steered = steered_steps(form, COUNT - len(recorded), f"{name} {behavior}")
+    return (*recorded, *((percept, now + len(recorded), new) for percept, now, new in steered))
+
+
+@cache
+def engine_of(name: str, behavior: str) -> tuple[Replayed, float]:
+    """Return what the engine makes of the percepts, and the first draw that it left."""
+    draw, there = draws(behavior), library(name)
+    use = Use.parse(behavior)
+    found = replayed(there.domain, there.load(), use, steps_of(name, behavior), draw.__next__)
+    return found, next(draw)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_the_percepts_lead_through_every_transition_of_a_library(name):
+    taken, there = set(), set()
+    for behavior in SHIPPED[name]:
+        taken |= engine_of(name, behavior)[0].taken
+        there |= all_transitions(hierarchy(name, behavior))
+    assert taken == there
+    assert {use.partition("(")[0] for use, _, _ in taken} == set(library(name).names())
+
+
+@pytest.mark.parametrize(("name", "behavior"), [(n, b) for n in SHIPPED for b in SHIPPED[n]])
+def test_python_decides_as_the_engine_does(name, behavior):
+    engine, left = engine_of(name, behavior)
+    draw = draws(behavior)
+    robot = python_robot(exported(library(name), behavior, "python"))
+    before = ""
+    for number, (step, expected) in enumerate(
+        zip(steps_of(name, behavior), engine.seen, strict=True)
+    ):
+        percept, now, begins = step
+        acts = []
+        if begins:
+            robot.start(now)
+            acts += [f"stop {before}"] * bool(before)
+            before = ""
+        action = robot.tick(percept, now, draw.__next__)
+        if action is None or action.started:
+            acts += [f"stop {before}"] * bool(before)
+            before = ""
+        if action is not None:
+            before = str(Use(action.name, action.arguments))
+            acts += [f"start {before}"] * action.started
+            acts += [f"pulse {before}"] * (action.started or not action.one_shot)
+        assert (robot.path, acts) == expected, f"tick {number}: {percept}"
+    assert next(draw) == left, "it drew as often"
+
+
+def python_robot(text: str) -> Any:
+    module = ModuleType("exported")
+    ast.parse(text, feature_version=(3, 8))
+    exec(compile(text, "exported.py", "exec"), module.__dict__)
+    (made,) = module.__dict__["Behavior"].__subclasses__()
+    return made()
