@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import ast
+import re
+import shutil
+import subprocess
 from functools import cache
+from itertools import islice
 from types import ModuleType
 from typing import Any
 
@@ -40,6 +44,7 @@ SHIPPED = {
 
 WORLDS = {"keepaway": KeepawayWorld, "foraging": ForagingWorld}
 COUNT = 10_000
+TEXT: Any = {"text": True, "capture_output": True, "check": True}
 
 
 @cache
@@ -119,3 +124,76 @@ def python_robot(text: str) -> Any:
     exec(compile(text, "exported.py", "exec"), module.__dict__)
     (made,) = module.__dict__["Behavior"].__subclasses__()
     return made()
+
+
+CPP_RUN = """
+template <class Behavior, class Features, class Table>
+void run(const Table& table, int count) {
+  Behavior robot;
+  std::string before;
+  for (int i = 0; i < count; ++i) {
+    Features features;
+    double now, begins;
+    std::scanf("%lf %lf", &begins, &now);
+    for (const auto& feature : table) std::scanf("%lf", &(features.*feature.value));
+    std::string acts;
+    if (begins) {
+      robot.start(now);
+      if (!before.empty()) acts += " stop " + before + ";";
+      before.clear();
+    }
+    auto action = robot.tick(features, now, [] { return random_numbers[drawn++]; });
+    if ((!action || action->started) && !before.empty()) acts += " stop " + before + ";";
+    before.clear();
+    if (action) {
+      before = action->name;
+      for (std::size_t a = 0; a < action->arguments.size(); ++a)
+        before += (a ? ", " : "(") + action->arguments[a];
+      if (!action->arguments.empty()) before += ")";
+      if (action->started) acts += " start " + before + ";";
+      if (action->started || !action->one_shot) acts += " pulse " + before + ";";
+    }
+    for (const auto& label : robot.path()) std::printf("%s/", label.c_str());
+    std::printf("%s\\n", acts.c_str());
+  }
+  std::printf("%zu\\n", drawn);
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
+def test_cpp_decides_as_the_engine_does(tmp_path):
+    cases = [(n, b) for n in SHIPPED for b in SHIPPED[n]]
+    headers = "algorithm cmath cstdio functional optional stdexcept string utility vector"
+    lines = [f"#include <{header}>" for header in headers.split()]
+    lines += ["std::size_t drawn;", "std::vector<double> random_numbers;", CPP_RUN]
+    main: list[str] = []
+    given: list[str] = []
+    expected: list[str] = []
+    for number, (name, behavior) in enumerate(cases):
+        text = exported(library(name), behavior, "cpp")
+        (tmp_path / f"{number}.hpp").write_text(text)
+        space = f"n{number}::{re.search('namespace (hitab_[A-Za-z0-9_]+)', text)[1]}"
+        # Two libraries have a behavior of the same name.
+        lines += [f"namespace n{number} {{", f'#include "{number}.hpp"', "}"]
+        engine, left = engine_of(name, behavior)
+        steps = steps_of(name, behavior)
+        numbers = list(islice(draws(behavior), 2 * COUNT))
+        used = numbers.index(left)
+        main += [f"drawn = 0; random_numbers.resize({used});"]
+        main += ['for (double& number : random_numbers) std::scanf("%lf", &number);']
+        main += [f"run<{space}::Behavior, {space}::Features>({space}::FEATURES, {len(steps)});"]
+        given += [drawn.hex() for drawn in numbers[:used]]
+        for percept, now, begins in steps:
+            values = [percept[f.label] for f in hierarchy(name, behavior).features]
+            given += [float(value).hex() for value in (begins, now, *values)]
+        expected += [
+            "/".join(path) + "/" + "".join(f" {act};" for act in acts)
+            for path, acts in engine.seen
+        ]
+        expected.append(str(used))
+    (tmp_path / "main.cpp").write_text("\n".join([*lines, "int main() {", *main, "}"]))
+    flags = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O0"]
+    subprocess.run(["g++", *flags, "main.cpp", "-o", "main"], cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "main"], input=" ".join(given), **TEXT).stdout.splitlines()
+    assert said == expected

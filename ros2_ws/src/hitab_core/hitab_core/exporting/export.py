@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from hitab_core.errors import VocabularyError
+from hitab_core.exporting.cpp import as_cpp
 from hitab_core.exporting.hierarchy_form import Hierarchy, hierarchy_of
 from hitab_core.exporting.python import as_python
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -23,7 +24,9 @@ class Language(NamedTuple):
     suffix: str
 
 
-LANGUAGES: Mapping[str, Language] = MappingProxyType({"python": Language(as_python, ".py")})
+LANGUAGES: Mapping[str, Language] = MappingProxyType(
+    {"python": Language(as_python, ".py"), "cpp": Language(as_cpp, ".hpp")}
+)
 
 
 def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
