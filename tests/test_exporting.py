@@ -6,6 +6,7 @@ import ast
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from functools import cache
 from itertools import islice
 from types import ModuleType
@@ -28,6 +29,7 @@ from hitab_client.shipped import shipped
 from hitab_core import BehaviorLibrary, Repertoire, Use
 from hitab_core.exporting import exported
 from hitab_core.exporting.hierarchy_form import Hierarchy, hierarchy_of
+from hitab_core.exporting.names import identifiers
 from hitab_world.inprocess import perform, play
 from keepaway_world.world import KeepawayWorld
 
@@ -197,3 +199,53 @@ def test_cpp_decides_as_the_engine_does(tmp_path):
     subprocess.run(["g++", *flags, "main.cpp", "-o", "main"], cwd=tmp_path, check=True)
     said = subprocess.run([tmp_path / "main"], input=" ".join(given), **TEXT).stdout.splitlines()
     assert said == expected
+
+
+@pytest.mark.parametrize(("name", "behavior"), [(n, b) for n in SHIPPED for b in SHIPPED[n]])
+def test_behavior_tree_cpp_decides_as_the_engine_does(name, behavior):
+    library_of_trees = pytest.importorskip(
+        "behaviortreepy", reason="BehaviorTree.CPP is missing: pip install behaviortreepy"
+    )
+    form, (engine, left) = hierarchy(name, behavior), engine_of(name, behavior)
+    text = exported(library(name), behavior, "bt.xml")
+    factory, board = library_of_trees.BehaviorTreeFactory(), library_of_trees.Blackboard.create()
+    status, draw = library_of_trees.NodeStatus, draws(behavior)
+    acts: list[str] = []
+
+    def noting(*texts: str) -> Callable[[Any], Any]:
+        def note(node: Any) -> Any:
+            acts.extend(texts)
+            return status.RUNNING
+
+        return note
+
+    for use, one_shot in form.basics.items():
+        goes_on = noting(*[f"pulse {use}"] * (not one_shot))
+        starts, stops = noting(f"start {use}", f"pulse {use}"), noting(f"stop {use}")
+        (node,) = identifiers([str(use)]).values()
+        factory.register_simple_stateful_action(node, starts, goes_on, stops)
+
+    def draws_one(node: Any) -> Any:
+        board.set_double("drawn", next(draw))
+        return status.SUCCESS
+
+    factory.register_simple_action("Draw", draws_one)
+    entries = identifiers(feature.label for feature in form.features)
+    for entry in (*entries.values(), "now", "drawn"):
+        board.set_double(entry, 0.0)
+    tree = factory.create_tree_from_text(text, board)
+    top, *_ = identifiers([behavior]).values()
+    steps = steps_of(name, behavior)
+    for number, (step, (path, expected)) in enumerate(zip(steps, engine.seen, strict=True)):
+        percept, now, begins = step
+        acts.clear()
+        if begins:
+            tree.halt_tree()
+            board.set_double("hitab_begin", 1.0)
+        board.set_double("now", now)
+        for label, entry in entries.items():
+            board.set_double(entry, percept[label])
+        tree.tick_exactly_once()
+        state = board.get_string(f"hitab_{top}_state")
+        assert (state, acts) == (path[0], expected), f"tick {number}: {percept}"
+    assert next(draw) == left, "it drew as often"

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from hitab_core.errors import VocabularyError
+from hitab_core.exporting.behavior_tree import as_behavior_tree
 from hitab_core.exporting.cpp import as_cpp
 from hitab_core.exporting.hierarchy_form import Hierarchy, hierarchy_of
 from hitab_core.exporting.python import as_python
@@ -25,7 +26,11 @@ class Language(NamedTuple):
 
 
 LANGUAGES: Mapping[str, Language] = MappingProxyType(
-    {"python": Language(as_python, ".py"), "cpp": Language(as_cpp, ".hpp")}
+    {
+        "python": Language(as_python, ".py"),
+        "cpp": Language(as_cpp, ".hpp"),
+        "bt.xml": Language(as_behavior_tree, ".bt.xml"),
+    }
 )
 
 
