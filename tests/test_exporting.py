@@ -6,13 +6,16 @@ import ast
 import re
 import shutil
 import subprocess
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from itertools import islice
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
+from odd_library import odd_library
 from replays import (
     Replayed,
     Step,
@@ -44,6 +47,7 @@ SHIPPED = {
 }
 """Behaviors that the automata of each library are part of."""
 
+BEHAVIORS = [*((name, each) for name in SHIPPED for each in SHIPPED[name]), ("odd", "Behavior")]
 WORLDS = {"keepaway": KeepawayWorld, "foraging": ForagingWorld}
 COUNT = 10_000
 TEXT: Any = {"text": True, "capture_output": True, "check": True}
@@ -51,6 +55,8 @@ TEXT: Any = {"text": True, "capture_output": True, "check": True}
 
 @cache
 def library(name: str) -> BehaviorLibrary:
+    if name == "odd":
+        return odd_library(Path(tempfile.mkdtemp()))
     return open_library(shipped("libraries", name))
 
 
@@ -93,7 +99,7 @@ def test_the_percepts_lead_through_every_transition_of_a_library(name):
     assert {use.partition("(")[0] for use, _, _ in taken} == set(library(name).names())
 
 
-@pytest.mark.parametrize(("name", "behavior"), [(n, b) for n in SHIPPED for b in SHIPPED[n]])
+@pytest.mark.parametrize(("name", "behavior"), BEHAVIORS)
 def test_python_decides_as_the_engine_does(name, behavior):
     engine, left = engine_of(name, behavior)
     draw = draws(behavior)
@@ -165,14 +171,13 @@ void run(const Table& table, int count) {
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
 def test_cpp_decides_as_the_engine_does(tmp_path):
-    cases = [(n, b) for n in SHIPPED for b in SHIPPED[n]]
     headers = "algorithm cmath cstdio functional optional stdexcept string utility vector"
     lines = [f"#include <{header}>" for header in headers.split()]
     lines += ["std::size_t drawn;", "std::vector<double> random_numbers;", CPP_RUN]
     main: list[str] = []
     given: list[str] = []
     expected: list[str] = []
-    for number, (name, behavior) in enumerate(cases):
+    for number, (name, behavior) in enumerate(BEHAVIORS):
         text = exported(library(name), behavior, "cpp")
         (tmp_path / f"{number}.hpp").write_text(text)
         space = f"n{number}::{re.search('namespace (hitab_[A-Za-z0-9_]+)', text)[1]}"
@@ -201,7 +206,7 @@ def test_cpp_decides_as_the_engine_does(tmp_path):
     assert said == expected
 
 
-@pytest.mark.parametrize(("name", "behavior"), [(n, b) for n in SHIPPED for b in SHIPPED[n]])
+@pytest.mark.parametrize(("name", "behavior"), BEHAVIORS)
 def test_behavior_tree_cpp_decides_as_the_engine_does(name, behavior):
     library_of_trees = pytest.importorskip(
         "behaviortreepy", reason="BehaviorTree.CPP is missing: pip install behaviortreepy"
@@ -219,22 +224,23 @@ def test_behavior_tree_cpp_decides_as_the_engine_does(name, behavior):
 
         return note
 
+    # A person reads in the file's head what to register.
+    head = text.partition("-->")[0]
+    told = {use: node for node, use in re.findall(r"^  (\w+) = (\w+(?:\([^)]*\))?)", head, re.M)}
     for use, one_shot in form.basics.items():
         goes_on = noting(*[f"pulse {use}"] * (not one_shot))
         starts, stops = noting(f"start {use}", f"pulse {use}"), noting(f"stop {use}")
-        (node,) = identifiers([str(use)]).values()
-        factory.register_simple_stateful_action(node, starts, goes_on, stops)
+        factory.register_simple_stateful_action(told[str(use)], starts, goes_on, stops)
 
     def draws_one(node: Any) -> Any:
         board.set_double("drawn", next(draw))
         return status.SUCCESS
 
     factory.register_simple_action("Draw", draws_one)
-    entries = identifiers(feature.label for feature in form.features)
+    entries = {feature.label: told[feature.label] for feature in form.features}
     for entry in (*entries.values(), "now", "drawn"):
         board.set_double(entry, 0.0)
     tree = factory.create_tree_from_text(text, board)
-    top, *_ = identifiers([behavior]).values()
     steps = steps_of(name, behavior)
     for number, (step, (path, expected)) in enumerate(zip(steps, engine.seen, strict=True)):
         percept, now, begins = step
@@ -246,6 +252,20 @@ def test_behavior_tree_cpp_decides_as_the_engine_does(name, behavior):
         for label, entry in entries.items():
             board.set_double(entry, percept[label])
         tree.tick_exactly_once()
-        state = board.get_string(f"hitab_{top}_state")
-        assert (state, acts) == (path[0], expected), f"tick {number}: {percept}"
+        assert (states_of(form, board, len(path)), acts) == (path, expected), (
+            f"{number}: {percept}"
+        )
     assert next(draw) == left, "it drew as often"
+
+
+def states_of(form: Hierarchy, board: Any, count: int) -> list[str]:
+    """Return the active states by the blackboard, the outermost first."""
+    automaton, found = form.top, []
+    while len(found) < count:
+        (name,) = identifiers([str(automaton.use)]).values()
+        found.append(board.get_string(f"hitab_{name}_state"))
+        active = next(state for state in automaton.states if state.label == found[-1])
+        if not active.is_automaton:
+            break
+        automaton = next(inner for inner in form.automata if inner.use == active.performs)
+    return found

@@ -95,7 +95,7 @@ class _Writer:
 
     def _head(self, origin: str) -> str:
         actions = [
-            f"  {self.names[str(use)]}{f' = {use}' * bool(use.arguments)}{', once' * one_shot}"
+            f"  {self.names[str(use)]} = {use}{', once' * one_shot}"
             for use, one_shot in self._hierarchy.basics.items()
         ]
         entries = []
