@@ -203,3 +203,56 @@ def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:
 def test_nothing_is_saved_into_a_shipped_library() -> None:
     with pytest.raises(LibraryError, match="is shipped with HiTAB"):
         with_library(swarm("keepaway"), "keepaway")
+
+
+# -- taking a behavior to a robot's own program -------------------------------------------------
+
+
+def test_a_behavior_of_an_agent_or_of_a_library_is_exported_for_a_program_of_ones_own(
+    up: RunFolder, tmp_path: Path
+) -> None:
+    assert "wrote Keepaway to Keepaway.py" in done(
+        "export", "keeper_1", "Keepaway", "--to", "python"
+    )
+    namespace: dict[str, Any] = {"__name__": "exported"}
+    exec((tmp_path / "Keepaway.py").read_text(), namespace)
+    robot = namespace["Keepaway"]()
+    percept = {"ATeammateIsCloserToBall": 1, "IWasYelledAt": 0}
+    assert robot.tick(percept, 0.0, float).name == "GetOpen"
+    done("export", "Carry(squad_box)", "-l", "foraging", "--to", "cpp", "-o", "carry.hpp")
+    assert "Carry(squad_box), exported by" in (tmp_path / "carry.hpp").read_text()
+    done("export", "Keepaway", "-l", "keepaway", "--to", "bt.xml")
+    assert 'main_tree_to_execute="Keepaway"' in (tmp_path / "Keepaway.bt.xml").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (["keper_1", "Keepaway"], 'Did you mean "keeper_1"?'),
+        (["keeper_1", "Keepawy"], 'Did you mean "Keepaway"?'),
+        (["keeper_1", "Keepaway", "GotoBall"], "name an agent and one behavior"),
+        (["keeper_1", "Keepaway", "-l", "keepaway"], "only the behavior of a --library"),
+        (["Keepaway", "-l", "keepawy"], 'Did you mean "keepaway"?'),
+        (["Carry", "-l", "foraging"], "write, for example, Carry("),
+        (["ServoBall", "-l", "keepaway"], "written by hand"),
+        (
+            ["Keepaway", "-l", "keepaway", "-o", "there"],
+            "choose another with -o FILE, or give --fo",
+        ),
+        (["Keepaway", "-l", "keepaway", "-o", "there/in.py"], "there/in.py"),
+        (["Keepaway", "-l", "keepaway", "-o", ".", "--force"], ". is a folder"),
+    ],
+)
+def test_nothing_is_exported_by_wrong_words_or_over_another_file(
+    up: RunFolder, tmp_path: Path, arguments: list[str], why: str
+) -> None:
+    (tmp_path / "there").write_text("mine")
+    assert why in refused("export", *arguments, "--to", "python")
+    assert (tmp_path / "there").read_text() == "mine"
+    assert [path.name for path in tmp_path.glob("*.py")] == []
+
+
+def test_an_export_replaces_a_file_if_told_to(tmp_path: Path) -> None:
+    (tmp_path / "Keepaway.py").write_text("old")
+    done("export", "Keepaway", "-l", "keepaway", "--to", "python", "--force")
+    assert "class Keepaway" in (tmp_path / "Keepaway.py").read_text()

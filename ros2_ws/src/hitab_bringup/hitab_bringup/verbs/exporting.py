@@ -48,6 +48,8 @@ def export(
     there = opened(library, agent[0] if agent else None, swarm, Use.parse(name).name)
     text = exported(there, name, to)
     path = output or Path(name.split("(")[0] + LANGUAGES[to].suffix)
+    if path.is_dir():
+        raise LibraryError(f"{path} is a folder; choose a file with -o FILE")
     if path.exists() and not force:
         raise LibraryError(f"{path} exists already; choose another with -o FILE, or give --force")
     with file_errors(path, "write"):
