@@ -269,3 +269,12 @@ def states_of(form: Hierarchy, board: Any, count: int) -> list[str]:
             break
         automaton = next(inner for inner in form.automata if inner.use == active.performs)
     return found
+
+
+def test_the_page_shows_what_its_code_prints(tmp_path, monkeypatch, capsys):
+    page = (Path(__file__).parents[1] / "docs" / "export.md").read_text()
+    (tmp_path / "Keepaway.py").write_text(exported(library("keepaway"), "Keepaway", "python"))
+    monkeypatch.syspath_prepend(tmp_path)
+    code, shown = re.findall(r"```(?:python)?\n(.*?)```", page, re.DOTALL)
+    exec(compile(code, "export.md", "exec"), {})
+    assert capsys.readouterr().out == shown
