@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 
-EXTRAS = {"nicegui": "ros,studio", "PIL": "ros,studio"}
-"""Which extras of the distribution bring a module; all others come with ``ros``."""
+EXTRAS = {"nicegui": "studio", "PIL": "studio"}
+"""Which extra of the distribution brings a module; all others come with ``ros``."""
 
 
 def main() -> None:
@@ -18,9 +18,11 @@ def main() -> None:
         module = (missing.name or "").partition(".")[0]
         if module.startswith("hitab_") and module != "hitab_msgs":
             raise
+        from hitab_core import way_to_install
+
         print(
-            f'hitab: the Python module {module} is not installed; pip install "hitab['
-            f'{EXTRAS.get(module, "ros")}]", or set up the ROS 2 workspace that has it',
+            f"hitab: the Python module {module} is not installed; "
+            f"{way_to_install(EXTRAS.get(module, 'ros'))}",
             file=sys.stderr,
         )
         sys.exit(1)
