@@ -87,6 +87,7 @@ def test_an_installed_hitab_is_well_and_trains_and_plays_keepaway(
     before = set(tmp_path.glob("env/**/*[!c]"))
     said = call(programs / "hitab", "demo", "--episodes", "3", folder=tmp_path)
     assert "Taught Keepaway: 8 examples" in said
+    assert f"{programs}/hitab library show Keepaway" in said  # it is not on the path
     assert (tmp_path / "hitab-demo/figures.json").is_file()
     call(programs / "hitab", "up", "keepaway", "--paused", folder=tmp_path)
     call(programs / "hitab", "down", folder=tmp_path)
