@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from hitab_core import (
+    OWN_FEATURES,
     RADIANS,
     START,
     Domain,
@@ -19,6 +20,7 @@ from hitab_core import (
 )
 from hitab_core.library import BehaviorFile, Expectation
 
+OWN_NAMES = {use.name for use in OWN_FEATURES}
 BOOLEANS = {"yes": 1.0, "true": 1.0, "1": 1.0, "no": 0.0, "false": 0.0, "0": 0.0}
 
 
@@ -77,12 +79,21 @@ def situation_of(
             raise LibraryError(
                 f'"{text}" is not FEATURE=VALUE with a feature that decides {has(known, feature)}'
             )
-        values[feature] = _value(value, feature, domain)
+        values[feature] = value_of(value, feature, domain)
     return values
 
 
-def _value(text: str, feature: str, domain: Domain) -> float:
-    word = domain.feature(Use.parse(feature).name)
+def value_of(text: str, feature: str, domain: Domain) -> float:
+    """Return a value of a feature as it is shown: an angle in degrees, yes or no, a name.
+
+    Raises:
+        LibraryError: if it is none.
+        VocabularyError: if there is no such feature.
+    """
+    name = Use.parse(feature).name
+    if name not in (*domain.features, *OWN_NAMES):
+        raise LibraryError(unknown("feature", name, domain.features))
+    word = domain.feature(name)
     names: Mapping[str, float] = {}
     if word.kind is FeatureKind.BOOLEAN:
         names = BOOLEANS
