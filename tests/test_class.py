@@ -78,7 +78,6 @@ def test_the_steps_of_the_page_solve_the_exercises(student):
     student(down)
 
 
-@pytest.mark.long
 def test_the_page_on_commanders_solves_the_last_exercise(student):
     steps = [step.command for step in steps_of("docs/commanders.md")]
     for step in steps[: steps.index("hitab order captain Coach")]:
