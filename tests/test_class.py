@@ -11,7 +11,7 @@ from hitab_bringup.exercises import read_exercise
 from hitab_client import LessonError
 from hitab_client.shipped import shipped_folders, shipped_names
 
-EXERCISES = {"chase", "approach", "correction", "team", "order"}
+EXERCISES = {"chase", "approach", "correction", "team", "order", "squad"}
 
 
 @pytest.fixture
@@ -51,7 +51,9 @@ def test_who_has_done_nothing_is_told_what_to_do(student):
 
 def test_the_steps_of_the_page_solve_the_exercises(student):
     steps = [step.command for step in steps_of("docs/class.md")]
-    *steps, down = [step for step in steps if step.startswith("hitab ")]
+    steps = [step for step in steps if step.startswith("hitab ")]
+    end = steps.index("hitab down")
+    steps, down, last = steps[:end], steps[end], steps[end + 1 :]
     first = next(i for i, step in enumerate(steps) if step.startswith("hitab lesson run"))
     for step in steps[:first]:
         student(step)
@@ -76,6 +78,10 @@ def test_the_steps_of_the_page_solve_the_exercises(student):
     assert "keeper_3 learned otherwise" in missing["team"][1]
     assert missing["approach"] == [""] * 5
     student(down)
+
+    for step in last:
+        student(step)
+    assert "squad: 4 of 4" in student("hitab lesson check squad")
 
 
 def test_the_page_on_commanders_solves_the_last_exercise(student):
