@@ -171,6 +171,7 @@ def distribute(
             start=start,
             progress=lambda done, total: advance(done, total, ""),
         )
+    console.note(report.message)
     told = [f"{name}: has it" for name in report.accepted]
     told += [
         f"{name}: refuses: {why.removeprefix(f'{name} ')}" for name, why in report.refused.items()

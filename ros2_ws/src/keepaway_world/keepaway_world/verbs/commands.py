@@ -132,7 +132,7 @@ def evaluate(
     if json != "-":
         console.say(summary(figures))
     if plot is not None:
-        from keepaway_world.verbs.figures import draw_episode_lengths
+        from keepaway_world.verbs.evaluation import draw_episode_lengths
 
         draw_episode_lengths(evaluation, plot)
         console.note(f"plot in {plot}")
@@ -140,15 +140,10 @@ def evaluate(
 
 
 def _game(taker_speed: float, collisions: bool | None, texts: list[str] | None) -> dict[str, Any]:
-    """Return the parameters of a game that these options are about; values as YAML reads them."""
-    from hitab_core.library.yaml_places import read_yaml
+    """Return the parameters of a game that these options are about."""
+    from hitab_bringup import figures_in
 
-    parameters: dict[str, Any] = {"taker_speed": taker_speed}
-    for text in texts or []:
-        name, _, value = text.partition("=")
-        if not (name and value):
-            raise typer.BadParameter(f'"{text}" is not NAME=VALUE, such as takers=3')
-        parameters[name] = read_yaml(value, "--parameter").value
+    parameters = {"taker_speed": taker_speed, **figures_in(texts or [])}
     if collisions is not None:
         parameters |= {"ball_collides": collisions, "players_collide": collisions}
     return parameters
@@ -219,8 +214,9 @@ def film(
 
       hitab keepaway film hand.webp --keepers hand --seed 3 --episode 7
     """
+    from hitab_bringup import part_of
     from hitab_client.shipped import shipped
-    from keepaway_world.verbs.evaluation import TRAINED, offered_game, read_trained, trained_game
+    from keepaway_world.verbs.evaluation import TRAINED, offered_game, trained_game
     from keepaway_world.verbs.field_film import check_film, draw_film
     from keepaway_world.verbs.field_film import film as play
 
@@ -228,7 +224,7 @@ def film(
     parameters = _game(taker_speed, collisions, parameter)
     with console.progress("filming", "pictures") as advance, contextlib.ExitStack() as stack:
         if keepers == TRAINED:
-            trained = read_trained(library or shipped("libraries", "keepaway"), behavior)
+            trained = part_of(library or shipped("libraries", "keepaway"), behavior)
             world, players = stack.enter_context(trained_game(trained, parameters, seed))
         else:
             world, players = offered_game(keepers, parameters, seed)
