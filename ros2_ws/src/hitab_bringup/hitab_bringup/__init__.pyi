@@ -2,6 +2,7 @@ from . import plots as plots
 from .bringing_up import RunningSwarm as RunningSwarm
 from .bringing_up import temporary_swarm as temporary_swarm
 from .libraries import copy_library as copy_library
+from .library_choice import named_library as named_library
 from .opened_library import open_library as open_library
 from .swarm_description import AgentDescription as AgentDescription
 from .swarm_description import SwarmDescription as SwarmDescription
