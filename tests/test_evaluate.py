@@ -33,7 +33,8 @@ def test_three_processes_in_lockstep_play_what_one_plays(hitab, tmp_path):
     for key in ("seconds_of_episodes", "passes", "ended", "cycles", "library_digest"):
         assert inprocess[key] == lockstep[key]
     assert plot.stat().st_size > 1000
-    other = evaluate("--seed", "6", "--pace", "inprocess")
+    other = evaluate("--seed", "6", "--pace", "inprocess", "--library", "keepaway")
+    assert other["library_digest"] == lockstep["library_digest"], "a shipped library has a name"
     assert other["seconds_of_episodes"] != inprocess["seconds_of_episodes"]
 
 

@@ -74,7 +74,11 @@ def libraries_meant(
 
 
 def named_library(text: str) -> Path:
-    """Return the library that a text names: a folder, SWARM/LIBRARY, or a shipped one."""
+    """Return the folder of a library: a path, ``SWARM/LIBRARY``, or the name of a shipped one.
+
+    Raises:
+        LibraryError: naming those that there are.
+    """
     path = Path(text).expanduser()
     known = known_libraries()
     if not path.is_dir() and text not in known:
