@@ -13,6 +13,7 @@ from itertools import islice
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from odd_library import odd_library
@@ -31,6 +32,7 @@ from hitab_bringup import open_library
 from hitab_client.shipped import shipped
 from hitab_core import BehaviorLibrary, Repertoire, Use
 from hitab_core.exporting import exported
+from hitab_core.exporting.behavior_tree import BUILT_IN
 from hitab_core.exporting.hierarchy_form import Hierarchy, hierarchy_of
 from hitab_core.exporting.names import identifiers
 from hitab_world.inprocess import perform, play
@@ -41,7 +43,7 @@ SHIPPED = {
     "keepaway_captained": ("Keepaway", "Freeze", "Regroup"),
     "keepaway_handcoded": ("GotoBall",),
     "captain": ("Captain",),
-    "foraging": ("Forage", "Carry(squad_box)", "Carry(company_box)"),
+    "foraging": ("Forage", "Carry(squad_box)"),
     "foraging_squad": ("SquadForage",),
     "foraging_company": ("CompanyForage",),
 }
@@ -204,6 +206,19 @@ def test_cpp_decides_as_the_engine_does(tmp_path):
     subprocess.run(["g++", *flags, "main.cpp", "-o", "main"], cwd=tmp_path, check=True)
     said = subprocess.run([tmp_path / "main"], input=" ".join(given), **TEXT).stdout.splitlines()
     assert said == expected
+
+
+@pytest.mark.parametrize(("name", "behavior"), BEHAVIORS)
+def test_a_tree_consists_of_its_subtrees_what_its_head_lists_and_what_is_built_in(name, behavior):
+    text = exported(library(name), behavior, "bt.xml")
+    root = ElementTree.fromstring(text)
+    there = {tree.get("ID") for tree in root}
+    assert root.get("main_tree_to_execute") in there
+    assert {tree.get("ID") for tree in root.iter("SubTree")} <= there
+    listed = set(re.findall(r"^  (\w+) = ", text.partition("-->")[0], re.M))
+    used = {node.tag for node in root.iter()} - {"Draw"}
+    assert used - listed <= set(BUILT_IN.split())
+    assert not there & set(BUILT_IN.split())
 
 
 @pytest.mark.parametrize(("name", "behavior"), BEHAVIORS)
