@@ -76,7 +76,7 @@ def steps_of(name: str, behavior: str) -> tuple[Step, ...]:
         world = WORLDS[there.domain.name](seed=1)
         players = perform(world, Repertoire(there.domain, there.load()), behavior)
         recorded = recorded_steps(form, there.domain, world, players)
-        play(world, players, 3, cycles_max=400)
+        play(world, players, 3, cycles_max=150)
         assert len(recorded) > 100
     steered = steered_steps(form, COUNT - len(recorded), f"{name} {behavior}")
     return (*recorded, *((percept, now + len(recorded), new) for percept, now, new in steered))
