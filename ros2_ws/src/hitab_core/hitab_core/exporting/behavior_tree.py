@@ -36,7 +36,7 @@ HEAD = """
 The robot's program registers these actions. Each is stateful: it begins in onStart, goes on in
 onRunning, ends in onHalted, and always returns RUNNING; one with "once" acts in onStart only.
 {actions}
-  Draw: sets the entry "drawn" of the blackboard to a random number from [0, 1); SUCCESS
+  Draw: config().blackboard->set("drawn", a random number from [0, 1)), and SUCCESS
 
 Before each tick it sets these entries, each of type double, then calls tickExactlyOnce(). After
 SUCCESS nothing is performed in that tick; the tree is ticked on.
