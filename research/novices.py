@@ -46,14 +46,22 @@ class Novice(Person):
         habits: how the novice acts.
         seed: of everything that the novice draws.
         answers: whether the novice answers what the keeper asks, one question at a time.
+        estimated: whether the agent estimates how late the commands come.
     """
 
     def __init__(
-        self, intention: Intention, habits: Habits, seed: int, *, answers: bool = True
+        self,
+        intention: Intention,
+        habits: Habits,
+        seed: int,
+        *,
+        answers: bool = True,
+        estimated: bool = True,
     ) -> None:
         super().__init__(intention, habits, seed, UNCOUNTED, answers=answers, unlearns=False)
         # Whoever sees a robot do the wrong thing presses the key of the right one.
         self.contradicts = self.trusts = True
+        self.estimated = estimated
 
     def train(self, pupil: Pupil) -> Diary:
         """Train all plans of the intention, from the bottom up, each once."""

@@ -83,7 +83,7 @@ class Person:
         self.contradicts = reviews or (contradicts and self.ago > 0.0)
         self.reviews, self.slows = reviews, slows
         self.answers, self.unlearns = answers, unlearns
-        self.trusts = False
+        self.trusts = self.estimated = False
 
     # -- the whole course -------------------------------------------------------------------
 
@@ -277,6 +277,7 @@ class Course:
             contradicts=person.contradicts,
             slows=person.slows,
             trusts=person.trusts,
+            estimated=person.estimated,
             settle=self._settle,
             below={p.name: p for p in person.intention.plans if p is not self.plan},
         )

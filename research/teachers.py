@@ -148,6 +148,7 @@ def person_of(number: int, setting: Setting) -> Person:
             setting.habits,
             setting.seed_of(number),
             answers="questions" in setting.aids,
+            estimated="reaction" in setting.aids,
         )
     return Person(
         intention_of(number),

@@ -88,6 +88,7 @@ class Trial:
         slows: whether the person lets the world run slower once an episode was over before a
             command was given.
         trusts: whether the person takes for recorded what was meant, without looking.
+        estimated: whether the agent estimates how late the commands come.
         settle: has the person answer what the keeper asks at once after a command.
         below: the plans that were trained before, by name.
 
@@ -109,6 +110,7 @@ class Trial:
         contradicts: bool = False,
         slows: bool = False,
         trusts: bool = False,
+        estimated: bool = False,
         settle: Callable[[Trial], None] = lambda trial: None,
         below: Mapping[str, Plan] = MappingProxyType({}),
     ) -> None:
@@ -116,7 +118,7 @@ class Trial:
         self.random, self.diary, self.memory = random, diary, memory
         self.allowance, self.ago, self.contradicts = allowance, ago, contradicts
         self.pace, self.slows, self.settle = memory.pace, slows, settle
-        self.trusts = trusts
+        self.trusts, self.estimated = trusts, estimated
         self.below, self.troubled = below, set[str]()
         self.wrong_since: dict[str, int] = {}
         self.given: list[int] = []
@@ -384,7 +386,8 @@ class Trial:
         ago = 0.0 if paused else self.ago * self.pace
         if late and ago:
             ago = min(waited * self.random.uniform(0.75, 1.25), 2.0)
-        taught = self.pupil.command(state, ago)
+        unknown = self.pace if self.estimated and not paused else 0.0
+        taught = self.pupil.command(state, ago, unknown)
         self.given += [e.number for e in taught if not e.is_default]
         self.diary.counts["commands"] += 1
         left = press.left if self.trusts else taught[0].state

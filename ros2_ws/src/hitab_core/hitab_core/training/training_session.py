@@ -21,10 +21,12 @@ from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.exchange import exchange
+from hitab_core.training.lateness import Lateness, settled
+from hitab_core.training.moments import KEPT_SECONDS, Moment
 from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
-from hitab_core.training.retiming import retiming
+from hitab_core.training.retiming import moved, retiming
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -80,6 +82,7 @@ class TrainingSession:
         examples: Iterable[Example] = (),
         journal: Journal = _forget,
         names: Sequence[Use] = (),
+        people: dict[str, Lateness] | None = None,
     ) -> None:
         """Start in training mode, in Start.
 
@@ -90,6 +93,7 @@ class TrainingSession:
             journal: keeps each step.
             names: of the readings of ``examples``; empty: all that can be read. What cannot be
                 read any more is NaN.
+            people: how late the commands of each demonstrator come; kept up to date.
 
         Raises:
             VocabularyError: if the curriculum names what does not exist.
@@ -104,6 +108,10 @@ class TrainingSession:
         self.asked = Questions()
         self.requests: deque[Request] = deque(maxlen=REMEMBERED)
         self.note = ""
+        self.people = {} if people is None else people
+        self._before = dict(self.people)
+        self._who: dict[int, str] = {}
+        self._settled: dict[int, set[float]] = {}
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -216,7 +224,7 @@ class TrainingSession:
             if edit is not None:
                 self._make(edit)
             if record["do"] == "command":
-                self.perception.keep_around(int(record["examples"][0]["command"]), record)
+                self._keep_late(record)
                 if "request" in record:
                     demonstrator, number = record["request"]
                     self.requests.append(Request(str(demonstrator), int(number)))
@@ -240,6 +248,7 @@ class TrainingSession:
         *,
         ago: float = 0.0,
         seen: int = 0,
+        pace: float = 0.0,
         request: Request | None = None,
     ) -> list[Example]:
         """Perform a behavior now and record the resulting examples.
@@ -251,6 +260,9 @@ class TrainingSession:
                 time, as far as a person knows. The examples are of what happened about then
                 (`hitab_core.training.responses`) and leave the state that was active then.
             seen: the world's cycle that the demonstrator saw; 0: the last one.
+            pace: simulated seconds that pass for the demonstrator in a second; 0: the situation
+                has waited. Without ``ago``, how late the command comes is then estimated
+                (`hitab_core.training.lateness`), and that of earlier ones again.
             request: who commands it and with which number, to recognize it when it comes again.
 
         Returns:
@@ -270,7 +282,7 @@ class TrainingSession:
                 "before commanding"
             )
         try:
-            taught = self._record(state, cycle, ago, seen, request)
+            taught = self._record(state, cycle, ago, seen, pace, request)
             self.note = ""
         except (FeatureValueError, TrainingError, LibraryError) as error:
             if not self.context.repertoire.stands_still(state):
@@ -283,13 +295,29 @@ class TrainingSession:
         return taught
 
     def _record(
-        self, state: Use, cycle: int, ago: float, seen: int, request: Request | None
+        self,
+        state: Use,
+        cycle: int,
+        ago: float,
+        seen: int,
+        pace: float,
+        request: Request | None,
     ) -> list[Example]:
         self._check_state(state)
         label = str(state)
         perception, chosen, running = self.perception, self.curriculum.features, self.running
         corrects = label if self._taken_over else ""
-        due = perception.due(running, chosen, cycle, ago, seen, corrects)
+        who = request.demonstrator if request is not None else ""
+        pace = 0.0 if ago else pace
+        if pace and perception.moments.latest is not None:
+            ago = min(self.people.get(who, Lateness()).median * pace, KEPT_SECONDS)
+            due = perception.moments.due(ago, seen)
+        else:
+            due = perception.due(running, chosen, cycle, ago, seen, corrects)
+        around = perception.around(due, running.active if self._taken_over else "", label, pace)
+        settled: list[Example] = []
+        if pace:
+            due, settled = self._settle(label, around, who, due)
         again = label == due.state
         values = perception.values(due, chosen)
         assumed = not again and not self.context.repertoire.is_one_shot(state)
@@ -303,17 +331,18 @@ class TrainingSession:
             ago=max(0.0, perception.time - due.time),
             readings=due.readings,
         )
-        edit = self.log.addition(taught)
-        around = perception.around(due, running.active if self._taken_over else "", label)
+        edit = self.log.addition(taught, settled)
         # On disk first: acknowledged examples must survive a crash.
         record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
+        if pace:
+            record |= {"settled": [example_record(e) for e in settled], "who": who}
         if request is not None:
             record["request"] = list(request)
         self._write(record)
         if request is not None:
             self.requests.append(request)
         self.log.make(edit)
-        perception.keep_around(taught[0].command, around)
+        self._keep_late(record)
         perception.enter(label, due)
         running.take_down_flags()
         running.add_state(state)
@@ -321,6 +350,56 @@ class TrainingSession:
         if not again:
             running.entered_at(due.time)
         return taught
+
+    def _keep_late(self, record: Mapping[str, Any]) -> None:
+        """Keep what a command's record says about when it, and others, were due."""
+        command = int(record["examples"][0]["command"])
+        self.perception.keep_around(command, record)
+        self._who[command] = record.get("who", "")
+        for example in (record["examples"][0], *record.get("settled", ())):
+            self._settled.setdefault(example["command"], set()).add(float(example.get("ago", 0)))
+
+    def _settle(
+        self, label: str, around: Mapping[str, Any], who: str, due: Moment
+    ) -> tuple[Moment, list[Example]]:
+        """Estimate when late commands of a person were due, from all of them together.
+
+        Args:
+            label: of the state that the newest commands.
+            around: what is kept of it.
+            who: commands.
+            due: the moment for which it is taken so far.
+
+        Returns:
+            The moment for which the newest was meant, and the earlier examples that change.
+        """
+        perception, features = self.perception, self.curriculum.features
+        newest = self.log.next_command
+        perception.keep_around(newest, around)
+        lateness = self.people.get(who, Lateness())
+        found = {newest: perception.late(newest, label, features, lateness)}
+        for e in self.log.examples:
+            if (
+                not e.is_default
+                and self._who.get(e.command) == who
+                and e.ago in self._settled.get(e.command, ())
+            ):
+                at = (e.state, e.cycle)
+                found[e.command] = perception.late(e.command, e.next_state, features, lateness, at)
+        late = {command: one for command, one in found.items() if one is not None}
+        scales = [self.context.repertoire.domain.scale_of(use) for use in features]
+        places, self.people[who] = settled(
+            [one for one, _ in late.values()], scales, self._before.get(who, Lateness())
+        )
+        dues: dict[int, tuple[float, Moment]] = {}
+        for (command, (_, among)), place in zip(late.items(), places, strict=True):
+            window = perception.window(command)
+            assert window is not None
+            if perception.shows(among[place], features):
+                dues[command] = (window[0], among[place])
+        if newest in dues:
+            _, due = dues.pop(newest)
+        return due, moved(self.log, perception, dues, features)
 
     def _write(self, record: Mapping[str, Any]) -> None:
         """Write a step to the journal, with its time; it is on disk when this returns."""
