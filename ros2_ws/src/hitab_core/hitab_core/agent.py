@@ -131,7 +131,7 @@ class Agent:
     def _resumed(self) -> TrainingSession | None:
         session = self.journal.resume(self.context, self.library.has_saved)
         if session is not None:
-            session.people = self.people
+            session.late.people = self.people
         return session
 
     @property

@@ -41,6 +41,11 @@ SPREADS = np.array([0.15, 0.3, 0.5])
 OTHERWISE = 0.1
 """The part of commands that do not answer to what others of their kind do."""
 
+AT_ONCE = 0.1
+"""How probable it is that a command answers to what was so when its state began, relative to what
+came later: of these guesses there are more, since half of all thresholds are passed from the
+beginning."""
+
 SHORTEST = 0.05
 """No delay is shorter, s: a person's eyes and fingers take that long."""
 
@@ -225,6 +230,7 @@ def _explanations(
         density = np.concatenate([_density(command.delays), np.zeros((1, *grid))])
         change = command.odds_of_change
         answered = (1.0 - change) * (1.0 - OTHERWISE) * density[first[:, i]]
+        answered[first[:, i] == 0] *= AT_ONCE
         corrected = change * _density(np.array(command.changed or SHORTEST))
         likelihood = answered + corrected + (1.0 - change) * OTHERWISE / length + TINY
         fitting[:, i] = answered / likelihood

@@ -84,6 +84,12 @@ class Perceived:
         latest = self.moments.latest
         return 0.0 if latest is None else latest.time
 
+    @property
+    def is_past(self) -> bool:
+        """Whether something was perceived that a late command can be meant for."""
+        latest, entered = self.moments.latest, self._entered
+        return latest is not None and (entered is None or latest.time > entered.time)
+
     def bind(self, senses: Senses, bindings: Mapping[str, str]) -> None:
         """Read from an agent's senses from now on."""
         self._senses = senses

@@ -21,12 +21,12 @@ from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.exchange import exchange
-from hitab_core.training.lateness import Lateness, settled
-from hitab_core.training.moments import KEPT_SECONDS, Moment
+from hitab_core.training.late_commands import LateCommands
+from hitab_core.training.lateness import Lateness
 from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
-from hitab_core.training.retiming import moved, retiming
+from hitab_core.training.retiming import retiming
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -38,6 +38,10 @@ Journal = Callable[[Mapping[str, Any]], None]
 
 REMEMBERED = 1000
 """Maximum number of commands that are recognized when they come again."""
+
+
+PACE_MAX = 1000.0
+"""No person watches a world that is faster."""
 
 
 class Request(NamedTuple):
@@ -108,10 +112,7 @@ class TrainingSession:
         self.asked = Questions()
         self.requests: deque[Request] = deque(maxlen=REMEMBERED)
         self.note = ""
-        self.people = {} if people is None else people
-        self._before = dict(self.people)
-        self._who: dict[int, str] = {}
-        self._settled: dict[int, set[float]] = {}
+        self.late = LateCommands({} if people is None else people)
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -224,7 +225,8 @@ class TrainingSession:
             if edit is not None:
                 self._make(edit)
             if record["do"] == "command":
-                self._keep_late(record)
+                self.perception.keep_around(int(record["examples"][0]["command"]), record)
+                self.late.keep(record)
                 if "request" in record:
                     demonstrator, number = record["request"]
                     self.requests.append(Request(str(demonstrator), int(number)))
@@ -308,16 +310,24 @@ class TrainingSession:
         perception, chosen, running = self.perception, self.curriculum.features, self.running
         corrects = label if self._taken_over else ""
         who = request.demonstrator if request is not None else ""
-        pace = 0.0 if ago else pace
-        if pace and perception.moments.latest is not None:
-            ago = min(self.people.get(who, Lateness()).median * pace, KEPT_SECONDS)
-            due = perception.moments.due(ago, seen)
+        if not 0.0 <= pace <= PACE_MAX:
+            raise TrainingError(
+                f"the pace of the world cannot be {pace:g} simulated seconds in a second; give a "
+                f"number from 0 (it waits) to {PACE_MAX:g}"
+            )
+        if ago or not perception.is_past:
+            pace = 0.0  # it is known how late the command is
+        if pace:
+            due = perception.moments.due(self.late.usual(who, pace), seen)
         else:
             due = perception.due(running, chosen, cycle, ago, seen, corrects)
         around = perception.around(due, running.active if self._taken_over else "", label, pace)
         settled: list[Example] = []
         if pace:
-            due, settled = self._settle(label, around, who, due)
+            scales = list(map(self.context.repertoire.domain.scale_of, chosen))
+            due, settled = self.late.settle(
+                perception, self.log, chosen, scales, label=label, around=around, who=who, due=due
+            )
         again = label == due.state
         values = perception.values(due, chosen)
         assumed = not again and not self.context.repertoire.is_one_shot(state)
@@ -342,7 +352,8 @@ class TrainingSession:
         if request is not None:
             self.requests.append(request)
         self.log.make(edit)
-        self._keep_late(record)
+        perception.keep_around(taught[0].command, around)
+        self.late.keep(record)
         perception.enter(label, due)
         running.take_down_flags()
         running.add_state(state)
@@ -350,56 +361,6 @@ class TrainingSession:
         if not again:
             running.entered_at(due.time)
         return taught
-
-    def _keep_late(self, record: Mapping[str, Any]) -> None:
-        """Keep what a command's record says about when it, and others, were due."""
-        command = int(record["examples"][0]["command"])
-        self.perception.keep_around(command, record)
-        self._who[command] = record.get("who", "")
-        for example in (record["examples"][0], *record.get("settled", ())):
-            self._settled.setdefault(example["command"], set()).add(float(example.get("ago", 0)))
-
-    def _settle(
-        self, label: str, around: Mapping[str, Any], who: str, due: Moment
-    ) -> tuple[Moment, list[Example]]:
-        """Estimate when late commands of a person were due, from all of them together.
-
-        Args:
-            label: of the state that the newest commands.
-            around: what is kept of it.
-            who: commands.
-            due: the moment for which it is taken so far.
-
-        Returns:
-            The moment for which the newest was meant, and the earlier examples that change.
-        """
-        perception, features = self.perception, self.curriculum.features
-        newest = self.log.next_command
-        perception.keep_around(newest, around)
-        lateness = self.people.get(who, Lateness())
-        found = {newest: perception.late(newest, label, features, lateness)}
-        for e in self.log.examples:
-            if (
-                not e.is_default
-                and self._who.get(e.command) == who
-                and e.ago in self._settled.get(e.command, ())
-            ):
-                at = (e.state, e.cycle)
-                found[e.command] = perception.late(e.command, e.next_state, features, lateness, at)
-        late = {command: one for command, one in found.items() if one is not None}
-        scales = [self.context.repertoire.domain.scale_of(use) for use in features]
-        places, self.people[who] = settled(
-            [one for one, _ in late.values()], scales, self._before.get(who, Lateness())
-        )
-        dues: dict[int, tuple[float, Moment]] = {}
-        for (command, (_, among)), place in zip(late.items(), places, strict=True):
-            window = perception.window(command)
-            assert window is not None
-            if perception.shows(among[place], features):
-                dues[command] = (window[0], among[place])
-        if newest in dues:
-            _, due = dues.pop(newest)
-        return due, moved(self.log, perception, dues, features)
 
     def _write(self, record: Mapping[str, Any]) -> None:
         """Write a step to the journal, with its time; it is on disk when this returns."""
