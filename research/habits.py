@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import log
+from random import Random
 from typing import Any
+
+from intentions import BALL, KICKABLE, OFF, TAKER, Seen
+
+from keepaway_world.parameters import PAPER
+
+MEASURED = (BALL, OFF, TAKER)
+"""What people see only roughly."""
 
 
 @dataclass(frozen=True)
@@ -13,6 +23,10 @@ class Habits:
 
     Attributes:
         reaction: the shortest and longest time from seeing to commanding.
+        choice: the median and the spread (of the logarithm) of what choosing among keys adds to
+            it, log-normally; None: nothing.
+        sight: the standard deviation of how far off, relative to itself, a distance or an angle
+            is seen; it is the same during a decision.
         waver: each decision moves the intention's edges by up to this fraction.
         inattention: fraction of the decisions at which the person looks away: in half of them the
             command comes late, in the other half it is not given.
@@ -28,6 +42,8 @@ class Habits:
     """
 
     reaction: tuple[float, float] = (0.2, 0.4)
+    choice: tuple[float, float] | None = None
+    sight: float = 0.0
     waver: float = 0.15
     inattention: float = 0.1
     away: tuple[float, float] = (1.0, 3.0)
@@ -38,6 +54,28 @@ class Habits:
     overlooks: float = 0.1
     content: int = 3
     trials: int = 14
+
+    def reacts(self, random: Random) -> float:
+        """Draw a time from seeing to commanding."""
+        seconds = random.uniform(*self.reaction)
+        if self.choice is not None:
+            median, spread = self.choice
+            seconds += random.lognormvariate(log(median), spread)
+        return seconds
+
+    def errors(self, random: Random) -> Mapping[str, float]:
+        """Draw by which factors what is measured is seen wrongly during a decision."""
+        return {f: 1.0 + random.gauss(0.0, self.sight) for f in MEASURED if self.sight}
+
+
+def looked_at(seen: Seen, errors: Mapping[str, float]) -> Seen:
+    """Return what is seen with some errors; whether the ball is within reach follows from them."""
+    if not errors:
+        return seen
+    found = {f: value * errors.get(f, 1.0) for f, value in seen.items()}
+    if BALL in found and KICKABLE in found:
+        found[KICKABLE] = float(found[BALL] <= PAPER.kickable)
+    return found
 
 
 @dataclass

@@ -83,8 +83,14 @@ class Pupil(Protocol):
     def step(self) -> Sight:
         """Let the world run for one cycle."""
 
-    def command(self, state: str, ago: float = 0.0) -> Sequence[Example]:
-        """Command the keeper; the command was due ``ago`` seconds earlier."""
+    def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
+        """Command the keeper.
+
+        Args:
+            state: to perform.
+            ago: how much earlier the command was due, s.
+            pace: simulated seconds in a second of a person who does not know; 0: it is in time.
+        """
 
     def test(self, *, restart: bool = False) -> None:
         """Let the keeper do what it has learned."""
@@ -210,9 +216,9 @@ class InProcessPupil:
         self._perceive(restart=ended)
         return self._sight(ended=ended)
 
-    def command(self, state: str, ago: float = 0.0) -> Sequence[Example]:
-        """Command the keeper; the command was due ``ago`` seconds earlier."""
-        taught = self._pupil.command(Use.parse(state), ago=ago)
+    def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
+        """Command the keeper; see `Pupil.command`."""
+        taught = self._pupil.command(Use.parse(state), ago=ago, pace=pace)
         self.given += len(taught)
         return taught
 

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from random import Random
 
-from habits import Diary, Habits
+from habits import Diary, Habits, looked_at
 from intentions import OFF, Plan, Seen
 from pupils import Pupil
 
@@ -68,7 +68,8 @@ class SecondThoughts:
             name: edge * self.random.uniform(1.0 - w, 1.0 + w)
             for name, edge in self.plan.edges.items()
         }
-        return lambda state, seen: self.plan.rule(state, seen, edges)
+        errors = self.habits.errors(self.random)
+        return lambda state, seen: self.plan.rule(state, looked_at(seen, errors), edges)
 
     # -- what was recorded ------------------------------------------------------------------
 

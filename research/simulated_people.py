@@ -83,6 +83,7 @@ class Person:
         self.contradicts = reviews or (contradicts and self.ago > 0.0)
         self.reviews, self.slows = reviews, slows
         self.answers, self.unlearns = answers, unlearns
+        self.trusts = self.estimated = False
 
     # -- the whole course -------------------------------------------------------------------
 
@@ -275,6 +276,8 @@ class Course:
             person.ago,
             contradicts=person.contradicts,
             slows=person.slows,
+            trusts=person.trusts,
+            estimated=person.estimated,
             settle=self._settle,
             below={p.name: p for p in person.intention.plans if p is not self.plan},
         )

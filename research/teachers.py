@@ -30,6 +30,7 @@ from agreement import decisions, objections
 from finished_runs import FinishedRuns, Resume
 from habits import Habits
 from intentions import INTENTIONS, Intention
+from novices import NOVICE, Novice
 from people_tables import diagnosis, row
 from pupils import InProcessPupil
 from simulated_people import Person
@@ -45,10 +46,6 @@ PAPER_S = 14.6
 
 SHARE = 0.8
 """The part of the intention's own hold time that the team has to reach."""
-
-OWN = (200, 20_000)
-"""The number of episodes that an intention plays itself, and their seed. They are always the same,
-and so many since all people with this intention are compared with the result."""
 
 HOPELESS = (20, 0.4)
 """A team that after so many episodes holds for less than this part of what it needs has failed."""
@@ -84,7 +81,8 @@ class Setting:
         seed: of the people; teams play with another one.
         budget: the most examples.
         diagnose: whether to compare what was learned with what was intended.
-        own_episodes: that each intention plays itself.
+        own_episodes: that each intention plays itself; the teams' episodes are among them.
+        novices: whether the people are novices.
         over_topics: whether people train nodes; with all aids only.
     """
 
@@ -94,8 +92,14 @@ class Setting:
     seed: int = 2026
     budget: int = 60
     diagnose: bool = False
-    own_episodes: int = OWN[0]
+    own_episodes: int = 200
     over_topics: bool = False
+    novices: bool = False
+
+    @property
+    def games(self) -> int:
+        """The seed of the episodes that teams and intentions play."""
+        return self.seed + 7
 
     def seed_of(self, number: int) -> int:
         """Return the seed of a person, and of the world in which the person trains."""
@@ -124,11 +128,11 @@ def hold_times(play: Play, episodes: int, needed: float = 0.0) -> list[float]:
 
 
 @cache
-def own_hold_time(name: str, episodes: int) -> float:
+def own_hold_time(name: str, episodes: int, seed: int) -> float:
     """Return for how long an intention holds the ball when it plays itself, s."""
     intention = INTENTIONS[name]
     top = intention.plans[-1].name
-    return fmean(hold_times(playing(intention.automata(), top, OWN[1]), episodes))
+    return fmean(hold_times(playing(intention.automata(), top, seed), episodes))
 
 
 def intention_of(number: int) -> Intention:
@@ -138,6 +142,14 @@ def intention_of(number: int) -> Intention:
 
 def person_of(number: int, setting: Setting) -> Person:
     """Return a person."""
+    if setting.novices:
+        return Novice(
+            intention_of(number),
+            setting.habits,
+            setting.seed_of(number),
+            answers="questions" in setting.aids,
+            estimated="reaction" in setting.aids,
+        )
     return Person(
         intention_of(number),
         setting.habits,
@@ -168,7 +180,7 @@ def pupil_of(number: int, setting: Setting) -> InProcessPupil | TopicPupil:
 def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
     """Have one person train a team, and the team play; return the figures."""
     intention = intention_of(number)
-    own = own_hold_time(intention.name, setting.own_episodes)
+    own = own_hold_time(intention.name, setting.own_episodes, setting.games)
     needed = max(PAPER_S, SHARE * own)
     person, pupil = person_of(number, setting), pupil_of(number, setting)
     figures: dict[str, Any] = {"person": number, "intention": intention.name, "own_s": own}
@@ -184,8 +196,8 @@ def train_and_play(number: int, setting: Setting) -> dict[str, Any]:
     trained = {plan.name: known.automata[plan.name] for plan in intention.plans}
     top = intention.plans[-1].name
     figures |= {**diary.figures(), "given": pupil.given, "held": pupil.held}
-    games = setting.seed + 7
-    figures |= result(hold_times(playing(trained, top, games), setting.episodes, needed), needed)
+    play = playing(trained, top, setting.games)
+    figures |= result(hold_times(play, setting.episodes, needed), needed)
     if setting.diagnose:
         records = decisions(intention.name, setting.seed)
         figures["objections"] = {
@@ -311,7 +323,10 @@ def main(
     episodes: Annotated[int, typer.Option(help="Episodes of each team.", min=2)] = 200,
     own_episodes: Annotated[
         int, typer.Option(help="Episodes that each intention plays itself.", min=2)
-    ] = OWN[0],
+    ] = 200,
+    novices: Annotated[
+        bool, typer.Option(help="Novices, who have habits of their own (novices.py).")
+    ] = False,
     budget: Annotated[int, typer.Option(help="The most examples that a team holds.", min=1)] = 60,
     seed: Annotated[int, typer.Option(help="Seed of people and games.")] = 2026,
     jobs: Annotated[int, typer.Option(help="Processes.", min=1)] = 1,
@@ -323,10 +338,14 @@ def main(
     if unknown := sorted(off - {*AIDS}):
         raise typer.BadParameter(f'there is no aid "{unknown[0]}" {has(AIDS, unknown[0])}')
     habits = Habits(reaction=span(reaction), waver=waver, inattention=inattention, wrong=wrong)
+    if novices:
+        habits = replace(NOVICE, inattention=inattention, wrong=wrong)
     aids = frozenset(AIDS) - off
     if over_topics and (off or each_aid):
         raise typer.BadParameter("nodes have all aids; leave out --over-topics, or the others")
-    setting = Setting(habits, aids, episodes, seed, budget, diagnose, own_episodes, over_topics)
+    setting = Setting(
+        habits, aids, episodes, seed, budget, diagnose, own_episodes, over_topics, novices
+    )
     given = {**asdict(setting), "aids": sorted(setting.aids)}
     finished = FinishedRuns(resume, given)
     measured: dict[str, list[dict[str, Any]]] = {}

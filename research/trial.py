@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from random import Random
 from types import MappingProxyType
 
-from habits import Diary, Habits
+from habits import Diary, Habits, looked_at
 from intentions import DONE, DOUBT, OFF, YELLED, Plan, Seen
 from practice import Scene
 from pupils import WHETHER, Pupil, Sight
@@ -37,12 +37,14 @@ class _Press:
         at: the cycle in which the finger arrives.
         due: the cycle in which it was due.
         seen: what the person saw then.
+        left: the state that the keeper was seen in then.
     """
 
     state: str
     at: int
     due: int
     seen: Seen
+    left: str = START
 
 
 @dataclass
@@ -85,6 +87,8 @@ class Trial:
             have been done instead, since the command can be meant for that decision.
         slows: whether the person lets the world run slower once an episode was over before a
             command was given.
+        trusts: whether the person takes for recorded what was meant, without looking.
+        estimated: whether the agent estimates how late the commands come.
         settle: has the person answer what the keeper asks at once after a command.
         below: the plans that were trained before, by name.
 
@@ -105,6 +109,8 @@ class Trial:
         *,
         contradicts: bool = False,
         slows: bool = False,
+        trusts: bool = False,
+        estimated: bool = False,
         settle: Callable[[Trial], None] = lambda trial: None,
         below: Mapping[str, Plan] = MappingProxyType({}),
     ) -> None:
@@ -112,6 +118,7 @@ class Trial:
         self.random, self.diary, self.memory = random, diary, memory
         self.allowance, self.ago, self.contradicts = allowance, ago, contradicts
         self.pace, self.slows, self.settle = memory.pace, slows, settle
+        self.trusts, self.estimated = trusts, estimated
         self.below, self.troubled = below, set[str]()
         self.wrong_since: dict[str, int] = {}
         self.given: list[int] = []
@@ -190,7 +197,8 @@ class Trial:
             self.fresh()
             wished = self.wish(seen.state, seen.values)
             if wished != seen.state and not self.exhausted:
-                self.press(_Press(wished, self.now, self.now, seen.values), paused=True)
+                press = _Press(wished, self.now, self.now, seen.values, seen.state)
+                self.press(press, paused=True)
 
     # -- deciding ---------------------------------------------------------------------------
 
@@ -201,11 +209,12 @@ class Trial:
             name: edge * self.random.uniform(1.0 - w, 1.0 + w)
             for name, edge in self.plan.edges.items()
         }
+        self.errors = self.habits.errors(self.random)
 
     def wish(self, state: str, seen: Seen, factor: float = 1.0) -> str:
         """Return the state that the person would be in next."""
         edges = {name: edge * factor for name, edge in self.edges.items()}
-        return self.plan.rule(state, seen, edges)
+        return self.plan.rule(state, looked_at(seen, self.errors), edges)
 
     def kind(self, state: str, wished: str, seen: Seen) -> Kind:
         """Return what makes a decision another one in a person's eyes: on which side, whether."""
@@ -236,7 +245,7 @@ class Trial:
 
     def look_below(self, seen: Sight) -> None:
         """Notice what was trained before and does what was not intended."""
-        patience = self.cycles((self.habits.patience, self.habits.patience))
+        patience = self.cycles(self.habits.patience)
         for name, plan in self.below.items():
             state = seen.below.get(name, START)
             if state in plan.states and state not in plan.fitting(state, seen.values):
@@ -309,7 +318,7 @@ class Trial:
                 return
             self.fresh()
             if self.guided:
-                self.take_at = self.now + self.cycles(self.habits.reaction)
+                self.take_at = self.now + self.cycles(self.habits.reacts(self.random))
         if self.guided and self.take_at is not None and self.now >= self.take_at:
             self.pupil.take_over()
             self.guiding, self.take_at = True, None
@@ -340,24 +349,25 @@ class Trial:
         due = self.now if self.late is None else self.late
         if self.late is None and self.random.random() < self.habits.inattention:
             if self.random.random() < 0.5:
-                self.blind = self.now + self.cycles(self.habits.away)
+                self.blind = self.now + self.cycles(self.random.uniform(*self.habits.away))
                 self.late = self.now
                 self.diary.counts["late"] += 1
             else:
                 self.missed = (state, wished)
-                self.blind = self.now + self.cycles(self.habits.away)
+                self.blind = self.now + self.cycles(self.random.uniform(*self.habits.away))
                 self.diary.counts["not given"] += 1
             return
-        press = _Press(wished, self.now + self.cycles(self.habits.reaction), due, self.last.values)
+        at = self.now + self.cycles(self.habits.reacts(self.random))
+        press = _Press(wished, at, due, self.last.values, state)
         if press.at == self.now:
             self.pending = None
             self.press(press)
         else:
             self.pending = press
 
-    def cycles(self, times: tuple[float, float]) -> int:
-        """Draw a time of the person and return it in cycles of the world."""
-        return round(self.random.uniform(*times) * self.pace / self.pupil.cycle_seconds)
+    def cycles(self, seconds: float) -> int:
+        """Return a time of the person in cycles of the world."""
+        return round(seconds * self.pace / self.pupil.cycle_seconds)
 
     # -- acting -----------------------------------------------------------------------------
 
@@ -376,10 +386,12 @@ class Trial:
         ago = 0.0 if paused else self.ago * self.pace
         if late and ago:
             ago = min(waited * self.random.uniform(0.75, 1.25), 2.0)
-        taught = self.pupil.command(state, ago)
+        unknown = self.pace if self.estimated and not paused else 0.0
+        taught = self.pupil.command(state, ago, unknown)
         self.given += [e.number for e in taught if not e.is_default]
         self.diary.counts["commands"] += 1
-        shown = self.kind(taught[0].state, state, press.seen)
+        left = press.left if self.trusts else taught[0].state
+        shown = self.kind(left, state, press.seen)
         if not wrong:
             self.memory.shown.add(shown)
             self.memory.lost.discard(shown)
@@ -389,7 +401,7 @@ class Trial:
         self.fresh()
         if wrong:
             self.diary.counts["wrong"] += 1
-            self.slip = (self.now + self.cycles(self.habits.notices), meant)
+            self.slip = (self.now + self.cycles(self.random.uniform(*self.habits.notices)), meant)
             self.blind = self.slip[0]
         elif late and not ago and self.random.random() < self.habits.repairs:
             self.pupil.delete([example.number for example in taught])
@@ -407,5 +419,5 @@ class Trial:
             self.pupil.undo()
             self.diary.counts["taken back"] += 1
         elif not force and not self.exhausted:
-            at = self.now + self.cycles(self.habits.reaction)
-            self.pending = _Press(meant, at, self.now, self.last.values)
+            at = self.now + self.cycles(self.habits.reacts(self.random))
+            self.pending = _Press(meant, at, self.now, self.last.values, self.last.state)

@@ -58,6 +58,7 @@ class CommandReceiver:
                     use,
                     ago=command.ago,
                     seen=command.seen,
+                    pace=command.pace,
                     request=request if request.number else None,
                 )
         except Exception as error:

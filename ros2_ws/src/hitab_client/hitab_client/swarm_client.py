@@ -100,6 +100,7 @@ class SwarmClient(AgentPresence):
         *,
         ago: float = 0.0,
         seen: int = 0,
+        pace: float = 0.0,
         sequence: int = 0,
         seconds: float = ACKNOWLEDGE_SECONDS,
         demonstrator: str = "",
@@ -113,6 +114,8 @@ class SwarmClient(AgentPresence):
             targets: for the behavior's parameters.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
             seen: the world's cycle that the demonstrator saw; 0: the last one.
+            pace: simulated seconds in a second of a person who is late by nobody knows how much;
+                0: ``ago`` is known.
             sequence: number of the command, such as the time in microseconds. An agent obeys a
                 number once, so a lost command can be sent again with its number. 0: a new one.
             seconds: how long to wait.
@@ -136,6 +139,7 @@ class SwarmClient(AgentPresence):
             targets=list(targets),
             ago=ago,
             seen=seen,
+            pace=pace,
         )
 
         def answered() -> bool:

@@ -39,6 +39,7 @@ from hitab_core.running.senses import Senses
 from hitab_core.saving import Saved, edition_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.lateness import Lateness
 from hitab_core.training.moments import KEPT_SECONDS
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import TrainingJournal
@@ -120,11 +121,18 @@ class Agent:
             observe,
         )
         self.journal = TrainingJournal(journal_folder, domain.name)
-        self.session = self.journal.resume(self.context, library.has_saved)
+        self.people: dict[str, Lateness] = {}
+        self.session = self._resumed()
         if self.session is not None:
             self.mode = Mode.TRAINING
 
     # -- what it knows ----------------------------------------------------------------------
+
+    def _resumed(self) -> TrainingSession | None:
+        session = self.journal.resume(self.context, self.library.has_saved)
+        if session is not None:
+            session.late.people = self.people
+        return session
 
     @property
     def repertoire(self) -> Repertoire:
@@ -344,7 +352,9 @@ class Agent:
             curriculum, examples = resumed(
                 curriculum, self.repertoire.get(resume), self.repertoire
             )
-        session = TrainingSession(self.context, curriculum, examples, self.journal.write)
+        session = TrainingSession(
+            self.context, curriculum, examples, self.journal.write, people=self.people
+        )
         self.journal.begin(curriculum, examples, session.readable)
         self._stop()
         self.session = session
@@ -353,7 +363,13 @@ class Agent:
         return session
 
     def command(
-        self, use: Use, *, ago: float = 0.0, seen: int = 0, request: Request | None = None
+        self,
+        use: Use,
+        *,
+        ago: float = 0.0,
+        seen: int = 0,
+        pace: float = 0.0,
+        request: Request | None = None,
     ) -> list[Example]:
         """Obey a demonstrator; see `TrainingSession.command`.
 
@@ -361,6 +377,7 @@ class Agent:
             use: what to perform, or a flag.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
             seen: the world's cycle that the demonstrator saw; 0: that of the last percept.
+            pace: simulated seconds in a second of the demonstrator; 0: the situation has waited.
             request: who commands it and with which number.
 
         Raises:
@@ -386,7 +403,7 @@ class Agent:
         if self.awaits_percept:
             self.context.senses.check_perceived()
         with self.context.senses.blind_unless_perceived():
-            return session.command(use, self.cycle, ago=ago, seen=seen, request=request)
+            return session.command(use, self.cycle, ago=ago, seen=seen, pace=pace, request=request)
 
     @property
     def awaits_percept(self) -> bool:
@@ -626,7 +643,7 @@ class Agent:
             self.session.rebuild(self.context)
         elif self.journal.damage:
             with suppress(LibraryError):  # it may fit again
-                self.session = self.journal.resume(self.context, library.has_saved)
+                self.session = self._resumed()
         if state.performance is not None:
             assert state.use is not None
             self.awaited = None

@@ -35,7 +35,7 @@ def command(
         world: that the person sees.
         agent: to command.
         behavior: with its targets.
-        reaction: the person's reaction time, s.
+        reaction: the person's reaction time, s; 0: the agent estimates it.
         seen: the world's cycle that the person saw; 0: the last one.
         sequence: number of the command; 0: a new one.
         seconds: how long to wait for the agent's acknowledgement.
@@ -57,6 +57,7 @@ def command(
         behavior,
         ago=ago,
         seen=seen,
+        pace=0.0 if reaction else reaction_time.simulated(1.0, world.status, world.speed),
         sequence=sequence,
         seconds=seconds,
         demonstrator=demonstrator,

@@ -62,6 +62,11 @@ class ExampleLog:
         """The number of default examples."""
         return sum(example.is_default for example in self._examples)
 
+    @property
+    def next_command(self) -> int:
+        """The number of the next command."""
+        return self._next_command
+
     def preview(
         self,
         state: str,
@@ -86,13 +91,19 @@ class ExampleLog:
 
     # -- preparing --------------------------------------------------------------------------
 
-    def addition(self, taught: Sequence[Example]) -> Edit:
-        """Prepare to add what a command taught; its first example gives the states."""
+    def addition(self, taught: Sequence[Example], settled: Sequence[Example] = ()) -> Edit:
+        """Prepare to add what a command taught; its first example gives the states.
+
+        Args:
+            taught: the examples.
+            settled: earlier examples as the command shows them (`hitab_core.training.lateness`).
+        """
         if not taught:
             return Edit()
         first = taught[0]
         words = f"{first.state} → {first.next_state}, {quantity(len(taught), 'example')}"
-        return replace(self.replacement(taught, words), left=first.state, entered=first.next_state)
+        edit = self.replacement([*settled, *taught], words)
+        return replace(edit, left=first.state, entered=first.next_state)
 
     def prepared(self, record: Mapping[str, Any]) -> Edit | None:
         """Prepare what a record of the journal describes; None: it changes no examples.
@@ -102,7 +113,8 @@ class ExampleLog:
         """
         match record["do"]:
             case "command":
-                return self.addition([example_of(e) for e in record["examples"]])
+                settled = [example_of(e) for e in record.get("settled", ())]
+                return self.addition([example_of(e) for e in record["examples"]], settled)
             case "undo":
                 return self.history.undo()
             case "redo":

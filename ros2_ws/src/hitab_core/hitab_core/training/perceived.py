@@ -10,7 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
+
+import numpy as np
 
 from hitab_core.advice.proposals import Correction
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START, as_entered
@@ -19,6 +22,7 @@ from hitab_core.errors import FeatureValueError
 from hitab_core.example import Example
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.running.senses import Senses, value_or_nan
+from hitab_core.training.lateness import LateCommand, Lateness
 from hitab_core.training.moments import (
     Moment,
     Moments,
@@ -72,12 +76,19 @@ class Perceived:
         self._uses: list[Use | None] = []
         self._entered: Moment | None = None
         self._corrected: dict[int, tuple[Moment, str, str]] = {}
+        self._paces: dict[int, float] = {}
 
     @property
     def time(self) -> float:
         """The simulated time of the last percept, s; 0 if there was none."""
         latest = self.moments.latest
         return 0.0 if latest is None else latest.time
+
+    @property
+    def is_past(self) -> bool:
+        """Whether something was perceived that a late command can be meant for."""
+        latest, entered = self.moments.latest, self._entered
+        return latest is not None and (entered is None or latest.time > entered.time)
 
     def bind(self, senses: Senses, bindings: Mapping[str, str]) -> None:
         """Read from an agent's senses from now on."""
@@ -171,9 +182,9 @@ class Perceived:
                 }
                 moments = self._since_entered()
                 answered = responded(moments, due, ago, columns, corrects)
-                if not self._shows(answered, features):  # nothing was sensed for a moment
+                if not self.shows(answered, features):  # nothing was sensed for a moment
                     near = [m for m in moments if abs(m.time - due.time) <= ago]
-                    shown = [m for m in near if self._shows(m, features)]
+                    shown = [m for m in near if self.shows(m, features)]
                     answered = nearest(shown, due.time) if shown else answered
                 due = answered
             if latest is not None and due.time < latest.time:
@@ -196,8 +207,8 @@ class Perceived:
         """Return the values of features in a moment; NaN where there is none."""
         return tuple(moment.readings[self._column[feature]] for feature in features)
 
-    def _shows(self, moment: Moment, features: Sequence[Use]) -> bool:
-        """Whether there can be an example of a moment: of some features, one has a value."""
+    def shows(self, moment: Moment, features: Sequence[Use]) -> bool:
+        """Return whether there can be an example of a moment: one of some features has a value."""
         values = self.in_moment(moment, features)
         return not values or not all(map(math.isnan, values))
 
@@ -214,7 +225,7 @@ class Perceived:
                     f'feature "{feature}" is {value} but must be finite in an example; have it '
                     "return a large number instead, such as the range of its sensor"
                 )
-        if not self._shows(moment, features):
+        if not self.shows(moment, features):
             raise FeatureValueError(
                 f"no feature of this training has a value now ({', '.join(map(str, features))}); "
                 "check the sensors, or choose other features"
@@ -229,7 +240,9 @@ class Perceived:
 
     # -- moments that stay with the examples ------------------------------------------------
 
-    def around(self, due: Moment, taken_over_in: str = "", commanded: str = "") -> dict[str, Any]:
+    def around(
+        self, due: Moment, taken_over_in: str = "", commanded: str = "", pace: float = 0.0
+    ) -> dict[str, Any]:
         """Return what to keep with a command, as plain data for the journal.
 
         Args:
@@ -237,11 +250,15 @@ class Perceived:
             taken_over_in: label of the state that the automaton was in when the person took over
                 to give this command; empty: the automaton had not decided.
             commanded: label of the state that was commanded.
+            pace: simulated seconds in a second of the person who was late by nobody knows how
+                much; 0: the moment is known.
         """
         record: dict[str, Any] = {
             "time": self.time,
             "moments": [m.to_record() for m in self.moments.window(due)],
         }
+        if pace:
+            record["pace"] = pace
         if taken_over_in:
             moment, wrong = self._wrong_decision(due, taken_over_in)
             if wrong != commanded:
@@ -251,6 +268,8 @@ class Perceived:
 
     def keep_around(self, command: int, record: Mapping[str, Any]) -> None:
         """Keep what `around` returned for the command of this number."""
+        if "pace" in record:
+            self._paces[command] = float(record["pace"])
         moments = tuple(map(Moment.from_record, record.get("moments", ())))
         if moments:
             self._windows[command] = (float(record["time"]), moments)
@@ -302,6 +321,60 @@ class Perceived:
                 number = example.number if same else 0
                 values = self.in_moment(at, features)
                 yield Correction(at.state, values, wrong, right, number, last[command])
+
+    def late(
+        self,
+        command: int,
+        label: str,
+        features: Sequence[Use],
+        lateness: Lateness,
+        recorded: tuple[str, int] | None = None,
+    ) -> tuple[LateCommand, Sequence[Moment]] | None:
+        """Return a command that came late, and the moments for which it may have been meant.
+
+        Args:
+            command: its number.
+            label: of the state that it goes to.
+            features: of the automaton in training.
+            lateness: of the person.
+            recorded: the state and the cycle for which it was recorded; None: it was not yet.
+
+        Returns:
+            The command; and the moments in one state, with one in which the automaton changed its
+            state last, if it may correct that. None if it is known when the command was due.
+        """
+        pace = self._paces.get(command)
+        if pace is None or command not in self._windows:
+            return None
+        given, moments = self._windows[command]
+        delays = (given - np.array([moment.time for moment in moments])) / pace
+        odds = lateness.density(delays)
+        states = [moment.state for moment in moments]
+        ends = [i for i in range(len(states) - 1) if states[i] != states[i + 1]]
+        stretches = list(pairwise([0, *(end + 1 for end in ends), len(states)]))
+        changed: int | None = None
+        if command in self._corrected:
+            wrong = [end for end in ends if states[end + 1] != label]
+            changed = max(wrong, key=lambda end: odds[end], default=None)
+        else:
+            stretches = stretches[-1:]
+        corrects = None
+        begin, end = max(stretches, key=lambda one: odds[one[0] : one[1]].sum())
+        if recorded is not None:
+            there = [i for i, m in enumerate(moments) if (m.state, m.cycle) == recorded]
+            corrects = None if changed is None else there == [changed]
+            if there and not corrects:
+                begin, end = next(one for one in stretches if one[1] > there[0])
+        if states[begin] == label and changed is None:
+            return None
+        among = moments[begin:end]
+        values = np.array([self.in_moment(one, features) for one in among])
+        values = values.reshape(len(among), len(features))
+        late = LateCommand(states[begin], label, delays[begin:end], values)
+        if changed is None:
+            return late, among
+        late = replace(late, changed=float(delays[changed]), corrects=corrects)
+        return late, (*among, moments[changed])
 
     def window(self, command: int) -> tuple[float, tuple[Moment, ...]] | None:
         """Return when a command was given, s, and the moments that are kept around it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from hitab_core.automaton import as_entered
@@ -33,21 +33,46 @@ def retiming(
     """
     commands = log.commands_of(numbers)
     dues = {command: _then(kept, command, n, ago) for command, n in commands.items()}
-
-    def changed(e: Example) -> Example:
-        given, due = dues[e.command]
-        values = kept.values(due, features)
-        return replace(
-            e,
-            state=e.state if e.is_default else due.state,
-            features=as_entered(features, values) if e.is_default else values,
-            cycle=due.cycle,
-            ago=max(0.0, given - due.time),
-            readings=due.readings,
-        )
-
     words = f"{these(commands.values())} due {ago:g} s before its command"
-    return log.replacement(map(changed, log.of_commands(commands)), words)
+    return log.replacement(moved(log, kept, dues, features), words)
+
+
+def moved(
+    log: ExampleLog,
+    kept: Perceived,
+    dues: Mapping[int, tuple[float, Moment]],
+    features: Sequence[Use],
+) -> list[Example]:
+    """Return the examples of commands as they are if these were due in other moments.
+
+    Args:
+        log: of the examples.
+        kept: what was perceived around each command.
+        dues: when each command was given, s, and the moment in which it was due.
+        features: of the automaton in training.
+
+    Raises:
+        FeatureValueError: as `Perceived.values`.
+    """
+    return [
+        due_in(example, kept, *dues[example.command], features)
+        for example in log.of_commands(dues)
+    ]
+
+
+def due_in(
+    e: Example, kept: Perceived, given: float, due: Moment, features: Sequence[Use]
+) -> Example:
+    """Return an example of a command that was given at some time, s, if it was due in a moment."""
+    values = kept.values(due, features)
+    return replace(
+        e,
+        state=e.state if e.is_default else due.state,
+        features=as_entered(features, values) if e.is_default else values,
+        cycle=due.cycle,
+        ago=max(0.0, given - due.time),
+        readings=due.readings,
+    )
 
 
 def _then(kept: Perceived, command: int, example: int, ago: float) -> tuple[float, Moment]:

@@ -21,6 +21,8 @@ from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.exchange import exchange
+from hitab_core.training.late_commands import LateCommands
+from hitab_core.training.lateness import Lateness
 from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
@@ -36,6 +38,10 @@ Journal = Callable[[Mapping[str, Any]], None]
 
 REMEMBERED = 1000
 """Maximum number of commands that are recognized when they come again."""
+
+
+PACE_MAX = 1000.0
+"""No person watches a world that is faster."""
 
 
 class Request(NamedTuple):
@@ -80,6 +86,7 @@ class TrainingSession:
         examples: Iterable[Example] = (),
         journal: Journal = _forget,
         names: Sequence[Use] = (),
+        people: dict[str, Lateness] | None = None,
     ) -> None:
         """Start in training mode, in Start.
 
@@ -90,6 +97,7 @@ class TrainingSession:
             journal: keeps each step.
             names: of the readings of ``examples``; empty: all that can be read. What cannot be
                 read any more is NaN.
+            people: how late the commands of each demonstrator come; kept up to date.
 
         Raises:
             VocabularyError: if the curriculum names what does not exist.
@@ -104,6 +112,7 @@ class TrainingSession:
         self.asked = Questions()
         self.requests: deque[Request] = deque(maxlen=REMEMBERED)
         self.note = ""
+        self.late = LateCommands({} if people is None else people)
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -217,6 +226,7 @@ class TrainingSession:
                 self._make(edit)
             if record["do"] == "command":
                 self.perception.keep_around(int(record["examples"][0]["command"]), record)
+                self.late.keep(record)
                 if "request" in record:
                     demonstrator, number = record["request"]
                     self.requests.append(Request(str(demonstrator), int(number)))
@@ -240,6 +250,7 @@ class TrainingSession:
         *,
         ago: float = 0.0,
         seen: int = 0,
+        pace: float = 0.0,
         request: Request | None = None,
     ) -> list[Example]:
         """Perform a behavior now and record the resulting examples.
@@ -251,6 +262,9 @@ class TrainingSession:
                 time, as far as a person knows. The examples are of what happened about then
                 (`hitab_core.training.responses`) and leave the state that was active then.
             seen: the world's cycle that the demonstrator saw; 0: the last one.
+            pace: simulated seconds that pass for the demonstrator in a second; 0: the situation
+                has waited. Without ``ago``, how late the command comes is then estimated
+                (`hitab_core.training.lateness`), and that of earlier ones again.
             request: who commands it and with which number, to recognize it when it comes again.
 
         Returns:
@@ -270,7 +284,7 @@ class TrainingSession:
                 "before commanding"
             )
         try:
-            taught = self._record(state, cycle, ago, seen, request)
+            taught = self._record(state, cycle, ago, seen, pace, request)
             self.note = ""
         except (FeatureValueError, TrainingError, LibraryError) as error:
             if not self.context.repertoire.stands_still(state):
@@ -283,13 +297,37 @@ class TrainingSession:
         return taught
 
     def _record(
-        self, state: Use, cycle: int, ago: float, seen: int, request: Request | None
+        self,
+        state: Use,
+        cycle: int,
+        ago: float,
+        seen: int,
+        pace: float,
+        request: Request | None,
     ) -> list[Example]:
         self._check_state(state)
         label = str(state)
         perception, chosen, running = self.perception, self.curriculum.features, self.running
         corrects = label if self._taken_over else ""
-        due = perception.due(running, chosen, cycle, ago, seen, corrects)
+        who = request.demonstrator if request is not None else ""
+        if not 0.0 <= pace <= PACE_MAX:
+            raise TrainingError(
+                f"the pace of the world cannot be {pace:g} simulated seconds in a second; give a "
+                f"number from 0 (it waits) to {PACE_MAX:g}"
+            )
+        if ago or not perception.is_past:
+            pace = 0.0  # it is known how late the command is
+        if pace:
+            due = perception.moments.due(self.late.usual(who, pace), seen)
+        else:
+            due = perception.due(running, chosen, cycle, ago, seen, corrects)
+        around = perception.around(due, running.active if self._taken_over else "", label, pace)
+        settled: list[Example] = []
+        if pace:
+            scales = list(map(self.context.repertoire.domain.scale_of, chosen))
+            due, settled = self.late.settle(
+                perception, self.log, chosen, scales, label=label, around=around, who=who, due=due
+            )
         again = label == due.state
         values = perception.values(due, chosen)
         assumed = not again and not self.context.repertoire.is_one_shot(state)
@@ -303,10 +341,11 @@ class TrainingSession:
             ago=max(0.0, perception.time - due.time),
             readings=due.readings,
         )
-        edit = self.log.addition(taught)
-        around = perception.around(due, running.active if self._taken_over else "", label)
+        edit = self.log.addition(taught, settled)
         # On disk first: acknowledged examples must survive a crash.
         record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
+        if pace:
+            record |= {"settled": [example_record(e) for e in settled], "who": who}
         if request is not None:
             record["request"] = list(request)
         self._write(record)
@@ -314,6 +353,7 @@ class TrainingSession:
             self.requests.append(request)
         self.log.make(edit)
         perception.keep_around(taught[0].command, around)
+        self.late.keep(record)
         perception.enter(label, due)
         running.take_down_flags()
         running.add_state(state)

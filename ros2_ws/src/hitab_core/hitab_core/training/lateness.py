@@ -1,0 +1,312 @@
+"""When late commands were due, learned from the commands themselves.
+
+A person who commands a moving robot is late, by how much nobody knows before. But commands of one
+kind (leave this state, go to that one) have something in common: all of them answer to the same
+thing, say, to the ball being nearer than some distance, or to a flag that was raised. A guess of
+what it was says for each command when it was due, and so how late it came; a good guess makes the
+same person about equally late each time. So what was meant and how late the person is are
+estimated together, as a distribution over both:
+
+- *How late*: log-normal, with the median and the spread on a grid (`Lateness`). It begins as wide
+  as people are: 95 % of the medians between 0.2 and 1.2 s.
+- *What was meant*: that one feature passed some threshold, came nearer to or farther from straight
+  ahead, or took a value; all features are as likely, and of one feature all its thresholds. A
+  command that was not given while the guess held speaks against it, the more the longer it held.
+- One command in ten is taken to answer to something else.
+
+The moment of a command is the median of what this says about it. A command without any like it
+says little, so it counts as due the person's usual time before it came. Who takes over from an
+automaton corrects either its last change of state or that it has not changed, whichever fits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from hitab_core.arrays import Booleans, Floats, Integers
+from hitab_core.domain import FeatureKind, Scale
+
+SOONEST, LATEST = 0.2, 1.2
+"""Medians of people's delays, s: 95 % of them lie in between at first."""
+
+MEDIANS = np.geomspace(0.1, 2.4, 21)
+SPREADS = np.array([0.15, 0.3, 0.5])
+"""The grid: medians, s, and standard deviations of the logarithm."""
+
+OTHERWISE = 0.1
+"""The part of commands that do not answer to what others of their kind do."""
+
+AT_ONCE = 0.1
+"""How probable it is that a command answers to what was so when its state began, relative to what
+came later: of these guesses there are more, since half of all thresholds are passed from the
+beginning."""
+
+SHORTEST = 0.05
+"""No delay is shorter, s: a person's eyes and fingers take that long."""
+
+TINY = 1e-300
+"""Keeps logarithms finite."""
+
+THRESHOLDS_MAX = 60
+"""The most thresholds of one feature that are compared."""
+
+
+@dataclass(frozen=True)
+class LateCommand:
+    """A command that came late.
+
+    Attributes:
+        state, label: that it leaves and goes to.
+        delays: shape (n,), how long before the command each moment was for which it may have been
+            meant, in the person's seconds, descending.
+        values: shape (n, m), of the features in these moments.
+        changed: how long before the command the automaton changed its state, where the command
+            may correct that; None: it may not.
+        corrects: whether it corrects that; None: nobody knows yet.
+    """
+
+    state: str
+    label: str
+    delays: Floats
+    values: Floats
+    changed: float | None = None
+    corrects: bool | None = None
+
+    @property
+    def odds_of_change(self) -> float:
+        """How probable it is, before looking at the time, that it corrects the change."""
+        if self.changed is None:
+            return 0.0
+        return 0.5 if self.corrects is None else float(self.corrects)
+
+
+@dataclass
+class Lateness:
+    """How late a person's commands come: probabilities over the grid.
+
+    Attributes:
+        odds: shape (medians, spreads), adding up to 1.
+    """
+
+    odds: Floats = field(default_factory=lambda: _prior())
+
+    @property
+    def median(self) -> float:
+        """The delay, s, that half of the commands are expected to exceed."""
+        return float(np.exp(np.sum(self.odds * np.log(MEDIANS)[:, None])))
+
+    def density(self, delays: Floats) -> Floats:
+        """Return how probable delays are, shape (n,), per second."""
+        return np.asarray((_density(delays) * self.odds).sum(axis=(1, 2)))
+
+    @property
+    def uncertainty(self) -> float:
+        """Standard deviation of the median's logarithm."""
+        logs = np.log(MEDIANS)
+        weights = self.odds.sum(axis=1)
+        mean = float(weights @ logs)
+        return math.sqrt(max(0.0, float(weights @ (logs - mean) ** 2)))
+
+
+def _prior() -> Floats:
+    middle = math.log(math.sqrt(SOONEST * LATEST))
+    width = math.log(LATEST / SOONEST) / 4.0
+    odds = np.exp(-0.5 * ((np.log(MEDIANS) - middle) / width) ** 2)
+    grid = np.repeat(odds[:, None], len(SPREADS), axis=1)
+    return np.asarray(grid / grid.sum())
+
+
+def _density(delays: Floats) -> Floats:
+    """Return how probable delays are: shape (*delays, medians, spreads), per second."""
+    seconds = np.maximum(delays, SHORTEST)[..., None, None]
+    z = (np.log(seconds) - np.log(MEDIANS)[:, None]) / SPREADS
+    return np.asarray(np.exp(-0.5 * z**2) / (seconds * SPREADS * math.sqrt(2.0 * math.pi)))
+
+
+def _patience(seconds: Floats) -> Floats:
+    """Return how probable it is that a delay is longer: shape (*seconds, medians, spreads)."""
+    z = (np.log(np.maximum(seconds, 1e-3))[..., None, None] - np.log(MEDIANS)[:, None]) / SPREADS
+    return np.asarray(0.5 * _erfc(z / math.sqrt(2.0)))
+
+
+_erfc = np.vectorize(math.erfc, otypes=[np.float64])
+
+
+def settled(
+    commands: Sequence[LateCommand], scales: Sequence[Scale], before: Lateness
+) -> tuple[list[int], Lateness]:
+    """Return for which of its moments each command was meant, and how late the person is.
+
+    Args:
+        commands: of one person.
+        scales: of the features.
+        before: what was known of the person before these commands.
+
+    Returns:
+        Indices of moments, -1 for the change of state that a command corrects; and the lateness.
+    """
+    kinds: dict[tuple[str, str], list[int]] = {}
+    for i, command in enumerate(commands):
+        kinds.setdefault((command.state, command.label), []).append(i)
+    log_odds = np.log(before.odds + TINY)
+    found = {}
+    for kind, members in kinds.items():
+        others = [c for c in commands if c.state == kind[0] and c.label != kind[1]]
+        found[kind] = _explanations([commands[i] for i in members], others, scales)
+        log_odds += _log_sum(found[kind].log_likelihood)
+    odds = np.exp(log_odds - log_odds.max())
+    after = Lateness(odds / odds.sum())
+    dues = [0] * len(commands)
+    for kind, members in kinds.items():
+        for i, due in zip(members, found[kind].dues(after), strict=True):
+            dues[i] = due
+    return dues, after
+
+
+def _log_sum(values: Floats) -> Floats:
+    """Return the logarithm of a sum over the first axis."""
+    top = values.max(axis=0)
+    return np.asarray(top + np.log(np.exp(values - top).sum(axis=0)))
+
+
+@dataclass
+class _Explanations:
+    """What commands of one kind may answer to.
+
+    Attributes:
+        commands: of the kind.
+        first: shape (guesses, commands), the first moment in which each guess holds; -1: none.
+        fitting: shape (guesses, commands, medians, spreads), how probable it is that a command
+            answers to a guess.
+        changing: of the same shape, that it corrects a change of state.
+        log_likelihood: shape (guesses, medians, spreads), with the guess's own probability.
+    """
+
+    commands: Sequence[LateCommand]
+    first: Integers
+    fitting: Floats
+    changing: Floats
+    log_likelihood: Floats
+
+    def dues(self, lateness: Lateness) -> list[int]:
+        """Return the median of the moments that each command may have been meant for."""
+        likelihood = self.log_likelihood + np.log(lateness.odds + TINY)
+        odds = np.exp(likelihood - likelihood.max())
+        odds /= odds.sum()
+        dues = []
+        for i, command in enumerate(self.commands):
+            if (odds * self.changing[:, i]).sum() > 0.5:
+                dues.append(-1)
+                continue
+            answers = (odds * self.fitting[:, i]).sum(axis=(1, 2))
+            known = self.first[:, i] >= 0
+            weights = np.bincount(
+                self.first[known, i], answers[known], minlength=len(command.delays)
+            )
+            usual = (_density(command.delays) * odds.sum(axis=0)).sum(axis=(1, 2))
+            total = usual.sum()
+            rest = max(0.0, 1.0 - float(weights.sum()))
+            weights = weights + (rest * usual / total if total > 0 else rest / len(usual))
+            dues.append(int(np.searchsorted(np.cumsum(weights), 0.5 * weights.sum())))
+        return dues
+
+
+def _explanations(
+    commands: Sequence[LateCommand], others: Sequence[LateCommand], scales: Sequence[Scale]
+) -> _Explanations:
+    guesses = _guesses(commands, scales)
+    first = np.array([[_first(g(c.values)) for c in commands] for g, _ in guesses])
+    grid = (len(MEDIANS), len(SPREADS))
+    fitting = np.empty((len(guesses), len(commands), *grid))
+    changing = np.empty_like(fitting)
+    log_likelihood = np.log([odds for _, odds in guesses])[:, None, None] + np.zeros((1, *grid))
+    for i, command in enumerate(commands):
+        length = max(float(command.delays[0]), SHORTEST)
+        density = np.concatenate([_density(command.delays), np.zeros((1, *grid))])
+        change = command.odds_of_change
+        answered = (1.0 - change) * (1.0 - OTHERWISE) * density[first[:, i]]
+        answered[first[:, i] == 0] *= AT_ONCE
+        corrected = change * _density(np.array(command.changed or SHORTEST))
+        likelihood = answered + corrected + (1.0 - change) * OTHERWISE / length + TINY
+        fitting[:, i] = answered / likelihood
+        changing[:, i] = corrected / likelihood
+        log_likelihood += np.log(likelihood)
+    for other in others:
+        patience = np.concatenate(
+            [_patience(other.delays), np.ones((1, len(MEDIANS), len(SPREADS)))]
+        )
+        held = np.array([_first(g(other.values)) for g, _ in guesses])
+        log_likelihood += np.log((1.0 - OTHERWISE) * patience[held] + OTHERWISE)
+    return _Explanations(commands, first, fitting, changing, log_likelihood)
+
+
+def _first(holds: Booleans) -> int:
+    """Return the first place that holds; -1: none does."""
+    place = int(holds.argmax())
+    return place if holds[place] else -1
+
+
+def _guesses(commands: Sequence[LateCommand], scales: Sequence[Scale]) -> list[_Guess]:
+    """Return what commands may answer to, each with how probable it is at first."""
+    values = np.concatenate([command.values for command in commands])
+    found: list[list[Holds]] = []
+    for f, scale in enumerate(scales):
+        column = values[~np.isnan(values[:, f]), f]
+        of_feature: list[Holds] = []
+        if scale.kind.is_measured:
+            measures: list[Measure] = [partial(_plain, f)]
+            if scale.kind is FeatureKind.TOROIDAL:
+                measures = [partial(_signed, f, scale.period), partial(_off, f, scale.period)]
+            for measure in measures:
+                levels = np.unique(measure(values))
+                levels = levels[~np.isnan(levels)]
+                edges = (levels[1:] + levels[:-1]) / 2.0
+                if len(edges) > THRESHOLDS_MAX:
+                    edges = edges[np.linspace(0, len(edges) - 1, THRESHOLDS_MAX).astype(int)]
+                for edge in edges.tolist():
+                    of_feature += [partial(_below, measure, edge), partial(_above, measure, edge)]
+        else:
+            of_feature = [partial(_is, f, value) for value in np.unique(column).tolist()]
+        if of_feature:
+            found.append(of_feature)
+    if not found:
+        return [(lambda values: np.zeros(len(values), np.bool_), 1.0)]
+    return [
+        (guess, 1.0 / (len(found) * len(of_feature)))
+        for of_feature in found
+        for guess in of_feature
+    ]
+
+
+Measure = Callable[[Floats], Floats]
+Holds = Callable[[Floats], Booleans]
+_Guess = tuple[Holds, float]
+
+
+def _plain(f: int, values: Floats) -> Floats:
+    return np.asarray(values[:, f])
+
+
+def _signed(f: int, period: float, values: Floats) -> Floats:
+    return np.asarray((values[:, f] + period / 2.0) % period - period / 2.0)
+
+
+def _off(f: int, period: float, values: Floats) -> Floats:
+    return np.abs(_signed(f, period, values))
+
+
+def _below(measure: Measure, edge: float, values: Floats) -> Booleans:
+    return np.asarray(measure(values) < edge)
+
+
+def _above(measure: Measure, edge: float, values: Floats) -> Booleans:
+    return np.asarray(measure(values) > edge)
+
+
+def _is(f: int, value: float, values: Floats) -> Booleans:
+    return np.asarray(values[:, f] == value)

@@ -1,0 +1,154 @@
+"""How late a person is, and what late commands were meant for, is learned from the commands."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from hitab_core import Agent, BehaviorLibrary, TrainingError, Use, plain_domain
+from hitab_core.example import Example
+from hitab_core.training import Curriculum
+
+CART = plain_domain("cart", {"Go": [1.0], "Turn": [0.0]}, ["Distance", "Weather"])
+STEP = 0.05
+WALL = 3.0
+"""The person means: turn when the wall is nearer than this, m."""
+
+
+class Course:
+    """A cart that runs at a wall, again and again, each time at another speed."""
+
+    def __init__(self, folder: Path, seed: int = 1) -> None:
+        self.folder, self.random, self.time, self.cycle = folder, Random(seed), 0.0, 0
+        self.agent = self.made()
+        self.agent.begin(Curriculum("Bounce", (Use("Distance"), Use("Weather"))))
+
+    def made(self) -> Agent:
+        library = BehaviorLibrary(self.folder / "library", CART)
+        return Agent("cart", CART, library, self.folder / "journal")
+
+    def sense(self, distance: float, *, jumped: bool = False) -> None:
+        self.cycle += 1
+        self.time += STEP
+        percept = [distance, self.random.random()]
+        self.agent.sense(percept, [], self.cycle, self.time, jumped=jumped)
+        self.agent.tick()
+
+    def run(self, delay: float, pace: float = 1.0) -> Example:
+        """Run at the wall once; the person turns it so late, in seconds of their own."""
+        speed = self.random.uniform(1.0, 6.0)
+        distance = WALL + speed * self.random.uniform(0.8, 1.5)
+        self.sense(distance, jumped=True)
+        self.agent.command(Use("Go"))
+        while distance > WALL:
+            distance -= speed * STEP
+            self.sense(distance)
+        for _ in range(round(delay * pace / STEP)):
+            distance -= speed * STEP
+            self.sense(distance)
+        return self.agent.command(Use("Turn"), pace=pace)[0]
+
+    @property
+    def turns(self) -> list[Example]:
+        assert self.agent.session is not None
+        return [
+            e for e in self.agent.session.examples if (e.state, e.next_state) == ("Go", "Turn")
+        ]
+
+    @property
+    def estimate(self) -> float:
+        return self.agent.people[""].median
+
+
+@pytest.mark.parametrize("delay", [0.2, 0.6, 1.2])
+def test_people_who_are_a_little_and_very_late_are_understood_alike(
+    tmp_path: Path, delay: float
+) -> None:
+    course, noise = Course(tmp_path), Random(2)
+    for _ in range(10):
+        course.run(delay * noise.lognormvariate(0.0, 0.1))
+    assert delay / 1.5 < course.estimate < delay * 1.5
+    late = [WALL - e.features[0] for e in course.turns]
+    unaware = 3.5 * delay  # by the mean speed
+    assert len(late) == 10
+    assert math.fsum(map(abs, late)) / 10 < max(0.4, 0.35 * unaware)
+
+
+def test_what_is_commanded_later_shows_what_was_meant_before(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    first = course.run(1.2)
+    for _ in range(9):
+        course.run(1.2)
+    (settled, *_) = course.turns
+    assert settled.number == first.number
+    assert abs(settled.features[0] - WALL) < abs(first.features[0] - WALL)
+
+
+def test_the_pace_of_the_world_does_not_make_a_person_slower(tmp_path: Path) -> None:
+    estimates = []
+    for pace in (1.0, 0.5):
+        course = Course(tmp_path / str(pace))
+        for _ in range(8):
+            course.run(0.6, pace)
+        estimates.append(course.estimate)
+    assert estimates[0] == pytest.approx(estimates[1], rel=0.35)
+
+
+def test_a_command_whose_moment_is_known_stays_there(tmp_path: Path) -> None:
+    """A script, a paused world, a time that somebody has told or corrected."""
+    course = Course(tmp_path)
+    session = course.agent.session
+    assert session is not None
+    exact = course.run(0.0, pace=0.0)
+    told = course.run(0.6)
+    session.retime([told.number], 0.1)
+    kept = [exact, next(e for e in session.examples if e.number == told.number)]
+    for _ in range(5):
+        course.run(0.6)
+    assert [e for e in session.examples if e.number in (exact.number, told.number)] == kept
+
+
+def test_undo_takes_back_what_a_command_had_said_about_others(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    session = course.agent.session
+    assert session is not None
+    for _ in range(3):
+        course.run(1.0)
+    before = session.examples
+    course.run(1.0)
+    session.undo()
+    assert [e for e in session.examples if e.command <= before[-1].command] == list(before)
+
+
+def test_a_crash_loses_nothing_of_it(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    for _ in range(4):
+        course.run(0.9)
+    assert course.agent.session is not None
+    before = course.agent.session.examples
+    course.agent.journal.close()
+    course.agent = course.made()
+    assert course.agent.session is not None
+    assert course.agent.session.examples == before
+    course.run(0.9)
+    assert len(course.turns) == 5
+
+
+def test_people_are_known_by_name_and_from_one_training_to_the_next(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    for _ in range(8):
+        course.run(1.2)
+    course.agent.save()
+    course.agent.begin(Curriculum("Again", (Use("Distance"),)))
+    assert course.run(1.2).ago == pytest.approx(course.estimate, abs=0.3)
+
+
+@pytest.mark.parametrize("pace", [-1.0, 1e6, math.nan])
+def test_a_pace_that_no_world_has_is_refused(tmp_path: Path, pace: float) -> None:
+    course = Course(tmp_path)
+    course.sense(5.0)
+    with pytest.raises(TrainingError, match="pace"):
+        course.agent.command(Use("Go"), pace=pace)
