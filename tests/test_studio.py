@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import getpass
 import json
 import urllib.error
 import urllib.request
@@ -143,14 +144,23 @@ def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, perso
     person.click("do-GoFast")
     page = chrome.new_page(viewport={"width": 1280, "height": 720})
     other = Person(page, url)
+    other.click("who")
+    other.type("reaction-who", "Ben")
+    other.click("reaction-set")
+    other.sees("who", "Ben")
     other.click(f"agent-{TWO}")
-    other.sees("banner", "held by demonstrator")
+    other.sees("banner", f"held by {getpass.getuser()}")
     assert page.is_disabled('[data-test="do-GoSlow"]')
     other.click("take")
     other.click("do-GoSlow")
     other.sees("recorded", "GoSlow")
     person.sees("message", f"has taken {TWO}")
-    person.sees("banner", "held by demonstrator")
+    person.sees("banner", "held by Ben")
+    person.waits_until(
+        lambda: swarm.link.spin(0.02) or swarm.agents.statuses[TWO].demonstrator == "Ben", "told"
+    )
+    page.reload()
+    other.sees("who", "Ben")
     assert other.complaints == []
     page.close()
 

@@ -48,9 +48,9 @@ def test_the_history_shows_what_undo_undoes_and_redo_redoes(swarm, person):
     person.click("do-Stop")
     person.sees("history", "GoFast → Stop, 2 examples")
     person.sees("counts", "4 examples")
-    person.sees("counted", "3 examples count, 1 is superseded")
+    person.sees("counted", "3 examples count, 1 is overruled")
     title = person.page.locator('[data-test="undo"]').get_attribute("title")
-    assert title == "Undo: GoFast → Stop, 2 examples; superseded example 2 (U)"
+    assert title == "Undo: GoFast → Stop, 2 examples; overruled example 2 (U)"
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     undone = person.page.wait_for_selector('[data-test="history"] .undone')

@@ -127,14 +127,14 @@ def test_a_token_is_made_where_other_machines_reach_the_page():
 def test_an_agent_is_commanded_by_one_demonstrator_until_another_takes_it():
     async def use() -> None:
         studio = Studio(lambda: Target(0))
-        anna, ben = studio.open(), studio.open()
+        anna, ben = studio.open("Anna"), studio.open("Ben")
         anna.agent = ben.agent = "keeper_1"
         anna.hold("keeper_1")
         anna.hold("keeper_1")
-        with pytest.raises(SwarmError, match="trained by demonstrator 1; press Take over"):
+        with pytest.raises(SwarmError, match="trained by Anna; press Take over"):
             ben.hold("keeper_1")
         await perform(ben, {"do": "take"})
-        assert anna.messages.shown[0].text == "Demonstrator 2 has taken keeper_1"
+        assert anna.messages.shown[0].text == "Ben has taken keeper_1"
         studio.close(anna)
         assert studio.shared.held == {"keeper_1": ben}
         await perform(ben, {"do": "release"})

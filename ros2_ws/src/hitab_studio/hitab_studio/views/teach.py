@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_client import SwarmError
+from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio import unavailable
@@ -61,7 +61,7 @@ def _given_up(session: Session) -> int:
 def _reaction(session: Session) -> str:
     """Say for when the person's commands count."""
     try:
-        seconds = session.shared.reactions.of(session.demonstrator)
+        seconds = reaction_time.of(session.demonstrator)
     except SwarmError as error:
         return told(error)
     if seconds:
