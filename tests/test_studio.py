@@ -138,6 +138,13 @@ def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_chan
 
 
 @needs_browser
+def test_what_an_idle_agent_perceives_is_shown(swarm, person):
+    swarm.agents.perform(TWO, "")
+    person.click(f"agent-{TWO}")
+    person.sees("perceives", "DistanceTo(ball)")
+
+
+@needs_browser
 def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, person, chrome, url):
     swarm.agents.begin(TWO, "Held", features=["DistanceTo(ball)"], discard=True)
     person.click(f"agent-{TWO}")

@@ -53,8 +53,9 @@ class Watched:
         vocabulary: what it can be commanded.
         training: what is being trained, if anything.
         behaviors: what is in its library and was needed, by name.
-        readings: automaton, feature and its last values, oldest first.
-        probed: the present values of all features, while a page asks for them.
+        readings: automaton, feature and its last values, oldest first; of the automata that are
+            active, and without an automaton of all features, while nothing is active or a page
+            asks for them.
         transitions: the last state changes, newest last.
         change: what the last change of examples did.
     """
@@ -63,7 +64,6 @@ class Watched:
     training: Training | None = None
     behaviors: Mapping[str, Learned] = field(default_factory=lambda: NOTHING)
     readings: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=lambda: NOTHING)
-    probed: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
 
@@ -143,10 +143,9 @@ class AgentWatch:
             self._ask(name, SwarmClient.behavior, partial(self._take_behavior, name), name)
         if (now := time.monotonic()) >= self._next_read:
             self._next_read = now + READ_SECONDS
-            words = self.known.vocabulary
-            also = (
-                [str(u) for _, u in uses(words.features, words.targets)] if self._probing else []
-            )
+            words, also = self.known.vocabulary, []
+            if self._probing or not status.active_path:
+                also = [str(use) for _, use in uses(words.features, words.targets)]
             read = SwarmClient.read_features
             self._ask("features", read, self._take_features, also[:PROBED_MAX])
 
@@ -225,11 +224,8 @@ class AgentWatch:
 
     def _take_features(self, answer: Any) -> None:
         before = self.known.readings
-        readings, probed = {}, {}
+        readings = {}
         for read in answer.readings:
-            if read.automaton:
-                past = before.get((read.automaton, read.feature), ())
-                readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY:]
-            else:
-                probed[read.feature] = read.value
-        self._know(readings=MappingProxyType(readings), probed=MappingProxyType(probed))
+            past = before.get((read.automaton, read.feature), ())
+            readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY:]
+        self._know(readings=MappingProxyType(readings))

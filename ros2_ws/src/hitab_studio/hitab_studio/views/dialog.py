@@ -125,8 +125,8 @@ def _feature(session: Session, text: str, use: Use) -> Feature:
     vocabulary, name, label = watched.vocabulary, use.name, str(use)
     kind, unit = vocabulary.kinds.get(name, ""), vocabulary.units.get(name, "")
     now = ""
-    if (value := watched.probed.get(label)) is not None:
-        now = measure(value, kind, unit)
+    if history := watched.readings.get(("", label)):
+        now = measure(history[-1], kind, unit)
     about = _described(vocabulary.feature_descriptions, text, use)
     kind = "circular" if kind == FeatureKind.TOROIDAL else kind
     return label, about, f"{kind}, {shown_unit(unit)}" if unit else kind, now

@@ -13,6 +13,7 @@ from hitab_studio.launching import Startable, unknown
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
+from hitab_studio.views.perceived import plotted
 from hitab_studio.views.swarm import choices
 
 MODE_WORDS = {
@@ -65,6 +66,7 @@ def context(session: Session) -> dict[str, Any]:
         "faults": [] if may_not_act else faults,
         "player": session.player,
         "empty": nothing,
+        "plots": plotted(session),
         "choices": choices(session) if nothing[0] else [],
         "launch": launch,
         "making": session.shared.generations.making if live else None,

@@ -13,6 +13,7 @@ from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
+from hitab_studio.views.perceived import perceived
 from hitab_studio.views.questions import TITLES, answers, when_unsure
 
 SHOWN = 6
@@ -28,7 +29,7 @@ def context(session: Session) -> dict[str, Any]:
     return {
         "recorded": [e for e in examples if e.command == last] if last else [],
         "defaults": sum(e.is_default for e in examples),
-        "readings": {key: [*history] for key, history in watched.readings.items() if history},
+        "readings": perceived(session),
         "abouts": watched.vocabulary.feature_descriptions,
         "values_of": lambda example: _values(session, example),
         "trained": sorted(session.watched.vocabulary.trained),
