@@ -10,6 +10,7 @@ from typing import Any
 from nicegui import Client, ui
 from nicegui.element import Element
 
+from hitab_client import Training
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.actions import RequestQueue, is_urgent, perform
 from hitab_studio.session import Session
@@ -51,6 +52,7 @@ class Page:
         self._session = session
         self._client = client
         self._seen: tuple[int, int] = (-1, -1)
+        self._training: Training | None = None
         self._count = 0
         self._requests = RequestQueue()
         self._urgent: set[asyncio.Task[None]] = set()
@@ -102,9 +104,11 @@ class Page:
         session.drop_old_messages()
         self._count += 1
         seen = (self._studio.store.version, session.version)
-        if seen == self._seen and self._count % ALSO_EVERY:
+        training = session.training
+        is_same = seen == self._seen and training is self._training
+        if is_same and self._count % ALSO_EVERY:
             return
-        self._seen = seen
+        self._seen, self._training = seen, training
         for panel in self._panels:
             try:
                 panel.show(render(panel.name, session))

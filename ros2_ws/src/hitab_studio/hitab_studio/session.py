@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from hitab_client import Learned, SwarmError, WorldClient
+from hitab_client import Learned, SwarmError, Training, WorldClient
 from hitab_client.demonstrating import behavior_keys
 from hitab_core import Use, natural
 from hitab_ros import names
@@ -159,6 +159,11 @@ class Session:
     def watched(self) -> Watched:
         """What else is known of the agent."""
         return self.shared.store.known.watched.get(self.agent, NOTHING)
+
+    @property
+    def training(self) -> Training | None:
+        """What the agent is being trained, as it has published it last."""
+        return self.shared.link.training(self.agent)
 
     @property
     def agents(self) -> Sequence[str]:

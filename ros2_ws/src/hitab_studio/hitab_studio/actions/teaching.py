@@ -35,7 +35,7 @@ async def command(session: Session, data: Data) -> None:
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = parameters_of(behavior)
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
-    training = session.watched.training
+    training = session.training
     if training is not None:
         open_ = [p for p in open_ if p not in training.parameters]
     if open_:
@@ -145,7 +145,7 @@ async def toggle(session: Session, data: Data) -> None:
     if (
         status is None
         or status.mode == "idle"
-        or (status.mode == "performing" and session.watched.training is None)
+        or (status.mode == "performing" and session.training is None)
     ):
         raise SwarmError(nothing_in_training(session))
     mode = demonstrating.other_mode(status)

@@ -50,7 +50,7 @@ def context(session: Session) -> dict[str, Any]:
             "agent_off": unavailable.agent(session),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
-            "training": session.watched.training,
+            "training": session.training,
             "saved": _saved(session),
         }
     if kind == "features":

@@ -14,7 +14,7 @@ from hitab_studio.views.numbers import measure
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
-    training, table = session.watched.training, session.table
+    training, table = session.training, session.table
     if training is None:
         return {"lines": [], "columns": [], "total": 0}
     moments = session.shared.store.known.moments

@@ -23,7 +23,7 @@ SHOWN = 6
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     watched = session.watched
-    training = watched.training
+    training = session.training
     examples = training.examples if training is not None else ()
     last = max((e.command for e in examples), default=0)
     return {
@@ -53,7 +53,7 @@ def context(session: Session) -> dict[str, Any]:
 
 def _given_up(session: Session) -> int:
     """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
-    training = session.watched.training
+    training = session.training
     if training is None or training.cost is None:
         return 0
     return max(0, training.cost.wasted - sum(not e.is_learned for e in training.examples))
@@ -72,7 +72,7 @@ def _reaction(session: Session) -> str:
 
 def _values(session: Session, example: Example) -> list[tuple[str, str]]:
     """Return what the agent perceived: names of features, and values for people."""
-    training = session.watched.training
+    training = session.training
     if training is None:
         return []
     kinds = [scale.kind for scale in training.scales]
