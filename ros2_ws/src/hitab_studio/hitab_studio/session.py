@@ -345,6 +345,13 @@ class Session:
         self.messages.say(text, kind)
         self.touch()
 
+    def refuse(self, why: str, kind: str = "bad") -> None:
+        """Say why something was not done: in the dialog that asks for it, else as a message."""
+        if self.dialog:
+            self.dialog["refused"] = why
+        else:
+            self.tell(why, kind)
+
     def settle(self) -> None:
         """Withdraw the offer to send a lost command again once the agent has taken it."""
         lost = self.lost

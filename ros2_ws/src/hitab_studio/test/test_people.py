@@ -5,7 +5,7 @@ import getpass
 import json
 
 from hitab_client import reaction_time
-from hitab_studio.actions import perform
+from hitab_studio.page import perform
 from hitab_studio.studio import Studio
 
 

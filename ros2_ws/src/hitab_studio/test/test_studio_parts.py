@@ -16,10 +16,10 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
-from hitab_studio.actions import perform
 from hitab_studio.agent_watch import Watched
 from hitab_studio.known import Known
 from hitab_studio.learned import Vocabulary, effect, is_contradicted
+from hitab_studio.page import perform
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of
 from hitab_studio.store import Store
