@@ -15,9 +15,8 @@ from robot_desk import Desk, desk_with
 
 from hitab_bringup import supervision
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.libraries import libraries_of
 from hitab_client import SwarmError, domain_ids
-from hitab_client.run_folder import running_swarms
+from hitab_client.run_folder import libraries_of, running_swarms
 from keepaway_world.verbs.evaluation import trained_keepers
 
 PARAMETERS = {"taker_speed": 0.25}

@@ -5,9 +5,9 @@ import shutil
 import pytest
 from waiting import hanging
 
-from hitab_bringup.libraries import libraries_of
 from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping, Configuration, Evaluation, with_condition
+from hitab_client.run_folder import libraries_of
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 QUICK = Evaluation(episodes=2, seed=5)

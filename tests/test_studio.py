@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import getpass
 import json
 import urllib.error
 import urllib.request
@@ -137,20 +138,36 @@ def test_contradicting_examples_are_pointed_out_and_deleting_one_shows_what_chan
 
 
 @needs_browser
+def test_what_an_idle_agent_perceives_is_shown(swarm, person):
+    swarm.agents.perform(TWO, "")
+    person.click(f"agent-{TWO}")
+    person.sees("perceives", "DistanceTo(ball)")
+
+
+@needs_browser
 def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, person, chrome, url):
     swarm.agents.begin(TWO, "Held", features=["DistanceTo(ball)"], discard=True)
     person.click(f"agent-{TWO}")
     person.click("do-GoFast")
     page = chrome.new_page(viewport={"width": 1280, "height": 720})
     other = Person(page, url)
+    other.click("who")
+    other.type("reaction-who", "Ben")
+    other.click("reaction-set")
+    other.sees("who", "Ben")
     other.click(f"agent-{TWO}")
-    other.sees("banner", "held by demonstrator")
+    other.sees("banner", f"held by {getpass.getuser()}")
     assert page.is_disabled('[data-test="do-GoSlow"]')
     other.click("take")
     other.click("do-GoSlow")
     other.sees("recorded", "GoSlow")
     person.sees("message", f"has taken {TWO}")
-    person.sees("banner", "held by demonstrator")
+    person.sees("banner", "held by Ben")
+    person.waits_until(
+        lambda: swarm.link.spin(0.02) or swarm.agents.statuses[TWO].demonstrator == "Ben", "told"
+    )
+    page.reload()
+    other.sees("who", "Ben")
     assert other.complaints == []
     page.close()
 

@@ -48,9 +48,9 @@ def test_the_history_shows_what_undo_undoes_and_redo_redoes(swarm, person):
     person.click("do-Stop")
     person.sees("history", "GoFast → Stop, 2 examples")
     person.sees("counts", "4 examples")
-    person.sees("counted", "3 examples count, 1 is superseded")
+    person.sees("counted", "3 examples count, 1 is overruled")
     title = person.page.locator('[data-test="undo"]').get_attribute("title")
-    assert title == "Undo: GoFast → Stop, 2 examples; superseded example 2 (U)"
+    assert title == "Undo: GoFast → Stop, 2 examples; overruled example 2 (U)"
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     undone = person.page.wait_for_selector('[data-test="history"] .undone')
@@ -202,3 +202,32 @@ def test_features_are_exchanged_after_a_look_at_what_would_be_learned(swarm, per
     person.page.wait_for_selector('[data-test="undo"]:not([aria-disabled])')
     person.page.keyboard.press("u")
     person.sees("recorded", "DistanceTo(ball)")
+
+
+# -- the library ------------------------------------------------------------------------------
+
+
+@needs_browser
+def test_a_saved_behavior_is_renamed_and_deleted_on_the_page(swarm, person):
+    def trained() -> list[str]:
+        return [b.name for b in swarm.agents.vocabulary(ONE).behaviors if b.trained]
+
+    away_from_everybody(swarm, 5.0)
+    begin(person, "Near")
+    person.click("do-GoFast")
+    person.sees("counts", "2 examples")
+    person.click("save")
+    person.click("save-now")
+    person.click("rename-behavior")
+    person.type("behavior-name", "GoFast")
+    person.click("rename-now")
+    person.sees("refused", "that name is taken")
+    person.type("behavior-name", "Close")
+    person.click("rename-now")
+    person.sees("shelf-Close")
+    assert trained() == ["Close"]
+    person.click("delete-behavior")
+    person.click("delete-now")
+    person.does_not_see("shelf-Close")
+    person.sees("message", "its versions are kept")
+    assert trained() == []

@@ -11,11 +11,9 @@ from pathlib import Path
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import kind_file, library_of, write_rosters
 from hitab_bringup.unsaved_trainings import bring_back, set_aside
+from hitab_client.run_folder import LIBRARIES, libraries_of
 from hitab_commander import KIND_FILE, kind_text
 from hitab_core import each_once
-
-LIBRARIES = "libraries.json"
-"""File in a run folder: the library of each agent, by name."""
 
 
 def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
@@ -53,15 +51,6 @@ def prepare(swarm: SwarmDescription, folder: Path) -> None:
         for file in (kind_file(commander, folder), library_of(commander, folder) / KIND_FILE):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
-
-
-def libraries_of(folder: Path) -> dict[str, Path]:
-    """Return the library of each agent of the swarm that is up, or was last, in a run folder."""
-    try:
-        used = json.loads((folder / LIBRARIES).read_text(encoding="utf-8"))
-        return {agent: Path(library) for agent, library in used.items()}
-    except (OSError, ValueError, AttributeError, TypeError):
-        return {}
 
 
 def read_only(folder: Path) -> list[str]:

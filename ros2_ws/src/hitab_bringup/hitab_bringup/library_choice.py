@@ -6,12 +6,11 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from hitab_bringup.libraries import libraries_of
 from hitab_bringup.opened_library import domain_in
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_client import DescriptionError, SwarmError, console
 from hitab_client.domain_ids import chosen_by_user
-from hitab_client.run_folder import running_swarms, state_home
+from hitab_client.run_folder import libraries_of, running_swarms, state_home
 from hitab_client.shipped import shipped_folders
 from hitab_client.swarm_choice import find_meant, name_to_choose
 from hitab_core import LibraryError, has

@@ -36,6 +36,9 @@ SOCKET = "supervisord.sock"
 LONGEST_SOCKET = 90
 """Characters; supervisord first uses a longer name, and the system allows 107."""
 
+LIBRARIES = "libraries.json"
+"""File in a run folder: the library of each agent, by name."""
+
 
 @dataclass(frozen=True)
 class RunRecord:
@@ -68,6 +71,15 @@ def state_home() -> Path:
         return Path(home)
     base = os.environ.get("XDG_STATE_HOME")
     return (Path(base) if base else Path.home() / ".local" / "state") / "hitab"
+
+
+def libraries_of(folder: Path) -> dict[str, Path]:
+    """Return the library of each agent of the swarm that is up, or was last, in a run folder."""
+    try:
+        used = json.loads((folder / LIBRARIES).read_text(encoding="utf-8"))
+        return {agent: Path(library) for agent, library in used.items()}
+    except (OSError, ValueError, AttributeError, TypeError):
+        return {}
 
 
 class RunFolder:

@@ -392,10 +392,10 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
     # All were commanded in one situation, where the next command outranks "keep doing this".
     assert log.history.done == [
         "Start → Left, 2 examples",
-        "Left → Right, 2 examples; superseded example 2",
+        "Left → Right, 2 examples; overruled example 2",
     ]
     assert log.history.undone == [
-        "Right → Beep, 1 example; superseded example 4",
+        "Right → Beep, 1 example; overruled example 4",
         "deleted example 2",
         "changed examples 1, 3 to Stay",
     ]
@@ -403,7 +403,7 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
     log = trained.session.log
     assert (len(log.history.done), len(log.history.undone)) == (2, 3), "the journal keeps it"
     trained.session.redo()
-    assert trained.session.log.history.done[-1] == "Right → Beep, 1 example; superseded example 4"
+    assert trained.session.log.history.done[-1] == "Right → Beep, 1 example; overruled example 4"
     trained.command("Left")
     assert trained.session.log.history.undone == []
 

@@ -51,19 +51,17 @@ class Watched:
 
     Attributes:
         vocabulary: what it can be commanded.
-        training: what is being trained, if anything.
         behaviors: what is in its library and was needed, by name.
-        readings: automaton, feature and its last values, oldest first.
-        probed: the present values of all features, while a page asks for them.
+        readings: automaton, feature and its last values, oldest first; of the automata that are
+            active, and without an automaton of all features, while nothing is active or a page
+            asks for them.
         transitions: the last state changes, newest last.
         change: what the last change of examples did.
     """
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
-    training: Training | None = None
     behaviors: Mapping[str, Learned] = field(default_factory=lambda: NOTHING)
     readings: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=lambda: NOTHING)
-    probed: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
 
@@ -80,6 +78,7 @@ class AgentWatch:
 
     Attributes:
         known: what is known now.
+        training: what it was being trained at the last look, if anything.
     """
 
     def __init__(
@@ -91,6 +90,7 @@ class AgentWatch:
         failed: Callable[..., None],
     ) -> None:
         self.known = Watched()
+        self.training: Training | None = None
         self._agents = agents
         self._agent = agent
         self._do = do
@@ -143,31 +143,30 @@ class AgentWatch:
             self._ask(name, SwarmClient.behavior, partial(self._take_behavior, name), name)
         if (now := time.monotonic()) >= self._next_read:
             self._next_read = now + READ_SECONDS
-            words = self.known.vocabulary
-            also = (
-                [str(u) for _, u in uses(words.features, words.targets)] if self._probing else []
-            )
+            words, also = self.known.vocabulary, []
+            if self._probing or not status.active_path:
+                also = [str(use) for _, use in uses(words.features, words.targets)]
             read = SwarmClient.read_features
             self._ask("features", read, self._take_features, also[:PROBED_MAX])
 
     def _needed(self, status: Any) -> set[str]:
         """Return what it has learned, and what is active or what that is made of."""
-        known, seen = self.known, set(self._wanted)
+        known, training, seen = self.known, self.training, set(self._wanted)
         waiting = [Use.parse(s).name for s in [status.behavior, *status.active_path] if s]
-        if known.training is not None:
-            waiting += [Use.parse(s).name for s in known.training.states]
+        if training is not None:
+            waiting += [Use.parse(s).name for s in training.states]
         while waiting:
             name = waiting.pop()
             if name in seen or name in FLAGS or name == START:
                 continue
-            if known.training is not None and name == known.training.name:
+            if training is not None and name == training.name:
                 continue
             seen.add(name)
             behavior = known.behaviors.get(name)
             if behavior is not None:
                 waiting += [Use.parse(s).name for s in behavior.states]
         shelf = sorted(known.vocabulary.trained)[:SHELF_MAX]
-        trained = known.training.name if known.training is not None else ""
+        trained = training.name if training is not None else ""
         return seen | {name for name in shelf if name != trained}
 
     # -- asking -----------------------------------------------------------------------------
@@ -209,14 +208,14 @@ class AgentWatch:
         self._changed()
 
     def _take_training(self, after: Training | None) -> None:
-        before = self.known.training
+        before, self.training = self.training, after
         if after is before:
             return
         change = None
         if before is not None and after is not None and before.name == after.name:
             same = before.examples == after.examples and before.features == after.features
             change = self.known.change if same else effect(before, after)
-        self._know(training=after, change=change)
+        self._know(change=change)
         self._changed()
 
     def _take_behavior(self, name: str, answer: Learned) -> None:
@@ -225,11 +224,8 @@ class AgentWatch:
 
     def _take_features(self, answer: Any) -> None:
         before = self.known.readings
-        readings, probed = {}, {}
+        readings = {}
         for read in answer.readings:
-            if read.automaton:
-                past = before.get((read.automaton, read.feature), ())
-                readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY:]
-            else:
-                probed[read.feature] = read.value
-        self._know(readings=MappingProxyType(readings), probed=MappingProxyType(probed))
+            past = before.get((read.automaton, read.feature), ())
+            readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY:]
+        self._know(readings=MappingProxyType(readings))

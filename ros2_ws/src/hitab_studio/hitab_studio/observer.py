@@ -176,7 +176,7 @@ class Observer:
         self._know(watched=MappingProxyType(watched))
 
     def _keep_scenes(self, agent: str, watch: AgentWatch) -> None:
-        training = watch.known.training
+        training = watch.training
         if training is not None:
             self._remembered.keep(
                 agent, training.name, [(e.number, e.cycle) for e in training.examples]

@@ -1,17 +1,21 @@
-"""The page: a canvas for the field, and panels that the server describes."""
+"""The page: a canvas for the field, panels that the server describes, and what a person asks."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from nicegui import Client, ui
 from nicegui.element import Element
 
+from hitab_client import Training
+from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.actions import RequestQueue, is_urgent, perform
+from hitab_studio.actions import ACTIONS, REPEATED, URGENT, Data
+from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.views import PANELS, render
@@ -25,6 +29,77 @@ CANVAS = (
     'role="application" aria-label="The things in the field. < and > choose one, the '
     'arrow keys move it, comma and period turn it."'
 )
+
+
+def is_urgent(data: Any) -> bool:
+    """Whether a request of a page is to be handled at once."""
+    return isinstance(data, Mapping) and data.get("do") in URGENT
+
+
+class RequestQueue:
+    """The pending requests of a page, in order, without unintended repetitions.
+
+    The second click of a double click is dropped, and so is a request that is pending already,
+    because the person has seen no answer yet. Repeating actions are never dropped.
+
+    Attributes:
+        waiting: the request being handled, and those after it.
+    """
+
+    def __init__(self) -> None:
+        self._queue: asyncio.Queue[Data | None] = asyncio.Queue()
+        self.waiting: list[Data] = []
+
+    def add(self, data: Any) -> None:
+        """Add a request of the page."""
+        if not isinstance(data, Mapping):
+            return
+        asked = {key: value for key, value in data.items() if key != "again"}
+        pending = any(_same(asked, other) for other in self.waiting)
+        if asked.get("do") not in REPEATED and (data.get("again") or pending):
+            return
+        self.waiting.append(asked)
+        self._queue.put_nowait(asked)
+
+    def close(self) -> None:
+        """Stop after the present request and drop the others: the page has gone."""
+        while not self._queue.empty():
+            self._queue.get_nowait()
+        self._queue.put_nowait(None)
+
+    async def perform(self, session: Session, done: Callable[[], None]) -> None:
+        """Handle one request after the other until the page has gone.
+
+        Args:
+            session: of the page.
+            done: called after each.
+        """
+        while (data := await self._queue.get()) is not None:
+            await perform(session, data)
+            self.waiting.remove(data)
+            done()
+
+
+def _same(one: Data, other: Data) -> bool:
+    """Whether two requests ask the same, whatever the page showed meanwhile."""
+    return {**one, "seen": 0} == {**other, "seen": 0}
+
+
+async def perform(session: Session, data: Data) -> None:
+    """Handle a request of a page; show errors on it."""
+    wanted = ACTIONS.get(str(data.get("do")))
+    if wanted is None:
+        session.tell(f"Unknown action {data.get('do')}", "bad")
+        return
+    session.dialog.pop("refused", None)
+    try:
+        await wanted(session, data)
+    except HitabError as error:
+        session.refuse(told(error))
+    except Exception as error:
+        logging.getLogger(__name__).exception("action %s", data.get("do"))
+        session.refuse(f"That did not work: {error}")
+    session.touch()
 
 
 class Panel(Element, component="static/panel.js"):
@@ -51,6 +126,7 @@ class Page:
         self._session = session
         self._client = client
         self._seen: tuple[int, int] = (-1, -1)
+        self._training: Training | None = None
         self._count = 0
         self._requests = RequestQueue()
         self._urgent: set[asyncio.Task[None]] = set()
@@ -102,9 +178,11 @@ class Page:
         session.drop_old_messages()
         self._count += 1
         seen = (self._studio.store.version, session.version)
-        if seen == self._seen and self._count % ALSO_EVERY:
+        training = session.training
+        is_same = seen == self._seen and training is self._training
+        if is_same and self._count % ALSO_EVERY:
             return
-        self._seen = seen
+        self._seen, self._training = seen, training
         for panel in self._panels:
             try:
                 panel.show(render(panel.name, session))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import getpass
 import json
 import logging
 from collections import deque
@@ -11,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from hitab_client import Learned, SwarmError, WorldClient
+from hitab_client import Learned, SwarmError, Training, WorldClient
 from hitab_client.demonstrating import behavior_keys
 from hitab_core import Use, natural
 from hitab_ros import names
@@ -22,8 +21,8 @@ from hitab_studio.generations import GenerationMaker
 from hitab_studio.launching import Launcher, Startable
 from hitab_studio.lost import Lost
 from hitab_studio.messages import Messages
+from hitab_studio.people import told_apart
 from hitab_studio.present import EMPTY, Present
-from hitab_studio.reactions import Reactions
 from hitab_studio.replay import Player
 from hitab_studio.scene import frame, roster, said_message
 from hitab_studio.store import Store
@@ -74,7 +73,6 @@ class Shared:
         keys: which key commands which behavior.
         launcher: starts and stops swarms.
         generations: makes generations of what a team performs.
-        reactions: how late each demonstrator's commands come.
         present: the field as it is now.
         sessions: the pages that are open, by their ids.
     """
@@ -86,7 +84,6 @@ class Shared:
         self.generations = GenerationMaker(link, self.store.touch)
         self.held: dict[str, Session] = {}
         self.keys = behavior_keys.Keys(behavior_keys.file())
-        self.reactions = Reactions()
         self.present = Present(self.store.palette)
         self.sessions: dict[str, Session] = {}
 
@@ -96,8 +93,8 @@ class Session:
 
     Attributes:
         shared: what it shares with the other pages.
-        name: for the people at other pages.
-        demonstrator: name of the person, under which the reaction time is kept.
+        demonstrator: name of the person who commands; the reaction time is kept under it.
+        name: the same, told apart from people of this name at other pages.
         chosen: names of the things selected in the field.
         agent: the one among them, or in the list, that is viewed and commanded.
         level: the viewed automaton, if not the outermost one.
@@ -113,11 +110,10 @@ class Session:
         sent: the frame that the browser has.
     """
 
-    def __init__(self, shared: Shared, number: int, key: str, demonstrator: str = "") -> None:
+    def __init__(self, shared: Shared, key: str, demonstrator: str) -> None:
         self.shared = shared
-        self.demonstrator = demonstrator or getpass.getuser()
         self.id = key
-        self.name = f"demonstrator {number}"
+        self.demonstrator = self.name = ""
         self.chosen: list[str] = []
         self.agent = ""
         self.tab = "teach"
@@ -141,6 +137,14 @@ class Session:
         self.busy = 0
         self.outgoing: deque[str] = deque(maxlen=50)
         self.news = asyncio.Event()
+        self.become(demonstrator)
+
+    def become(self, demonstrator: str) -> None:
+        """Be used by the person of this name."""
+        if demonstrator != self.demonstrator:
+            others = {page.name for page in self.shared.sessions.values() if page is not self}
+            self.demonstrator, self.name = demonstrator, told_apart(demonstrator, others)
+            self.shared.store.touch()
 
     # -- what it looks at -------------------------------------------------------------------
 
@@ -155,6 +159,11 @@ class Session:
     def watched(self) -> Watched:
         """What else is known of the agent."""
         return self.shared.store.known.watched.get(self.agent, NOTHING)
+
+    @property
+    def training(self) -> Training | None:
+        """What the agent is being trained, as it has published it last."""
+        return self.shared.link.training(self.agent)
 
     @property
     def agents(self) -> Sequence[str]:
@@ -335,6 +344,13 @@ class Session:
         """Show a short message."""
         self.messages.say(text, kind)
         self.touch()
+
+    def refuse(self, why: str, kind: str = "bad") -> None:
+        """Say why something was not done: in the dialog that asks for it, else as a message."""
+        if self.dialog:
+            self.dialog["refused"] = why
+        else:
+            self.tell(why, kind)
 
     def settle(self) -> None:
         """Withdraw the offer to send a lost command again once the agent has taken it."""

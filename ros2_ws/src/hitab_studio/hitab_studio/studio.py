@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import getpass
 import json
 import secrets
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from hitab_client import SwarmError
 from hitab_studio.known import Known
 from hitab_studio.launching import Startable
+from hitab_studio.people import checked
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import Scene, said_message
 from hitab_studio.session import Session, Shared
@@ -49,7 +52,6 @@ class Studio:
         self.sessions = shared.sessions
         self.present = shared.present
         self._orders: dict[str, tuple[int, int]] = {}
-        self._numbers = 0
         self._place: tuple[object, ...] = ()
         self._painted = 0
         self._replays: asyncio.Task[None] | None = None
@@ -71,13 +73,15 @@ class Studio:
         """Return the session of a new page.
 
         Args:
-            demonstrator: name of its person; "": the user who runs the studio.
+            demonstrator: name of its person, as the browser has kept it; if it is none: the user
+                who runs the studio.
         """
-        self._numbers += 1
-        session = Session(self.shared, self._numbers, secrets.token_urlsafe(16), demonstrator)
+        try:
+            name = checked(demonstrator)
+        except SwarmError:
+            name = getpass.getuser()
+        session = Session(self.shared, secrets.token_urlsafe(16), name)
         self.sessions[session.id] = session
-        for other in self.sessions.values():
-            other.touch()
         return session
 
     def close(self, session: Session) -> None:

@@ -24,7 +24,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from hitab_client import RosLink, SwarmClient, SwarmError, WorldClient
+from hitab_client import RosLink, SwarmClient, SwarmError, Training, WorldClient
 from hitab_client.identity import BY_HAND
 from hitab_core import HitabError
 from hitab_ros import names
@@ -223,6 +223,14 @@ class SwarmLink:
         """Show the swarm in this run folder from now on, for all pages."""
         self._choose(folder)
         self._chosen = True
+
+    def training(self, agent: str) -> Training | None:
+        """Return what a viewed agent is being trained, as it has published it last."""
+        swarm = self._connected
+        status = swarm.agents.statuses.get(agent) if swarm is not None else None
+        if swarm is None or status is None or not status.training:
+            return None
+        return swarm.agents.trainings.get(agent)
 
     def want(self, agent: str, behavior: str) -> None:
         """Ask a watched agent for a behavior of its library."""

@@ -52,7 +52,7 @@ def agent(session: Session) -> str:
 
 def training(session: Session) -> str:
     """Return why keys that only mean something in a training do nothing."""
-    kept = session.watched.training is not None
+    kept = session.training is not None
     if (why := agent(session)) or session.is_training or kept:
         return why
     return f"{session.agent} trains nothing: press Train… above the field to begin."
@@ -60,19 +60,19 @@ def training(session: Session) -> str:
 
 def undoing(session: Session) -> str:
     """Return why nothing can be undone."""
-    done = session.watched.training.done if session.watched.training is not None else ()
+    done = session.training.done if session.training is not None else ()
     return training(session) or ("" if done else "There is nothing to undo.")
 
 
 def redoing(session: Session) -> str:
     """Return why nothing can be redone."""
-    undone = session.watched.training.undone if session.watched.training is not None else ()
+    undone = session.training.undone if session.training is not None else ()
     return training(session) or ("" if undone else "There is nothing to redo.")
 
 
 def testing(session: Session) -> str:
     """Return why what was learned cannot be tested, or saved."""
-    learned = session.watched.training
+    learned = session.training
     if learned is not None and not any(e.state == START for e in learned.examples):
         return "There is nothing yet: command the behavior that it should begin with."
     return training(session)

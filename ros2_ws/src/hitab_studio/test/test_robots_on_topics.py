@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hitab_client.errors import SwarmError
-from hitab_studio.actions import perform
+from hitab_studio.page import perform
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.views import render

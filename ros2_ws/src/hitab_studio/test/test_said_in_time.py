@@ -9,10 +9,10 @@ from hitab_msgs.msg import AgentStatus
 from hitab_client import Learned
 from hitab_core import Example
 from hitab_core.example import ExampleKind
-from hitab_studio.actions import perform
 from hitab_studio.agent_watch import Watched
 from hitab_studio.known import Known
 from hitab_studio.learned import Vocabulary
+from hitab_studio.page import perform
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target

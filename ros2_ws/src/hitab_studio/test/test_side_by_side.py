@@ -12,8 +12,8 @@ import pytest
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording import bag_file
-from hitab_studio.actions import RequestQueue
-from hitab_studio.actions.registry import ACTIONS
+from hitab_studio.actions import ACTIONS
+from hitab_studio.page import RequestQueue
 from hitab_studio.studio import Studio
 
 SECONDS = 60.0

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hitab_msgs.msg import Entity, Look, WorldState
+from hitab_msgs.msg import AgentStatus, Entity, Look, WorldState
 
 from hitab_client import Learned
 from hitab_client.errors import SwarmError
@@ -16,15 +16,17 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
-from hitab_studio.actions import perform
+from hitab_studio.agent_watch import Watched
 from hitab_studio.known import Known
-from hitab_studio.learned import effect, is_contradicted
+from hitab_studio.learned import Vocabulary, effect, is_contradicted
+from hitab_studio.page import perform
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of
 from hitab_studio.store import Store
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
 from hitab_studio.tree_rows import tree_rows
+from hitab_studio.views import render
 
 DISTANCE = "DistanceTo(ball)"
 
@@ -44,6 +46,29 @@ def test_placements_cannot_be_undone_in_another_episode():
     assert store.placements
     store.take(Known(scene=replace(scene(9), episode=2)))
     assert not store.placements
+
+
+def test_where_nothing_has_a_place_what_an_agent_perceives_is_plotted_instead():
+    async def use() -> None:
+        studio = Studio(lambda: Target(0))
+        page = studio.open()
+        page.agent = "pump"
+        readings = {("", "Heat"): (20.0, 21.5), ("", "Gap(a,a)"): (0.0,), ("", DISTANCE): (3.0,)}
+        known = Known(
+            statuses={"pump": AgentStatus(mode="idle")},
+            watched={"pump": Watched(Vocabulary("plant"), readings=readings)},
+            scene=scene_of(WorldState(width=20.0, height=10.0)),
+        )
+        studio.store.take(known)
+        shown = render("overlay", page)
+        assert "21.50" in shown
+        assert DISTANCE in shown
+        assert "Gap(a,a)" not in shown
+        studio.store.take(replace(known, scene=scene()))
+        assert "21.50" not in render("overlay", page)
+        assert "21.50" in render("side", page), "an idle agent perceives all the same"
+
+    asyncio.run(use())
 
 
 def example(number: int, state: str, value: float, to: str, kind: str = "demonstrated") -> Example:
@@ -127,14 +152,14 @@ def test_a_token_is_made_where_other_machines_reach_the_page():
 def test_an_agent_is_commanded_by_one_demonstrator_until_another_takes_it():
     async def use() -> None:
         studio = Studio(lambda: Target(0))
-        anna, ben = studio.open(), studio.open()
+        anna, ben = studio.open("Anna"), studio.open("Ben")
         anna.agent = ben.agent = "keeper_1"
         anna.hold("keeper_1")
         anna.hold("keeper_1")
-        with pytest.raises(SwarmError, match="trained by demonstrator 1; press Take over"):
+        with pytest.raises(SwarmError, match="trained by Anna; press Take over"):
             ben.hold("keeper_1")
         await perform(ben, {"do": "take"})
-        assert anna.messages.shown[0].text == "Demonstrator 2 has taken keeper_1"
+        assert anna.messages.shown[0].text == "Ben has taken keeper_1"
         studio.close(anna)
         assert studio.shared.held == {"keeper_1": ben}
         await perform(ben, {"do": "release"})

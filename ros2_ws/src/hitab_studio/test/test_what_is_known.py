@@ -10,9 +10,9 @@ from builtin_interfaces.msg import Time
 from hitab_msgs.msg import AgentStatus, EmergencyStop, WorldStatus
 
 from hitab_client import SwarmError
-from hitab_studio.actions import perform
-from hitab_studio.actions.registry import ACTIONS
+from hitab_studio.actions import ACTIONS
 from hitab_studio.known import JOINING_SECONDS, Known
+from hitab_studio.page import perform
 from hitab_studio.session import TABS, Session
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target

@@ -12,7 +12,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.identity import BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import swarm_finder
-from hitab_studio.actions import perform
+from hitab_studio.page import perform
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Choice, Finder, Target
 from hitab_studio.swarm_link import SwarmLink

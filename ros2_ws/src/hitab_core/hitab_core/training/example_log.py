@@ -172,7 +172,7 @@ class ExampleLog:
             if not e.is_learned and (n not in gone or gone[n].is_learned)
         ]
         if superseded:
-            words += f"; superseded {these(superseded)}"
+            words += f"; overruled {these(superseded)}"
         before, after = (tuple(sorted(es.values(), key=NUMBER)) for es in (gone, came))
         return Edit(words or "nothing", before, after)
 

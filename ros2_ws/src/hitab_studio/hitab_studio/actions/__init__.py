@@ -7,6 +7,7 @@ from hitab_studio.actions import (
     correcting,
     exchanging,
     launching,
+    library_changes,
     looking,
     recording,
     saving,
@@ -14,19 +15,21 @@ from hitab_studio.actions import (
     teaching,
     timing,
 )
-from hitab_studio.actions.registry import RequestQueue, is_urgent, perform
+from hitab_studio.actions.registry import ACTIONS, REPEATED, URGENT, Data
 
 __all__ = [
-    "RequestQueue",
+    "ACTIONS",
+    "REPEATED",
+    "URGENT",
+    "Data",
     "answering",
     "arranging",
     "bootstrapping",
     "correcting",
     "exchanging",
-    "is_urgent",
     "launching",
+    "library_changes",
     "looking",
-    "perform",
     "recording",
     "saving",
     "stopping",

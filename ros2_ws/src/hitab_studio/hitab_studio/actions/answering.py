@@ -36,7 +36,9 @@ async def caution(session: Session, data: Data) -> None:
     try:
         support, distance = (float(values.get(n) or 0.0) for n in ("support", "distance"))
     except ValueError:
-        raise SwarmError("Give numbers of examples and of spreads, such as 2 and 3.") from None
+        raise SwarmError(
+            "Give two numbers: of examples, such as 2, and of usual distances, such as 3."
+        ) from None
     when_unsure = str(values["when_unsure"])
     answer = await session.request(
         SwarmClient.set_caution, when_unsure, support=support, distance=distance

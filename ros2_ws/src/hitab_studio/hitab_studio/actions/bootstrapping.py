@@ -20,7 +20,7 @@ SNAPSHOT = "snapshot "
 @action("generations-dialog")
 async def generations_dialog(session: Session, data: Data) -> None:
     """List the generations of a behavior, to make the next one or to go back."""
-    agent, training = str(data.get("agent") or session.agent), session.watched.training
+    agent, training = str(data.get("agent") or session.agent), session.training
     behavior = str(data.get("name") or (training.name if training is not None else ""))
     if not behavior:
         raise SwarmError("There is nothing to make a generation from yet: begin a training first.")

@@ -100,7 +100,7 @@ async def relabel(session: Session, data: Data) -> None:
 async def situation(session: Session, data: Data) -> None:
     """Move everything to where it was when an example was recorded."""
     number = int(data["number"])
-    training = session.watched.training
+    training = session.training
     found = [e for e in training.examples if e.number == number] if training else []
     scene = (
         session.shared.store.known.moments.get(

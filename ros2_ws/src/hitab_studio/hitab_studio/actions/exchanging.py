@@ -15,7 +15,7 @@ from hitab_studio.session import Session, nothing_in_training
 @action("features-dialog")
 async def features_dialog(session: Session, data: Data) -> None:
     """Ask which features to learn from."""
-    training = session.watched.training
+    training = session.training
     if training is None:
         raise SwarmError(nothing_in_training(session))
     session.dialog = {
@@ -48,7 +48,7 @@ async def features_preview(session: Session, data: Data) -> None:
         return
     chosen = _chosen(session, data["values"].get("features", []))
     dialog |= {"chosen": chosen, "preview": None, "change": None, "problem": ""}
-    training = session.watched.training
+    training = session.training
     if not chosen:
         dialog["problem"] = "Choose at least one feature for the decisions to depend on."
     elif training is not None and any(example.state == START for example in training.examples):

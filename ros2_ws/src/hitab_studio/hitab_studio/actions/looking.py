@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hitab_studio import unavailable
-from hitab_studio.actions.registry import Data, action, refuse
+from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching import discard, give_target, targets_meant
 from hitab_studio.session import TABS, Session
 
@@ -112,7 +112,7 @@ async def message_close(session: Session, data: Data) -> None:
 @action("why", repeats=True)
 async def why(session: Session, data: Data) -> None:
     """Say why something does nothing at present."""
-    refuse(session, str(data["reason"])[:MOST_REASON], "note")
+    session.refuse(str(data["reason"])[:MOST_REASON], "note")
 
 
 @action("escape", repeats=True)

@@ -22,7 +22,7 @@ def _bindings(values: Any) -> dict[str, str]:
 @action("save-dialog")
 async def save_dialog(session: Session, data: Data) -> None:
     """Show what would be saved."""
-    training = session.watched.training
+    training = session.training
     if training is None:
         raise SwarmError(nothing_in_training(session))
     session.dialog = {

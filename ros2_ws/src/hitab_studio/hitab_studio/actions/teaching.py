@@ -6,7 +6,14 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_client import ACKNOWLEDGE_SECONDS, SwarmClient, SwarmError, demonstrating, is_answered
+from hitab_client import (
+    ACKNOWLEDGE_SECONDS,
+    SwarmClient,
+    SwarmError,
+    demonstrating,
+    is_answered,
+    reaction_time,
+)
 from hitab_core import Use
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
@@ -28,7 +35,7 @@ async def command(session: Session, data: Data) -> None:
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = parameters_of(behavior)
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
-    training = session.watched.training
+    training = session.training
     if training is not None:
         open_ = [p for p in open_ if p not in training.parameters]
     if open_:
@@ -53,7 +60,7 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
     seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
     demonstrator = session.demonstrator
     # What is sent again was considered: it counts for what the person sees now.
-    reaction = 0.0 if sequence else session.shared.reactions.of(demonstrator)
+    reaction = 0.0 if sequence else reaction_time.of(demonstrator)
 
     def job(swarm: Connected, agent: str) -> None:
         nonlocal sent
@@ -138,7 +145,7 @@ async def toggle(session: Session, data: Data) -> None:
     if (
         status is None
         or status.mode == "idle"
-        or (status.mode == "performing" and session.watched.training is None)
+        or (status.mode == "performing" and session.training is None)
     ):
         raise SwarmError(nothing_in_training(session))
     mode = demonstrating.other_mode(status)
@@ -173,7 +180,7 @@ async def take(session: Session, data: Data) -> None:
     before = session.shared.held.get(session.agent, session)
     session.shared.held[session.agent] = session
     if before is not session:
-        before.tell(f"{session.name.capitalize()} has taken {session.agent}", "bad")
+        before.tell(f"{session.name} has taken {session.agent}", "bad")
     session.tell(f"{session.agent} is yours")
     session.shared.store.touch()
 

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.people import LONGEST_NAME, checked
 from hitab_studio.session import Session
 from hitab_studio.swarm_link import Connected
-
-LONGEST_NAME = 60
-"""Characters of a demonstrator's name."""
 
 
 @action("reaction-dialog")
 async def reaction_dialog(session: Session, data: Data) -> None:
-    """Show the person's reaction time, to change it."""
+    """Show the person's name and reaction time, to change them."""
     session.dialog = {"kind": "reaction", "demonstrator": session.demonstrator}
 
 
@@ -28,14 +23,10 @@ async def reaction_who(session: Session, data: Data) -> None:
         session.dialog["demonstrator"] = str(data["value"]).strip()[:LONGEST_NAME]
 
 
-def _become(session: Session, values: Mapping[str, Any]) -> None:
-    """Have the page be used by whom its person says."""
-    name = str(values.get("demonstrator", "")).strip()[:LONGEST_NAME]
-    if not name:
-        raise SwarmError("Give a name: the reaction time is kept under it.")
-    if name != session.demonstrator:
-        session.demonstrator = name
-        session.send({"t": "demonstrator", "name": name})
+def _become(session: Session, values: Data) -> None:
+    """Have the page be used by whom its person says; the browser keeps the name."""
+    session.become(checked(str(values.get("demonstrator", ""))))
+    session.send({"t": "demonstrator", "name": session.demonstrator})
 
 
 @action("reaction-set")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -31,7 +31,7 @@ PANELS: dict[str, Callable[[Session], Context]] = {
 }
 
 
-def curve(values: list[float], width: float = 88.0, height: float = 20.0) -> str:
+def curve(values: Sequence[float], width: float = 88.0, height: float = 20.0) -> str:
     """Return the points of a little curve."""
     known = [v for v in values if not math.isnan(v)]
     if len(known) < 2:

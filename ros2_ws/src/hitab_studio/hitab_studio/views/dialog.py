@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hitab_client import SwarmError, reaction_time
-from hitab_core import FLAGS, Use, shown_unit
+from hitab_core import FLAGS, FeatureKind, Use, shown_unit
 from hitab_studio import unavailable
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
+from hitab_studio.people import LONGEST_NAME
 from hitab_studio.session import Session
 from hitab_studio.views import generations
 from hitab_studio.views.numbers import counted, measure
@@ -49,13 +50,15 @@ def context(session: Session) -> dict[str, Any]:
             "agent_off": unavailable.agent(session),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
-            "training": session.watched.training,
+            "training": session.training,
             "saved": _saved(session),
         }
     if kind == "features":
         arguments = [*session.watched.vocabulary.targets, *dialog["parameters"]]
         found |= {
-            "features": _features(session, arguments),
+            "features": sorted(
+                _features(session, arguments), key=lambda found: found[0] not in dialog["used"]
+            ),
             "agent_off": unavailable.agent(session),
             "same": dialog["chosen"] == dialog["used"],
             "graph": _graph(session),
@@ -69,7 +72,11 @@ def context(session: Session) -> dict[str, Any]:
             "agent_off": unavailable.agent(session),
         }
     if kind == "reaction":
-        found |= {"seconds": _reaction(session), "longest": reaction_time.LONGEST}
+        found |= {
+            "seconds": _reaction(session),
+            "longest": reaction_time.LONGEST,
+            "longest_name": LONGEST_NAME,
+        }
     if kind == "save":
         training = dialog["training"]
         used = {a for f in (*training.features, *training.states) for a in Use.parse(f).arguments}
@@ -106,7 +113,7 @@ def _graph(session: Session) -> Graph | None:
 def _reaction(session: Session) -> str:
     """Return the reaction time that is kept for the name in the dialog, s; "" if none is."""
     try:
-        seconds = session.shared.reactions.of(session.dialog["demonstrator"])
+        seconds = reaction_time.of(session.dialog["demonstrator"])
     except SwarmError:
         return ""
     return f"{seconds:g}" if seconds else ""
@@ -118,9 +125,10 @@ def _feature(session: Session, text: str, use: Use) -> Feature:
     vocabulary, name, label = watched.vocabulary, use.name, str(use)
     kind, unit = vocabulary.kinds.get(name, ""), vocabulary.units.get(name, "")
     now = ""
-    if (value := watched.probed.get(label)) is not None:
-        now = measure(value, kind, unit)
+    if history := watched.readings.get(("", label)):
+        now = measure(history[-1], kind, unit)
     about = _described(vocabulary.feature_descriptions, text, use)
+    kind = "circular" if kind == FeatureKind.TOROIDAL else kind
     return label, about, f"{kind}, {shown_unit(unit)}" if unit else kind, now
 
 

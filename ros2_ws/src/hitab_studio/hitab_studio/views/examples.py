@@ -14,12 +14,12 @@ from hitab_studio.views.numbers import measure
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
-    training, table = session.watched.training, session.table
+    training, table = session.training, session.table
     if training is None:
         return {"lines": [], "columns": [], "total": 0}
     moments = session.shared.store.known.moments
     against = is_contradicted(training.examples)
-    superseded = {n: superseded_by(by) for n, by in superseding(training.examples).items()}
+    superseded = {n: overruled_by(by) for n, by in superseding(training.examples).items()}
     lines = [e for e in training.examples if _shown(e, table, against)]
     lines.sort(key=lambda e: _key(e, training, table), reverse=table.descending)
     given = {*training.parameters, *session.watched.vocabulary.targets}
@@ -61,11 +61,11 @@ def _values(training: Learned, example: Example) -> dict[str, str]:
     return found
 
 
-def superseded_by(numbers: list[int]) -> str:
-    """Say why nothing is learned from a superseded example."""
+def overruled_by(numbers: list[int]) -> str:
+    """Say why nothing is learned from an overruled example."""
     examples = "example" if len(numbers) == 1 else "examples"
     by = f"{examples} {', '.join(map(str, numbers))}" if numbers else "a command"
-    return f"superseded by {by}: this was only assumed, so nothing is learned from it"
+    return f"overruled by {by}: this was only assumed, so nothing is learned from it"
 
 
 def _shown(example: Example, table: Table, against: Mapping[int, Any]) -> bool:

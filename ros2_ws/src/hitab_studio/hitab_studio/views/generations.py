@@ -16,7 +16,7 @@ from hitab_studio.session import Session
 def context(session: Session) -> dict[str, Any]:
     """Return what the dialog shows."""
     agent, behavior = session.dialog["agent"], session.dialog["behavior"]
-    store, training = session.shared.store, session.watched.training
+    store, training = session.shared.store, session.training
     problem = ""
     known: Generations | None = None
     try:

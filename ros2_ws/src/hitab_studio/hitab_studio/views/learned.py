@@ -49,7 +49,7 @@ def context(session: Session) -> dict[str, Any]:
 
 
 def _behavior(session: Session, name: str) -> Learned | None:
-    training = session.watched.training
+    training = session.training
     if training is not None and training.name == name and session.is_training:
         return training
     return session.watched.behaviors.get(name)
@@ -60,7 +60,7 @@ def _levels(session: Session) -> list[dict[str, Any]]:
 
     Each automaton has the label of the path of active states, such as ``GoTo(ball)``.
     """
-    status, training = session.status, session.watched.training
+    status, training = session.status, session.training
     if status is None:
         return []
     top = status.behavior or (training.name if training is not None else session.behavior)

@@ -60,10 +60,10 @@ def duration(seconds: float) -> str:
 
 
 def counted(examples: Sequence[Example]) -> str:
-    """Say how many examples count, and how many are superseded if any is."""
+    """Say how many examples count, and how many are overruled if any is."""
     count = sum(example.is_learned for example in examples)
-    superseded = len(examples) - count
-    if not superseded:
+    overruled = len(examples) - count
+    if not overruled:
         return quantity(count, "example")
-    counts, are = "count" if count != 1 else "counts", "are" if superseded != 1 else "is"
-    return f"{quantity(count, 'example')} {counts}, {superseded} {are} superseded"
+    counts, are = "count" if count != 1 else "counts", "are" if overruled != 1 else "is"
+    return f"{quantity(count, 'example')} {counts}, {overruled} {are} overruled"

@@ -13,6 +13,7 @@ from hitab_studio.launching import Startable, unknown
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
+from hitab_studio.views.perceived import plotted
 from hitab_studio.views.swarm import choices
 
 MODE_WORDS = {
@@ -31,7 +32,7 @@ def context(session: Session) -> dict[str, Any]:
     nothing = empty(session)
     known, launch = session.shared.store.known, session.shared.launcher.launch
     world_absent = absence(known, WORLD) if live else None
-    trained = session.watched.training
+    trained = session.training
     faults = list(status.faults) if status is not None else []
     may_not_act = live and any(
         remedy.code == Do.ARM.name for remedy in (status.remedies if status is not None else ())
@@ -65,6 +66,7 @@ def context(session: Session) -> dict[str, Any]:
         "faults": [] if may_not_act else faults,
         "player": session.player,
         "empty": nothing,
+        "plots": plotted(session),
         "choices": choices(session) if nothing[0] else [],
         "launch": launch,
         "making": session.shared.generations.making if live else None,
@@ -72,7 +74,7 @@ def context(session: Session) -> dict[str, Any]:
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         **_to_start(session),
         "busy": session.busy > 0,
-        "kept": session.watched.training is not None and mode in ("idle", "performing"),
+        "kept": session.training is not None and mode in ("idle", "performing"),
     }
 
 
@@ -85,7 +87,7 @@ def _lost_off(session: Session) -> str:
 
 def _stuck(session: Session) -> str:
     """Say why nothing happens while what was learned is tested, if nothing does."""
-    status, training = session.status, session.watched.training
+    status, training = session.status, session.training
     if status is None or status.mode != "testing" or training is None or session.player:
         return ""
     world = session.shared.store.known.world
@@ -176,7 +178,7 @@ def startable(session: Session) -> tuple[Startable, ...]:
 def _buttons(session: Session) -> list[dict[str, Any]]:
     """Return the behaviors that may be commanded: those chosen for the training, else all."""
     status, watched = session.status, session.watched
-    vocabulary, training = watched.vocabulary, watched.training
+    vocabulary, training = watched.vocabulary, session.training
     if status is None or session.player is not None or not vocabulary.behaviors:
         return []
     keys = session.shared.keys
@@ -217,7 +219,7 @@ def _targets(session: Session) -> list[tuple[str, bool]]:
     """Return the targets that may be given, with whether what is chosen in the field means it."""
     if session.asked is None:
         return []
-    training = session.watched.training
+    training = session.training
     parameters = training.parameters if training is not None and session.is_training else ()
     meant = {t for name in session.chosen for t in targets_meant(session, name)}
     return [(t, t in meant) for t in (*session.watched.vocabulary.targets, *parameters)]

@@ -30,7 +30,7 @@ IN_REPLAY = ("learned", "record")
 
 def context(session: Session) -> dict[str, Any]:
     """Return what the panel shows."""
-    training = session.watched.training
+    training = session.training
     live = session.agent and session.player is None
     absent = absence(session.shared.store.known, session.agent) if live else None
     tabs = [t for t in TABS if session.player is None or t[0] in IN_REPLAY]

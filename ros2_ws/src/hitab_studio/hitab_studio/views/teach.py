@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_client import SwarmError
+from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio import unavailable
@@ -13,6 +13,7 @@ from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
+from hitab_studio.views.perceived import perceived
 from hitab_studio.views.questions import TITLES, answers, when_unsure
 
 SHOWN = 6
@@ -22,13 +23,13 @@ SHOWN = 6
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     watched = session.watched
-    training = watched.training
+    training = session.training
     examples = training.examples if training is not None else ()
     last = max((e.command for e in examples), default=0)
     return {
         "recorded": [e for e in examples if e.command == last] if last else [],
         "defaults": sum(e.is_default for e in examples),
-        "readings": {key: [*history] for key, history in watched.readings.items() if history},
+        "readings": perceived(session),
         "abouts": watched.vocabulary.feature_descriptions,
         "values_of": lambda example: _values(session, example),
         "trained": sorted(session.watched.vocabulary.trained),
@@ -52,7 +53,7 @@ def context(session: Session) -> dict[str, Any]:
 
 def _given_up(session: Session) -> int:
     """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
-    training = session.watched.training
+    training = session.training
     if training is None or training.cost is None:
         return 0
     return max(0, training.cost.wasted - sum(not e.is_learned for e in training.examples))
@@ -61,7 +62,7 @@ def _given_up(session: Session) -> int:
 def _reaction(session: Session) -> str:
     """Say for when the person's commands count."""
     try:
-        seconds = session.shared.reactions.of(session.demonstrator)
+        seconds = reaction_time.of(session.demonstrator)
     except SwarmError as error:
         return told(error)
     if seconds:
@@ -71,7 +72,7 @@ def _reaction(session: Session) -> str:
 
 def _values(session: Session, example: Example) -> list[tuple[str, str]]:
     """Return what the agent perceived: names of features, and values for people."""
-    training = session.watched.training
+    training = session.training
     if training is None:
         return []
     kinds = [scale.kind for scale in training.scales]

@@ -37,7 +37,7 @@ def context(session: Session) -> dict[str, Any]:
         "pace": pace,
         "speeds": SPEEDS if listed else sorted((*SPEEDS, pace), key=float),
         "unheard": len([n for n in world.missing if known.answers(n)]) if world else 0,
-        "pages": sum(other.connected for other in session.shared.sessions.values()),
+        "people": [other.name for other in session.shared.sessions.values() if other.connected],
         "replaying": session.player is not None,
         "real": known.robots is not None,
         "world_off": world_off,

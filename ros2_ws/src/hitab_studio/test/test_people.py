@@ -1,26 +1,29 @@
-"""The reaction times of the people at the pages are those that are kept on this machine."""
+"""People at the pages have names, under which their reaction times are kept."""
 
 import asyncio
+import getpass
 import json
 
-import pytest
-
-from hitab_client import SwarmError, reaction_time
-from hitab_studio.actions import perform
-from hitab_studio.reactions import Reactions
+from hitab_client import reaction_time
+from hitab_studio.page import perform
 from hitab_studio.studio import Studio
 
 
-def test_what_is_kept_elsewhere_counts_at_once(tmp_path, monkeypatch):
+def test_people_of_one_name_are_told_apart_and_what_is_no_name_is_refused(tmp_path, monkeypatch):
     monkeypatch.setenv("HITAB_HOME", str(tmp_path))
-    reactions = Reactions()
-    assert reactions.of("anna") == 0.0
-    reaction_time.keep("anna", 0.25)
-    assert reactions.of("anna") == 0.25
-    assert reactions.of("ben") == 0.0
-    reaction_time.file().write_text("nonsense")
-    with pytest.raises(SwarmError, match="delete it"):
-        reactions.of("anna")
+
+    async def run() -> None:
+        studio = Studio(lambda: None)  # type: ignore[arg-type,return-value]
+        one, two, three = studio.open("Anna"), studio.open("Anna"), studio.open("An\u202ena")
+        assert [one.name, two.name, three.name] == ["Anna", "Anna (2)", getpass.getuser()]
+        assert two.demonstrator == "Anna", "commands carry the name that was entered"
+        for name, why in (("", "Enter"), ("A" * 61, "at most 60"), ("A\0", "control characters")):
+            await perform(three, {"do": "reaction-set", "values": {"demonstrator": name}})
+            assert why in three.messages.shown[-1].text
+        await perform(three, {"do": "reaction-set", "values": {"demonstrator": " Anna (2) "}})
+        assert three.name == "Anna (2) (2)"
+
+    asyncio.run(run())
 
 
 def test_a_reaction_time_is_kept_for_whom_the_page_is_used_by(tmp_path, monkeypatch):

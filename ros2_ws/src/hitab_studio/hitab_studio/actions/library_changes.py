@@ -1,0 +1,96 @@
+"""Renaming and deleting behaviors of a library."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from hitab_client import SwarmError
+from hitab_client.commands import called
+from hitab_client.run_folder import libraries_of
+from hitab_core import BehaviorLibrary, Use, load_domain
+from hitab_studio.actions.registry import Data, action
+from hitab_studio.session import Session
+from hitab_studio.swarm_link import Connected
+
+
+@action("behavior-rename-dialog")
+async def rename_dialog(session: Session, data: Data) -> None:
+    """Ask for another name of a behavior."""
+    _ask(session, "rename-behavior", str(data["name"]))
+
+
+@action("behavior-rename")
+async def rename(session: Session, data: Data) -> None:
+    """Rename a behavior, also in what uses it."""
+    old, new = session.dialog["name"], str(data["values"].get("name", "")).strip()
+    await _change(
+        session,
+        lambda library: library.rename(old, new, with_users=True),
+        f"{old} is called {new} now",
+    )
+    session.behavior = new
+
+
+@action("behavior-delete-dialog")
+async def delete_dialog(session: Session, data: Data) -> None:
+    """Ask whether a behavior is to be deleted."""
+    _ask(session, "delete-behavior", str(data["name"]))
+
+
+@action("behavior-delete")
+async def delete(session: Session, data: Data) -> None:
+    """Delete a behavior, also if others use it and the person was told so."""
+    name, told = session.dialog["name"], bool(session.dialog["users"])
+    await _change(
+        session,
+        lambda library: library.remove(name, anyway=told),
+        f"{name} is deleted; its versions are kept: `{called()} library restore {name}`",
+    )
+    session.behavior = ""
+
+
+def _ask(session: Session, kind: str, name: str) -> None:
+    behaviors = session.watched.behaviors
+    session.dialog = {
+        "kind": kind,
+        "agent": session.agent,
+        "name": name,
+        "users": sorted(
+            user.name
+            for user in behaviors.values()
+            if user.name != name and name in {Use.parse(state).name for state in user.states}
+        ),
+    }
+
+
+async def _change(session: Session, what: Callable[[BehaviorLibrary], Any], done: str) -> None:
+    """Change the library of the agent, and have all who use it read it again.
+
+    Raises:
+        SwarmError: if its folder or its domain is not known here, or an agent goes on with what it
+            had read.
+        LibraryError: if it cannot be changed so.
+    """
+    agent, known = session.agent, session.shared.store.known
+    used = libraries_of(Path(known.target.folder)) if known.target is not None else {}
+    if agent not in used or agent in known.groups:
+        raise SwarmError(
+            f"The library of {agent} cannot be changed here: use `{called()} library` in a "
+            f"terminal, then `{called()} library reload {agent}`."
+        )
+    library = BehaviorLibrary(used[agent], load_domain(session.watched.vocabulary.domain))
+
+    def job(swarm: Connected, _: str) -> list[tuple[str, str, bool]]:
+        what(library)
+        sharing = [name for name, folder in used.items() if folder == used[agent]]
+        return list(swarm.agents.reload([name for name in sharing if known.answers(name)]))
+
+    read = await session.ask_agent(job)
+    session.close_dialog()
+    session.tell(done)
+    if refused := [
+        f"{name} goes on with what it had: {why}" for name, why, did in read if not did
+    ]:
+        raise SwarmError("; ".join(refused))

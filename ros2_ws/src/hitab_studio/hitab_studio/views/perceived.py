@@ -1,0 +1,37 @@
+"""What the agent perceives now, with its last values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from hitab_core import OWN_FEATURES, Use
+from hitab_studio.session import Session
+
+Readings = Mapping[tuple[str, str], tuple[float, ...]]
+
+OWN = {use.name for use in OWN_FEATURES}
+
+
+def perceived(session: Session) -> Readings:
+    """Return the features of the automata that are active; of none: all that the agent has.
+
+    As in `hitab perceive`, a feature is left out that has one target twice, and what tells of an
+    automaton alone.
+    """
+    readings = {key: history for key, history in session.watched.readings.items() if history}
+    of_automata = {key: history for key, history in readings.items() if key[0]}
+    if of_automata:
+        return of_automata
+    return {key: history for key, history in readings.items() if _is_of_the_body(key[1])}
+
+
+def _is_of_the_body(feature: str) -> bool:
+    use = Use.parse(feature)
+    return use.name not in OWN and len(set(use.arguments)) == len(use.arguments)
+
+
+def plotted(session: Session) -> Readings:
+    """Return what is drawn over time in place of the field, if nothing has a place there."""
+    scene = session.shared.store.known.shown
+    has_places = session.player is not None or (scene is not None and scene.names)
+    return {} if has_places else perceived(session)
