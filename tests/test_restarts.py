@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from waiting import pid_of
+from waiting import hanging, pid_of
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_client import dds_profile
 from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
@@ -140,3 +141,21 @@ def test_damaged_memories_do_not_keep_anybody_from_starting(swarm: RunningSwarm)
     assert swarm.agents.statuses[AGENT].mode == "idle"
     assert swarm.world.status is not None
     assert swarm.world.status.cycle == 0
+
+
+@pytest.mark.parametrize("name", [AGENT, "world"])
+def test_a_process_that_was_suspended_until_it_was_forgotten_starts_again(
+    name: str, home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Otherwise those who have forgotten it may not find all of it again, for good."""
+    monkeypatch.setattr(dds_profile, "SHORTEST_LEASE_S", 3.0)
+    with temporary_swarm(trained_keepers(None, "", {}), tmp_path / "run") as swarm:
+        swarm.agents.perform(AGENT, "GoFast")
+        node = swarm.link.node
+        with hanging(swarm, name) as pid:
+            until(swarm, lambda: node.count_publishers(f"/{name}/status") == 0)
+        until(swarm, lambda: pid_of(swarm, name) not in (0, pid))
+        until(swarm, lambda: node.count_publishers(f"/{name}/status") == 1)
+        swarm.world.step(5)
+        swarm.agents.perform(AGENT, "")
+        assert "was suspended for" in swarm.folder.log(name).read_text()

@@ -33,7 +33,10 @@ PORTS = 120
 _QUICKEST_S = 0.25  # between two announcements
 _SHARED_BY = 50  # processes that may announce themselves once a second
 _MISSED = 5  # missed announcements after which a process is dropped
-_SHORTEST_LEASE_S = 8.0
+SHORTEST_LEASE_S = 30.0
+"""Silence after which a process is dropped. One that lives is not found again as a whole, so it
+starts again (`hitab_ros.suspensions`); a busy machine does not hold one up for so long."""
+
 _NAMESPACE = "http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"
 
 
@@ -78,7 +81,7 @@ def profile_for(folder: Path, processes: int) -> Path:
     period = max(_QUICKEST_S, (processes / _SHARED_BY) ** 2)
     tree: Any = ElementTree.parse(LOOPBACK)
     _set_duration(tree, "leaseAnnouncement", period)
-    _set_duration(tree, "leaseDuration", max(_SHORTEST_LEASE_S, _MISSED * period))
+    _set_duration(tree, "leaseDuration", max(SHORTEST_LEASE_S, _MISSED * period))
     peers = str(max(PORTS, processes + PORTS // 4))
     tree.find(f".//{{{_NAMESPACE}}}maxInitialPeersRange").text = peers
     ElementTree.register_namespace("", _NAMESPACE)

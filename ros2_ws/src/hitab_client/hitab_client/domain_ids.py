@@ -6,7 +6,7 @@ import contextlib
 import os
 from collections.abc import Collection, Iterator
 
-from hitab_client.run_folder import running_swarms
+from hitab_client.run_folder import swarms_here
 from hitab_ros.ros_domains import is_used_here, reserved_domain
 
 
@@ -31,7 +31,7 @@ def for_swarm(refused: Collection[int] = (), *, has_world: bool = True) -> int:
         return own
     if not has_world:
         return 0
-    taken = {record.domain_id for _, record in running_swarms()} | set(refused)
+    taken = {record.domain_id for _, record in swarms_here()} | set(refused)
     if 0 not in taken:
         return 0
     others = [number for number in range(1, 102) if number not in taken]
@@ -45,6 +45,6 @@ def reserved() -> Iterator[int]:
     Programs that chose a domain by hand are looked for; those that reserve one, as this does, are
     kept off it.
     """
-    taken = {record.domain_id for _, record in running_swarms()} | {chosen_by_user()}
+    taken = {record.domain_id for _, record in swarms_here()} | {chosen_by_user()}
     with reserved_domain(taken.__contains__) as number:
         yield number

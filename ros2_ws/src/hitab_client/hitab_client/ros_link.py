@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 import uuid
@@ -17,7 +18,7 @@ from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_core import Do
-from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, Patience
+from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, Patience, suspensions_noticed
 
 NODE = "hitab"
 """Name of the node of a program that talks to a swarm, always the same for security policies."""
@@ -72,6 +73,9 @@ class RosLink:
         self._name = uuid.uuid4().hex
         self._requests = 0
         self._failure: BaseException | None = None
+        self._suspended = 0.0  # s, if so long that others may have forgotten this node
+        self._watch = contextlib.ExitStack()
+        self._watch.enter_context(suspensions_noticed(self._note_suspension))
 
     def __enter__(self) -> Self:
         return self
@@ -81,14 +85,27 @@ class RosLink:
 
     def close(self) -> None:
         """Leave the ROS graph."""
+        self._watch.close()
         if self._context.ok():
             self._executor.remove_node(self.node)
             self.node.destroy_node()
             self._executor.shutdown()
             self._context.try_shutdown()
 
+    def _note_suspension(self, seconds: float) -> None:
+        self._suspended = seconds
+
     def spin(self, seconds: float = 0.1) -> None:
-        """Handle pending events; wait at most this long for one, and defer Ctrl-C so long."""
+        """Handle pending events; wait at most this long for one, and defer Ctrl-C so long.
+
+        Raises:
+            SwarmError: if this process was suspended for so long that it needs a new link.
+        """
+        if self._suspended:
+            raise SwarmError(
+                f"this program was suspended for {self._suspended:.0f} s, so that the swarm may "
+                "have forgotten it: start it again"
+            )
         # The executor's compiled code takes an interruption inside it for a failed conversion.
         with not_interrupted():
             self._executor.spin_once(timeout_sec=seconds)

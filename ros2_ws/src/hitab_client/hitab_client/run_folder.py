@@ -267,3 +267,12 @@ def running_swarms() -> Iterator[Found]:
     for folder, record in registered_swarms():
         if folder.supervisor(record) is not None:
             yield folder, record
+
+
+def swarms_here() -> Iterator[Found]:
+    """Yield this user's swarms that are up on this machine, whatever the state folder."""
+    for mark in {mark for _, mark in marked_processes()}:
+        folder = RunFolder(Path(mark))
+        record = folder.read()
+        if record is not None and folder.supervisor(record) is not None:
+            yield folder, record

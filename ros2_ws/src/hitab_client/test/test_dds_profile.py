@@ -1,9 +1,11 @@
 """HiTAB's DDS profiles."""
 
 import os
+import signal
 import subprocess
 import sys
 
+from hitab_client import RosLink, dds_profile, domain_ids
 from hitab_client.dds_profile import VARIABLES
 
 
@@ -28,3 +30,33 @@ with RosLink() as link:
             check=False,
         )
         assert done.stdout == "[]\n", done.stderr
+
+
+def test_a_program_that_was_suspended_until_it_was_forgotten_says_so(tmp_path, monkeypatch):
+    """It would not find all of the swarm again, and wait for what is there."""
+    script = """
+from hitab_client import RosLink
+with RosLink(name="sleeper") as link:
+    print("ready", flush=True)
+    link.spin_until(lambda: False, 60.0)
+"""
+    monkeypatch.setattr(dds_profile, "SHORTEST_LEASE_S", 2.0)
+    profile = dds_profile.profile_for(tmp_path, 2).rename(tmp_path / "own.xml")
+    with domain_ids.reserved() as number, RosLink(number) as link:
+        sleeper = subprocess.Popen(
+            [sys.executable, "-c", script],
+            env=os.environ
+            | dict.fromkeys(VARIABLES, str(profile))
+            | {"ROS_DOMAIN_ID": str(number)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        with sleeper:
+            assert sleeper.stdout.readline() == "ready\n"
+            is_known = lambda: "sleeper" in link.node.get_node_names()  # noqa: E731
+            assert link.spin_until(is_known, 30.0)
+            sleeper.send_signal(signal.SIGSTOP)
+            assert link.spin_until(lambda: not is_known(), 60.0)
+            sleeper.send_signal(signal.SIGCONT)
+            assert "this program was suspended for" in sleeper.communicate()[1]

@@ -18,6 +18,7 @@ class Swarm:
     """Keeps with what a training was begun."""
 
     prefix = ""
+    demonstrator = "ann"
 
     def __init__(self) -> None:
         self.link = MagicMock()

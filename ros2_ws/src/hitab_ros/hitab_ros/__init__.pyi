@@ -38,4 +38,5 @@ from .stop import stop_report as stop_report
 from .stop import why_stopped as why_stopped
 from .stop_machine import StopMachine as StopMachine
 from .stop_machine import StopState as StopState
+from .suspensions import suspensions_noticed as suspensions_noticed
 from .unique_name import refuse_second_of_name as refuse_second_of_name

@@ -27,6 +27,7 @@ from hitab_ros.exit_codes import FINAL, FINAL_AFTER
 from hitab_ros.guard import Guard
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.patience import Patience
+from hitab_ros.suspensions import suspensions_noticed
 
 _WAKE_S = 0.1
 
@@ -58,6 +59,16 @@ class Spinner:
         """End the loop after the current callback; safe in a signal handler."""
         self.stopped = True
         self.exit_code = self.exit_code or exit_code
+
+    def stop_forgotten(self, seconds: float) -> None:
+        """End, to be started again by the supervisor: others may have forgotten this process."""
+        print(
+            f"error: this process was suspended for {seconds:.0f} s, so others may have forgotten "
+            "it; it ends, and has to be started again, which a swarm's supervisor does",
+            file=sys.stderr,
+            flush=True,
+        )
+        self.stop(1)
 
     def spin_once(self, timeout_sec: float = _WAKE_S) -> None:
         """Handle pending events, or wait up to ``timeout_sec`` for one.
@@ -136,7 +147,7 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
     """
     began = time.monotonic()
     try:
-        with spinner(arguments) as spinning:
+        with spinner(arguments) as spinning, suspensions_noticed(spinning.stop_forgotten):
             loop = start(spinning)
             return spinning.spin() if loop is None else loop(spinning)
     except FinalError as error:

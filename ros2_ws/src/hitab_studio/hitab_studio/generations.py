@@ -141,14 +141,11 @@ class GenerationMaker:
                 swarm.agents,
                 swarm.world if world else None,
                 kept_in(target),
+                who=who,
                 say=told,
                 progress=progress,
             )
-            before, swarm.agents.demonstrator = swarm.agents.demonstrator, who
-            try:
-                return step(steps)
-            finally:
-                swarm.agents.demonstrator = before
+            return step(steps)
 
         try:
             # It needs nobody in the link's sense: a step that is ended at the first silence of its

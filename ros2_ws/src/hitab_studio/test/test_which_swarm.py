@@ -1,6 +1,7 @@
 """The studio acts on the swarm that is meant, or not at all."""
 
 import asyncio
+import contextlib
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
@@ -8,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from hitab_client import domain_ids
 from hitab_client.errors import SwarmError
 from hitab_client.identity import BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
@@ -44,6 +46,28 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
     with pytest.raises(SwarmError, match=r"Which one\?"):
         asyncio.run(ask())
     assert done == []
+
+
+def test_a_studio_that_was_suspended_until_it_was_forgotten_connects_anew():
+    async def reconnected() -> bool:
+        with domain_ids.reserved() as number:
+            target = Target(number, identity=BY_HAND)
+            link = SwarmLink(lambda: target, lambda _: None, lambda text, **_: None)
+            link.start()
+            try:
+                first = await link.do(lambda swarm: swarm.link)
+                first._note_suspension(30.0)
+                deadline = time.monotonic() + 60.0
+                while time.monotonic() < deadline:
+                    with contextlib.suppress(SwarmError):  # it is connecting
+                        if await link.do(lambda swarm: swarm.link) is not first:
+                            return True
+                    await asyncio.sleep(0.05)
+                return False
+            finally:
+                await link.stop()
+
+    assert asyncio.run(reconnected())
 
 
 def test_a_swarm_that_is_not_up_is_a_problem_and_not_whatever_is_there(tmp_path):

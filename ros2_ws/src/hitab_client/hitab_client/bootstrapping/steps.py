@@ -47,6 +47,7 @@ class Bootstrapping:
         swarm: the agents.
         world: theirs; None: they have none.
         run_folder: that keeps the generations.
+        who: demonstrates; empty: whoever the client says.
         patience: how long to wait for the next answer of a teammate, s.
         say: called with each thing that is done.
         progress: called while it goes on.
@@ -61,6 +62,7 @@ class Bootstrapping:
         world: WorldClient | None,
         run_folder: Path,
         *,
+        who: str = "",
         patience: float = QUIET_SECONDS,
         say: Callable[[str], None] = lambda text: None,
         progress: Progress = lambda done, total, doing: None,
@@ -68,6 +70,7 @@ class Bootstrapping:
         self._swarm = swarm
         self._world = world
         self._run_folder = run_folder
+        self._who = who or swarm.demonstrator
         self._patience = patience
         self._say = say
         self._progress = progress
@@ -118,7 +121,7 @@ class Bootstrapping:
                             version=self._swarm.behavior(agent, training.name).version,
                             digest=saved.digest,
                             at=time_now(),
-                            by=self._swarm.demonstrator,
+                            by=self._who,
                             examples=len(training.examples),
                             arguments=training.arguments,
                             note=note,
@@ -305,7 +308,7 @@ class Bootstrapping:
             behavior,
             version=max(versions) + 1,
             created=time_now(),
-            author=self._swarm.demonstrator,
+            author=self._who,
             earlier=content_of(texts[behavior], behavior)["checksum"],
             note=f"generation {number} restored",
         )
