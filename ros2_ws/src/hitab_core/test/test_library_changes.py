@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +19,9 @@ from hitab_core.library.bundle_file import (
     read_bundle_file,
     read_bundled,
 )
+from hitab_core.library.commit import COMMIT, carry_out, forget, withdraw
 from hitab_core.library.edition import Editions
+from hitab_core.library.provenance import Provenance
 
 Teach = Callable[..., Automaton]
 
@@ -41,7 +44,8 @@ def again(library: BehaviorLibrary) -> BehaviorLibrary:
 
 
 def contents(library: BehaviorLibrary) -> dict[str, bytes]:
-    return {str(path): path.read_bytes() for path in library.folder.rglob("*") if path.is_file()}
+    files = [path for path in library.folder.rglob("*") if path.is_file()]
+    return {str(path.relative_to(library.folder)): path.read_bytes() for path in files}
 
 
 # -- deleting ---------------------------------------------------------------------------------
@@ -226,3 +230,40 @@ def test_an_import_says_what_it_replaces(
         }
         change.commit()
     assert sorted(again(other).load()) == ["Approach", "Control", "Keepaway"]
+
+
+# -- announcing -------------------------------------------------------------------------------
+
+
+def test_an_announced_change_is_withdrawn_without_a_trace_or_made_as_at_once(
+    library: BehaviorLibrary, teach: Teach, tmp_path: Path
+) -> None:
+    folder, before = library.folder, contents(library)
+    twin = BehaviorLibrary(shutil.copytree(folder, tmp_path / "twin"), library.domain)
+    new = teach("New", [], [("Start", [], "GoSlow")])
+
+    def announced() -> bytes:
+        with library.change(sync=False) as change:
+            change.save(new, "tree", Provenance())
+            change.announce()
+        return change.note
+
+    note = announced()
+    assert not withdraw(folder, b"another note")
+    assert withdraw(folder, note)
+    carry_out(folder, note)
+    forget(folder, note)
+    assert contents(library) == before
+
+    note = announced()
+    carry_out(folder, b"another note")
+    forget(folder, b"another note")
+    assert contents(library) == {**before, COMMIT: note}
+    carry_out(folder, note)
+    assert contents(library)[COMMIT] == note, "the disk is not synced yet"
+    forget(folder, note)
+    assert not withdraw(folder, note)
+    with twin.change() as change:
+        change.save(new, "tree", Provenance())
+        change.commit()
+    assert contents(library) == contents(twin)

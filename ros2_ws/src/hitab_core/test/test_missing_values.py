@@ -199,6 +199,18 @@ def test_a_drawn_decision_has_the_distribution_that_is_predicted(
     assert tree.explain(asked, NAMES).distribution == pytest.approx(told)
 
 
+@given(TAUGHT, PATCHY, st.integers(0, 3))
+def test_without_draws_the_most_probable_state_is_taken_whatever_is_missing(
+    taught: Any, asked: Any, depth: int
+) -> None:
+    tree = learned(*zip(*taught, strict=True), max_depth=depth)
+    odds = dict(zip(tree.labels, tree.predict_proba([asked])[0].tolist(), strict=True))
+    best = min(odds, key=lambda label: (-round(odds[label], 9), STATES[label]))
+    decide = tree.compile(range(4), STATES, most_probable=True)
+    assert decide([None] * 4, reading(asked), None) == STATES[best]
+    assert decide(list(asked), reading(asked), None) == STATES[best]
+
+
 def test_a_decision_takes_one_draw_and_what_is_left_of_it_serves_on() -> None:
     tree = learned([[1, 1], [1, 5], [9, 1], [9, 1]], ["A", "B", "C", "C"], [CONTINUOUS] * 2)
     draws = []
