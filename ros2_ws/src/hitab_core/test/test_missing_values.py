@@ -66,6 +66,27 @@ def test_gain_and_ratio_are_those_of_quinlans_weather_example_with_one_outlook_u
     assert gain / ratio == pytest.approx(1.809, abs=6e-4)
 
 
+@given(
+    st.lists(st.tuples(*[st.integers(0, 9)] * 3), min_size=2, max_size=4).filter(
+        lambda counts: any(map(sum, counts))
+    ),
+    st.integers(0, 9),
+)
+def test_gain_and_ratio_are_those_of_quinlans_formulas_however_many_are_unknown(
+    counts: Any, unknown: int
+) -> None:
+    def bits(sizes: Any) -> float:
+        return -sum(n / sum(sizes) * math.log2(n / sum(sizes)) for n in sizes if n)
+
+    sizes = [sum(branch) for branch in counts]
+    known, everybody = sum(sizes), sum(sizes) + unknown
+    left = sum(n / known * bits(branch) for n, branch in zip(sizes, counts, strict=True) if n)
+    gain = known / everybody * (bits([*map(sum, zip(*counts, strict=True))]) - left)
+    split = bits([*sizes, unknown])
+    expected = gain, gain / split if split else 0.0
+    assert gain_and_ratio(np.array(counts), unknown) == pytest.approx(expected, abs=1e-9)
+
+
 @given(st.lists(st.tuples(*[st.integers(0, 9)] * 3), min_size=2, max_size=4))
 def test_whole_numbers_gain_the_same_whatever_their_type(counts: Any) -> None:
     whole = np.array(counts)
