@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable
 from dataclasses import replace
@@ -20,6 +21,7 @@ from hitab_core.library.bundle_file import (
     read_bundled,
 )
 from hitab_core.library.commit import COMMIT, carry_out, forget, withdraw
+from hitab_core.library.durable_files import sync_trees
 from hitab_core.library.edition import Editions
 from hitab_core.library.provenance import Provenance
 
@@ -256,6 +258,7 @@ def test_an_announced_change_is_withdrawn_without_a_trace_or_made_as_at_once(
     assert contents(library) == before
 
     note = announced()
+    sync_trees([folder, folder])
     carry_out(folder, b"another note")
     forget(folder, b"another note")
     assert contents(library) == {**before, COMMIT: note}
@@ -267,3 +270,36 @@ def test_an_announced_change_is_withdrawn_without_a_trace_or_made_as_at_once(
         change.save(new, "tree", Provenance())
         change.commit()
     assert contents(library) == contents(twin)
+
+
+def test_an_announced_change_is_on_disk_before_another_process_carries_it_out(
+    library: BehaviorLibrary, teach: Teach, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with library.change(sync=False) as change:
+        change.save(teach("New", [], [("Start", [], "GoSlow")]), "tree", Provenance())
+        change.announce()
+    note, done = os.stat(library.folder / COMMIT).st_ino, []
+    sync, replace_file = os.fsync, os.replace
+
+    def synced(descriptor: int) -> None:
+        done.append("synced" if os.fstat(descriptor).st_ino == note else "")
+        sync(descriptor)
+
+    def replaced(source: Path, target: Path) -> None:
+        done.append("replaced")
+        replace_file(source, target)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(os, "replace", replaced)
+    assert "New" in again(library).load()
+    assert done.index("synced") < done.index("replaced")
+
+
+def test_changes_leave_no_file_open(library: BehaviorLibrary, approach: Automaton) -> None:
+    before = len(os.listdir("/proc/self/fd"))
+    for _ in range(3):
+        library.remove("Keepaway")
+        library.restore("Keepaway", 1)
+        library.save(approach)
+        again(library).load()
+    assert len(os.listdir("/proc/self/fd")) == before
