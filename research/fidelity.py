@@ -19,10 +19,10 @@ from typing import Annotated, Any
 import typer
 from servo_keepers import servo_players
 
+from hitab_world.evaluation import mean_and_error
 from hitab_world.inprocess import play
 from keepaway_world.parameters import variant
 from keepaway_world.players import KEEPERS, offered
-from keepaway_world.verbs.evaluation import mean_and_error
 from keepaway_world.world import KeepawayWorld
 
 SLOW = {"taker_speed": 0.25}

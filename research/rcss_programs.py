@@ -18,7 +18,7 @@ from typing import Any
 
 from report import tell
 
-from keepaway_world.verbs.evaluation import mean_and_error
+from hitab_world.evaluation import mean_and_error
 
 GARBLED = re.compile(r'\tRecv \S+ \(say "[^"]*\(say "')
 """What the server logs of a player whose command was overwritten by what it says."""

@@ -27,9 +27,9 @@ from games import size_of
 from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
 from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Use, has
+from hitab_world.evaluation import mean_and_error
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import SIGHTS, KeepawayParameters, variant
-from keepaway_world.verbs.evaluation import mean_and_error
 from keepaway_world.world import KeepawayWorld
 
 NEAR, SLACK = 4.5, 0.2  # m: the rules that did best when tried with other seeds

@@ -19,12 +19,12 @@ import typer
 from games import size_of
 from rcss_programs import options, start, start_team, tell_episodes, tell_lost_commands
 
+from hitab_bringup import part_of, players_of
 from hitab_client.shipped import shipped
-from hitab_world.inprocess import perform, play
+from hitab_world.inprocess import play
 from keepaway_world.rcss import sentences
 from keepaway_world.rcss.rcss_world import RcssWorld
 from keepaway_world.rcss.server_settings import settings_from_dict
-from keepaway_world.verbs.evaluation import read_trained
 
 NOISY, FULL = SIGHTS = ("noisy", "full")
 VISIBLE_ANGLE = {  # degrees
@@ -74,7 +74,7 @@ def main(
             "takers": counts[1],
         }
     )
-    trained = read_trained(library or shipped("libraries", "keepaway_fullspeed"), "Keepaway")
+    trained = part_of(library or shipped("libraries", "keepaway_fullspeed"), "Keepaway")
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         start(
@@ -89,7 +89,7 @@ def main(
         join(world)
         start_team(stack, folder, player, port, counts, "takers")
         played = []
-        players = perform(world, trained.repertoire, trained.behavior)
+        players = players_of(world, dict.fromkeys(world.agents, trained))
         try:
             for number in range(episodes):
                 played += play(world, players, 1, first=number)

@@ -16,7 +16,7 @@ FLOORS = (
 )
 
 CORE_FLOORS = (
-    ("remedies",),
+    ("installation", "remedies"),
     ("arrays", "errors", "example", "hierarchy", "seeding", "wording"),
     ("default_example", "example_codec", "transition_function", "use", "vocabulary"),
     ("automaton",),

@@ -88,6 +88,8 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
         ("train", ONE, "ByHand", "-f", "DistanceTo(ball)", "--discard"),
         ("demonstrate", ONE, "Stop"),
         ("demonstrate", ONE, "GoFast"),
+        ("examples", "list", ONE),
+        ("vocabulary", ONE),
         ("undo", ONE),
         ("test", ONE, "--restart"),
         ("save", ONE, "--description", "stands"),
@@ -99,8 +101,10 @@ def test_the_command_line_trains_too(keepers, hitab, tmp_path):
         assert done.returncode == 0, done.stderr
         told.append(done.stdout)
     assert "ByHand has 2 examples (1 default)" in told[1]
-    assert "ByHand.hfa.yaml" in told[5]
-    assert told[6] == "keeper_2: has it\n"
+    assert "4 examples, 1 overruled by a command" in told[3]
+    assert "DirectionTo(X)  circular" in told[4]
+    assert "ByHand.hfa.yaml" in told[7]
+    assert told[8] == "keeper_2: has it\n"
     listed = hitab("examples", "list", ONE, "ByHand", "--json", str(tmp_path / "e.json"))
     assert listed.returncode == 0
     assert "2 examples" in listed.stdout

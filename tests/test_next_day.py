@@ -55,8 +55,10 @@ def test_a_library_that_is_named_serves_all_agents_the_next_day(
     assert "keeper_2: 1 trained behavior" in done(hitab, "library", "reload", "keeper_2")
     done(hitab, "down")
     assert (tmp_path / "ours" / "Wander.hfa.yaml").exists()
-    Path(description).write_text(TODAY)
-    assert "a new library" not in hitab("up", description, "--library", "ours").stderr
+    Path(description).write_text(TODAY.replace("paused: true", "paused: false"))
+    up = hitab("up", description, "--library", "ours")
+    assert "a new library" not in up.stderr
+    assert "the world is still paused" in up.stderr
     assert {a["behavior"] for a in status(hitab).values()} == {"Wander"}
     assert "Wander" in done(hitab, "library", "list")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from setuptools import find_packages, setup
 
 NAME = "foraging_world"
-DATA = ("lessons", "libraries", "swarms")
+DATA = ("exercises", "lessons", "libraries", "swarms")
 
 
 def shipped(folder: str) -> list[tuple[str, list[str]]]:

@@ -37,6 +37,7 @@ class Field:
         hands: how many robots hold each box.
         obstacles: centers, m; fixed in an episode.
         collected: boxes brought home in the episode: small ones, large ones.
+        holding: how many robots held a box, summed over the cycles of the episode.
     """
 
     def __init__(self, parameters: ForagingParameters) -> None:
@@ -69,6 +70,7 @@ class Field:
         self.present = np.zeros(boxes, bool)
         self.hands = np.zeros(boxes, np.int64)
         self.collected = np.zeros(2, np.int64)
+        self.holding = np.zeros(1, np.int64)
         for box in reversed(range(boxes)):  # the large ones need most room
             if not self._lay(box):
                 raise ParameterError(
@@ -110,6 +112,7 @@ class Field:
         turns = np.clip(commands[:, action.TURN], -most, most) * slips[:, 0]
         self.heading = _wrapped(self.heading + turns)
         self._change_grips(commands[:, action.GRIP])
+        self.holding += self.hands.sum()
         ahead = np.stack([np.cos(self.heading), np.sin(self.heading)], axis=1)
         self._move(ahead, drive, slips[:, 1], seconds)
         self._come_home()
@@ -212,7 +215,7 @@ class Field:
 
     ARRAYS = (
         *("xy", "velocity", "heading", "held", "grip", "waited", "rested"),
-        *("box_xy", "box_velocity", "present", "obstacles", "collected"),
+        *("box_xy", "box_velocity", "present", "obstacles", "collected", "holding"),
     )
 
     def state(self) -> dict[str, Any]:
@@ -229,7 +232,8 @@ class Field:
         arrays = {}
         for name in self.ARRAYS:
             now = getattr(self, name)
-            given = np.array(state[name])
+            # Earlier snapshots do not have the sum.
+            given = np.array(state.get(name, [0]) if name == "holding" else state[name])
             if given.size and not np.can_cast(given.dtype, now.dtype, "same_kind"):
                 raise TypeError(f"{name} has type {given.dtype} instead of {now.dtype}")
             arrays[name] = given.astype(now.dtype).reshape(now.shape)

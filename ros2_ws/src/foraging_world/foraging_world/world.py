@@ -19,6 +19,7 @@ from hitab_world import (
     Entity,
     EpisodeResult,
     Look,
+    Measure,
     Placement,
     Sensed,
     WorldError,
@@ -35,6 +36,7 @@ LOOKS: Mapping[str, Look] = {
     "home": replace(_STILL, color="#3f8f6b", opacity=0.28, layer=-2),
 }
 TIME, CLEARED = "time", "cleared"
+MEASURES = (Measure("boxes"), Measure("small"), Measure("large"), Measure("pullers"))
 
 
 class ForagingWorld:
@@ -55,6 +57,7 @@ class ForagingWorld:
     name = "foraging"
     cycle_seconds = 0.1
     looks = LOOKS
+    measures = MEASURES
 
     def __init__(self, parameters: ForagingParameters | None = None, seed: int = 0) -> None:
         self.parameters = p = parameters or ForagingParameters()
@@ -228,11 +231,15 @@ class ForagingWorld:
         self._perceived = None
 
     def result(self) -> EpisodeResult:
-        """Return how the present episode has gone so far: boxes brought home, by size."""
-        small, large = self._field.collected.tolist()
-        return EpisodeResult.of(
-            self, {"boxes": float(small + large), "small": float(small), "large": float(large)}
-        )
+        """Return how the present episode has gone so far.
+
+        Its measures are the boxes brought home, also by size, and how many foragers hold a box in
+        the mean.
+        """
+        small, large = map(float, self._field.collected.tolist())
+        pullers = self._field.holding.item() / max(self.episode_cycle, 1)
+        measures = {"boxes": small + large, "small": small, "large": large, "pullers": pullers}
+        return EpisodeResult.of(self, measures)
 
 
 def _put(xy: Floats, placement: Placement) -> None:

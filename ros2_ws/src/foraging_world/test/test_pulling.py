@@ -64,7 +64,7 @@ def test_a_box_that_comes_home_counts_and_is_let_go(quiet, put, surround, act, s
         cycles += 1
         assert cycles < 60
     assert world.ended == "cleared"
-    assert world.result().measures == {"boxes": 1.0, "small": 1.0, "large": 0.0}
+    assert world.result().measures == {"boxes": 1.0, "small": 1.0, "large": 0.0, "pullers": 5.0}
     assert all(sensed(world, name, "HoldsABox") == 0.0 for name in names)
     assert "small_box_1" not in {entity.name for entity in world.entities()}
     with pytest.raises(WorldError, match="home already"):

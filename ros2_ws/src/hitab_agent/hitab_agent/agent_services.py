@@ -27,7 +27,7 @@ from hitab_core import (
     quantity,
     unknown,
 )
-from hitab_core.library import SUFFIX
+from hitab_core.library import SUFFIX, broken_expectations
 from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Answered, Serve, answering
@@ -136,6 +136,10 @@ class AgentServices:
         if agent.mode is Mode.TESTING and (open_ones := _open_questions(agent)):
             done += f"; it has {open_ones}"
             response.remedies = remedy_messages([Do.QUESTIONS(agent=agent.name)])
+        saved = agent.edition.files.get(agent.training)
+        if saved is not None and agent.mode is Mode.TESTING and agent.session is not None:
+            learned = agent.session.automaton()
+            done = "; but ".join([done, *broken_expectations(saved.expectations, learned)])
         return done
 
     def _discard(self, mode: str) -> str:
@@ -237,6 +241,7 @@ class AgentServices:
             done += f"; it had {open_ones}"
             further = Do.TRAIN_FURTHER(agent=agent.name, behavior=automaton.name)
             response.remedies = remedy_messages([further])
+        done = "; but ".join([done, *agent.edition.files[automaton.name].broken])
         if performed and self._agent.mode is Mode.IDLE:
             done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'
         return done
@@ -272,7 +277,8 @@ class AgentServices:
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
         response.digest = self._agent.edition.digest
-        return quantity(len(response.behaviors), "trained behavior")
+        broken = [text for file in self._agent.edition.files.values() for text in file.broken]
+        return "; but ".join([quantity(len(response.behaviors), "trained behavior"), *broken])
 
     def _get_vocabulary(
         self, request: srv.GetVocabulary.Request, response: srv.GetVocabulary.Response

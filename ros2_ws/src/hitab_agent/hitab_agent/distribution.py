@@ -109,4 +109,5 @@ class Distributions:
                 start=request.start,
             )
         )
-        return f"sent {quantity(len(bundle.files), 'behavior')}"
+        broken = [text for name, _ in bundle.files for text in agent.edition.files[name].broken]
+        return "; but ".join([f"sent {quantity(len(bundle.files), 'behavior')}", *broken])

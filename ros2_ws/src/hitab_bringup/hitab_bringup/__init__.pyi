@@ -1,7 +1,13 @@
 from . import plots as plots
 from .bringing_up import RunningSwarm as RunningSwarm
 from .bringing_up import temporary_swarm as temporary_swarm
+from .evaluating import Part as Part
+from .evaluating import figures_in as figures_in
+from .evaluating import part_of as part_of
+from .evaluating import players_of as players_of
+from .evaluating import world_of as world_of
 from .libraries import copy_library as copy_library
+from .library_choice import named_library as named_library
 from .opened_library import open_library as open_library
 from .swarm_description import AgentDescription as AgentDescription
 from .swarm_description import SwarmDescription as SwarmDescription

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from hitab_msgs.msg import WorldState
+
 from hitab_bringup import supervision
 from hitab_bringup.libraries import read_only
 from hitab_bringup.swarm_description import SwarmDescription
@@ -25,10 +27,10 @@ from hitab_client import (
     WorldClient,
     domain_ids,
 )
-from hitab_client.commands import called
+from hitab_client.commands import called, with_commands
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
-from hitab_core import each_once, some
+from hitab_core import Do, each_once, some
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
@@ -287,7 +289,14 @@ def _to_know(
     there = sorted(agents.statuses.items())
     yield from each_once((name, text) for name, s in there for text in s.faults)
     yield from read_only(folder.path)
+    world = running.world.status
+    if world is not None and world.mode == WorldState.PAUSED and not _begins_paused(swarm):
+        yield with_commands("the world is still paused, as it was before", [Do.RESUME_WORLD()])
     yield from announcements(agents.statuses.values(), folder.path)
+
+
+def _begins_paused(swarm: SwarmDescription) -> bool:
+    return swarm.world is not None and swarm.world.paused
 
 
 def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import shutil
 import sys
 
-EXTRAS = {"nicegui": "ros,studio", "PIL": "ros,studio"}
-"""Which extras of the distribution bring a module; all others come with ``ros``."""
+PROGRAM = "hitab"
+EXTRAS = {"nicegui": "studio", "PIL": "studio"}
+"""Which extra of the distribution brings a module; all others come with ``ros``."""
 
 
 def main() -> None:
     """Run the command."""
+    # Arrays are small: numpy's own threads only make the start longer.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Commands that it prints run as they stand, also where the environment is not activated.
+    if os.path.basename(sys.argv[0]) == PROGRAM and shutil.which(PROGRAM) is None:
+        os.environ.setdefault("HITAB_CALLED_AS", shlex.quote(sys.argv[0]))
     try:
         from hitab_bringup.main import main as run
 
@@ -18,9 +28,11 @@ def main() -> None:
         module = (missing.name or "").partition(".")[0]
         if module.startswith("hitab_") and module != "hitab_msgs":
             raise
+        from hitab_core import way_to_install
+
         print(
-            f'hitab: the Python module {module} is not installed; pip install "hitab['
-            f'{EXTRAS.get(module, "ros")}]", or set up the ROS 2 workspace that has it',
+            f"hitab: the Python module {module} is not installed; "
+            f"{way_to_install(EXTRAS.get(module, 'ros'))}",
             file=sys.stderr,
         )
         sys.exit(1)

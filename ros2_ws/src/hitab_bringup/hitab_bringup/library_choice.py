@@ -54,7 +54,7 @@ def libraries_meant(
         LibraryError, SwarmError: if there is none; naming those that there are.
     """
     if library is not None:
-        return {_named(library): []}
+        return {named_library(library): []}
     found = find_meant(swarm, chosen_by_user())
     if found is None:
         known = known_libraries()
@@ -73,7 +73,12 @@ def libraries_meant(
     return libraries
 
 
-def _named(text: str) -> Path:
+def named_library(text: str) -> Path:
+    """Return the folder of a library: a path, ``SWARM/LIBRARY``, or the name of a shipped one.
+
+    Raises:
+        LibraryError: naming those that there are.
+    """
     path = Path(text).expanduser()
     known = known_libraries()
     if not path.is_dir() and text not in known:

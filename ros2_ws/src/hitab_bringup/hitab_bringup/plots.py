@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from statistics import fmean
 from typing import TYPE_CHECKING
 
 from hitab_core import HitabError
@@ -10,6 +12,8 @@ from hitab_core import HitabError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+COLORS = ("#1f5fb4", "#d98c3f")
 
 
 def figure(width: float, height: float) -> tuple[Figure, Axes]:
@@ -50,3 +54,37 @@ def check_folder(path: Path, done: str) -> None:
             f"{path} cannot be {done}: there is no folder {path.parent}; create it, or choose "
             "another file"
         )
+
+
+def draw_measures(
+    measured: Mapping[str, Mapping[str, Sequence[float]]],
+    title: str,
+    path: Path,
+    references: Mapping[str, float] | None = None,
+) -> None:
+    """Draw how measures of episodes are distributed, with their means, one below the other.
+
+    Args:
+        measured: the values of each measure, by what they were measured of.
+        title: of the figure.
+        path: of the file.
+        references: other means of the first measure, for comparison.
+
+    Raises:
+        HitabError: if it cannot be saved.
+    """
+    drawing, first = figure(7.0, 1.0 + 3.0 * len(measured))
+    first.remove()
+    drawing.suptitle(title, fontsize=10)
+    for row, (measure, groups) in enumerate(measured.items(), 1):
+        axes = drawing.add_subplot(len(measured), 1, row)
+        axes.hist([*groups.values()], bins=30, color=COLORS[: len(groups)])
+        for (name, values), color in zip(groups.items(), COLORS, strict=False):
+            mean = fmean(values) if values else 0.0
+            axes.axvline(mean, color=color, linewidth=2, label=f"{name}: mean {mean:.4g}")
+        for name, mean in (references or {}).items() if row == 1 else ():
+            axes.axvline(mean, color="black", linestyle="--", label=f"{name}: mean {mean:.4g}")
+        axes.set_xlabel(measure)
+        axes.set_ylabel("episodes")
+        axes.legend()
+    save(drawing, path)

@@ -48,7 +48,7 @@ class Words:
             return ""
         return (
             f'no domain "{name}" is installed {has(self._domains, name)}; install the package '
-            "that provides it, as docs/your-own-robot.md shows"
+            "that provides it beside HiTAB"
         )
 
     def wrong_behavior(self, member: AgentDescription) -> str:

@@ -34,3 +34,4 @@ from .swarm_client import SwarmClient as SwarmClient
 from .swarm_client import is_answered as is_answered
 from .world_client import WorldClient as WorldClient
 from .world_view import Thing as Thing
+from .world_view import WorldView as WorldView

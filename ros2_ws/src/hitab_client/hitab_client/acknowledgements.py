@@ -28,6 +28,7 @@ class DistributionReport:
         accepted: receivers that verified the same digest.
         refused: receivers that refused, with their reasons.
         silent: receivers that did not answer.
+        message: what the source said.
     """
 
     sequence: int
@@ -35,6 +36,7 @@ class DistributionReport:
     accepted: list[str] = field(default_factory=list)
     refused: dict[str, str] = field(default_factory=dict)
     silent: list[str] = field(default_factory=list)
+    message: str = ""
 
     @property
     def complete(self) -> bool:

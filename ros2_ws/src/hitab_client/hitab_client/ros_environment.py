@@ -39,7 +39,7 @@ def problems() -> Iterator[Problem]:
         yield "discovery", f"{RANGE}={said} is none of {', '.join(RANGES)}", f"unset {RANGE}"
     if os.environ.get("ROS_SECURITY_ENABLE") == "true" and is_from_wheels():
         told = "ROS_SECURITY_ENABLE=true, but ROS from wheels has no DDS security"
-        way_out = "unset ROS_SECURITY_ENABLE, or install ROS 2 Jazzy and run scripts/setup"
+        way_out = "unset ROS_SECURITY_ENABLE, or use HiTAB with an installed ROS 2 Jazzy"
         yield "security", told, way_out
 
 

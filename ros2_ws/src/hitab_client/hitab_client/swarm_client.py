@@ -415,6 +415,8 @@ class SwarmClient(AgentPresence):
             receivers=meant,
             start=start,
         )
-        return self.acknowledgements.gather(
+        report = self.acknowledgements.gather(
             answer.sequence, answer.digest, meant, seconds, progress
         )
+        report.message = answer.message
+        return report

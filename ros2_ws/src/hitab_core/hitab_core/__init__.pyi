@@ -35,11 +35,13 @@ from .errors import VocabularyError as VocabularyError
 from .errors import newer_format as newer_format
 from .example import Example as Example
 from .example import ExampleKind as ExampleKind
+from .installation import installed_as as installed_as
+from .installation import installed_version as installed_version
+from .installation import way_to_install as way_to_install
 from .learning.scikit_learn import TransitionTreeClassifier as TransitionTreeClassifier
 from .learning.transition_tree import TransitionTree as TransitionTree
 from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
-from .library.provenance import installed_version as installed_version
 from .plain import plain_domain as plain_domain
 from .remedies import Do as Do
 from .remedies import Remedy as Remedy

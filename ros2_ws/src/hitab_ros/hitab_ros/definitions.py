@@ -15,6 +15,7 @@ from pathlib import Path
 from ament_index_python.packages import get_package_share_directory
 from rclpy.node import Node
 
+from hitab_core import way_to_install
 from hitab_ros.checks import PACKAGE
 from hitab_ros.spinning import FinalError
 
@@ -87,6 +88,6 @@ def _compare(node: Node, topic: str, kind: str, *, plain: bool) -> None:
             name = f"{end.node_namespace.rstrip('/')}/{end.node_name}"
             raise DefinitionsDifferError(
                 f"{name} defines {kind} differently: it runs another version of HiTAB; "
-                "install the same version everywhere and run scripts/setup, or use "
+                f"install the same version everywhere (here, {way_to_install()}), or use "
                 "another ROS_DOMAIN_ID"
             )

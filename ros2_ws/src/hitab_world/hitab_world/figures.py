@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import Field, fields
+from types import SimpleNamespace
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
@@ -12,6 +14,21 @@ from rclpy.node import Node
 from hitab_core import HitabError, has
 
 GROUP = "parameters"
+
+
+class GivenFigures:
+    """Stands in for the node with whose parameters a world is made, where ROS is not started.
+
+    Args:
+        figures: those that are given, by name.
+    """
+
+    def __init__(self, figures: Mapping[str, Any]) -> None:
+        self._parameter_overrides = {f"{GROUP}.{name}": v for name, v in figures.items()}
+
+    def declare_parameter(self, name: str, default: Any, *described: Any) -> Any:
+        """Return what has the value that is given, or else the default, as ``value``."""
+        return SimpleNamespace(value=self._parameter_overrides.get(name, default))
 
 
 def declare_figures(node: Node, *kinds: type[Any]) -> Any:

@@ -21,7 +21,16 @@ from functools import partial
 from random import Random
 from typing import Any
 
-from hitab_world.world import Action, Entity, EpisodeResult, Look, Placement, World, WorldError
+from hitab_world.world import (
+    Action,
+    Entity,
+    EpisodeResult,
+    Look,
+    Measure,
+    Placement,
+    World,
+    WorldError,
+)
 
 MakeWorld = Callable[[int], World]
 """Creates a world, given the seed of the run."""
@@ -97,6 +106,9 @@ def _check_interface(world: World) -> None:
     new = (world.episode, world.cycle, world.episode_cycle, world.ended)
     assert new == (0, 0, 0, ""), "a new world is at the beginning of episode 0"
     assert isinstance(world.result(), EpisodeResult), "result() is an EpisodeResult"
+    for measure in getattr(world, "measures", ()):
+        assert isinstance(measure, Measure), "measures are Measure objects"
+        assert not math.isnan(measure.of(world.result())), f"result() has no {measure.name}"
     for name in world.agents:
         values, heard = world.percept(name)
         assert all(isinstance(v, float) for v in values), f"percept of {name}: values are floats"

@@ -103,6 +103,41 @@ class Placement:
     vy: float = NAN
 
 
+MORE, LESS = "more", "less"
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A figure of an episode by which behaviors are compared.
+
+    A world may declare its own as ``measures``: one of `EpisodeResult.measures`, or ``seconds``.
+
+    Attributes:
+        name: such as ``boxes``.
+        unit: such as ``s``; "": a number.
+        better: `MORE` or `LESS`.
+
+    Raises:
+        WorldError: if ``better`` is neither.
+    """
+
+    name: str
+    unit: str = ""
+    better: str = MORE
+
+    def __post_init__(self) -> None:
+        if self.better not in (MORE, LESS):
+            raise WorldError(unknown("way to be better", self.better, (MORE, LESS)))
+
+    def of(self, result: EpisodeResult) -> float:
+        """Return its value in an episode; NaN if it has none."""
+        return result.seconds if self.name == SECONDS else result.measures.get(self.name, NAN)
+
+
+SECONDS = "seconds"
+"""The measure that every episode has: how long it took, s."""
+
+
 @dataclass(frozen=True, slots=True)
 class EpisodeResult:
     """How an episode went.

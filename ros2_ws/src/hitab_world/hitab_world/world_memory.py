@@ -1,8 +1,8 @@
 """What a world continues from after a restart of its process: its latest state and snapshots.
 
 The latest state is replaced at a period, and before a request that has changed it is acknowledged.
-It is valid for one start of a swarm: the next one starts as its description says. A snapshot that
-a person saves stays until a person deletes it.
+It is valid for one start of a swarm: the next one starts as its description says, but a world that
+was paused stays so. A snapshot that a person saves stays until a person deletes it.
 """
 
 from __future__ import annotations
@@ -69,7 +69,9 @@ class WorldMemory:
 
     def _take_over(self, latest: dict[str, Any]) -> bool:
         if latest["swarm"] != self._swarm:
-            return False  # an earlier swarm, which will not return
+            # From an earlier start of the swarm; only a person ends a pause.
+            self._course.control.paused |= latest["control"]["paused"] is True
+            return False
         control = Control.read(latest["control"])
         self._course.world.restore(latest["world"])
         self._course.control.take_over(control)

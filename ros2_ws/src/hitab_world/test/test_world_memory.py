@@ -30,8 +30,8 @@ class Pond:
 def memory_of(tmp_path):
     """Make what a new process of a swarm's world remembers; its warnings are in ``warned``."""
 
-    def make(swarm=RUN):
-        control = Control(WorldStatus.LOCKSTEP, 1.0, paused=True)
+    def make(swarm=RUN, *, paused=True):
+        control = Control(WorldStatus.LOCKSTEP, 1.0, paused)
         made.course = Course(Pond(), control, RoundAnswers((), lambda _: True))
         settings = WorldSettings(swarm=swarm, state_dir=str(tmp_path), snapshot_period=60.0)
         return WorldMemory("world", made.course, settings, made.warned.append)
@@ -69,6 +69,16 @@ def test_the_last_state_is_there_for_the_same_swarm_only(memory_of):
     assert memory_of().restore()
     course = memory_of.course
     assert (course.world.ducks, course.control.episodes_left) == (7, 7)
+
+
+@pytest.mark.parametrize("paused", [True, False])
+def test_only_a_pause_outlasts_the_end_of_a_swarm(memory_of, paused):
+    memory = memory_of(paused=paused)
+    ask_for(memory_of, 7)
+    memory.save_latest()
+    assert not memory_of(NEXT_RUN, paused=False).restore()
+    course = memory_of.course
+    assert (course.control.paused, course.control.episodes_left) == (paused, 0)
 
 
 def test_saved_snapshots_are_there_under_any_name_until_they_are_deleted(memory_of):

@@ -54,6 +54,6 @@ def offered(group: str, name: str) -> Any:
         known = [*there, *[INTERCEPT] * (group == TAKERS)]
         raise ParameterError(
             f'no installed package offers "{name}" as {group} {has(known, name)}; UT Austin\'s '
-            "players are in research/src/keepaway_research, which scripts/setup installs"
+            "players are in research/src/keepaway_research of HiTAB's sources"
         )
     return there[name].load()

@@ -13,6 +13,7 @@ from hitab_world import (
     Entity,
     EpisodeResult,
     Look,
+    Measure,
     Placement,
     Sensed,
     WorldError,
@@ -36,6 +37,9 @@ LOOKS: Mapping[str, Look] = {
 }
 
 
+MEASURES = (Measure("seconds", "s"), Measure("passes"))
+
+
 class KeepawayWorld:
     """A game of keepaway; see `hitab_world.world.World` for the interface.
 
@@ -54,6 +58,7 @@ class KeepawayWorld:
     name = "keepaway"
     cycle_seconds = 0.1
     looks = LOOKS
+    measures = MEASURES
 
     def __init__(self, parameters: KeepawayParameters = PAPER, seed: int = 0) -> None:
         self.parameters = parameters

@@ -3,10 +3,11 @@
 import pytest
 from PIL import Image
 
+from hitab_bringup import part_of
 from hitab_client.shipped import shipped
 from hitab_core import HitabError
 from keepaway_world.verbs import field_film
-from keepaway_world.verbs.evaluation import evaluate, read_trained, trained_game
+from keepaway_world.verbs.evaluation import evaluate, trained_game
 
 SEED, EPISODE = 4, 2
 QUICK = {"taker_speed": 1.0}
@@ -15,7 +16,7 @@ LIBRARY = shipped("libraries", "keepaway")
 
 @pytest.fixture
 def game():
-    with trained_game(read_trained(LIBRARY, "Keepaway"), QUICK, SEED) as made:
+    with trained_game(part_of(LIBRARY, "Keepaway"), QUICK, SEED) as made:
         yield made
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from hitab_bringup.doctor.finding import ERROR, WARNING, Finding, judged
 from hitab_client.run_folder import state_home
-from hitab_core import installed_version
+from hitab_core import installed_as, installed_version, way_to_install
 
 PYTHONS = ((3, 11), (3, 13))
 
@@ -33,9 +33,9 @@ def python() -> Iterator[Finding]:
     """Check the interpreter, and say which HiTAB this is."""
     told = f"{'.'.join(map(str, sys.version_info[:3]))} ({sys.executable})"
     good = PYTHONS[0] <= sys.version_info[:2] <= PYTHONS[1]
-    way_out = "install Python 3.11, 3.12 or 3.13, then run scripts/setup"
+    way_out = f"install Python 3.11, 3.12 or 3.13; with it, {way_to_install()}"
     yield judged("Python", told, good, way_out, ERROR)
-    yield Finding("HiTAB", installed_version())
+    yield Finding("HiTAB", f"{installed_version()}, {installed_as()}")
 
 
 def home() -> Iterator[Finding]:

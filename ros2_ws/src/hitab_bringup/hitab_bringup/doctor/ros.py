@@ -10,6 +10,7 @@ from hitab_bringup.doctor.finding import ERROR, WARNING, Finding, judged
 from hitab_client import domain_ids
 from hitab_client.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
 from hitab_client.ros_environment import is_from_wheels
+from hitab_core import way_to_install
 
 DISTRO = "jazzy"
 FAST_DDS = "rmw_fastrtps_cpp"
@@ -24,14 +25,13 @@ def installation() -> Iterator[Finding]:
         import hitab_msgs.srv  # noqa: F401
         import rclpy
     except ImportError as wrong:
-        way_out = "run scripts/setup and use scripts/hitab"
-        yield Finding("ROS", f"cannot be loaded: {wrong}", ERROR, way_out)
+        yield Finding("ROS", f"cannot be loaded: {wrong}", ERROR, way_to_install())
         return
     place = Path(rclpy.__file__).resolve().parents[1]
     wheels = is_from_wheels()  # of the right distribution, as HiTAB requires them
     distro = os.environ.get("ROS_DISTRO", "") or (DISTRO if wheels else "of unknown distribution")
     told = f"{distro}, from {'wheels' if wheels else 'an installation'} ({place})"
-    way_out = f"HiTAB is made for ROS 2 {DISTRO}: use scripts/hitab"
+    way_out = f"HiTAB is made for ROS 2 {DISTRO}: use a terminal without another one's set-up file"
     yield judged("ROS", told, distro == DISTRO, way_out)
 
 

@@ -171,6 +171,7 @@ def distribute(
             start=start,
             progress=lambda done, total: advance(done, total, ""),
         )
+    console.note(report.message)
     told = [f"{name}: has it" for name in report.accepted]
     told += [
         f"{name}: refuses: {why.removeprefix(f'{name} ')}" for name, why in report.refused.items()
@@ -189,6 +190,8 @@ def distribute(
 
 def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) -> None:
     """Show an agent's vocabulary: its behaviors, features and targets."""
+    from hitab_core import FeatureKind
+
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
 
@@ -197,7 +200,8 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
         kinds = ["trained"] * b.trained + ["one-shot"] * b.one_shot
         lines.append(f"behavior  {_with_description(b.name, kinds, b.description)}")
     for f in words.features:
-        kinds = [f.kind, f.unit] if f.unit else [f.kind]
+        kind = "circular" if f.kind == FeatureKind.TOROIDAL else f.kind
+        kinds = [kind, f.unit] if f.unit else [kind]
         lines.append(f"feature   {_with_description(f.name, kinds, f.description)}")
     lines += [f"target    {name}" for name in words.targets]
     data = {

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 MINUTES_FROM_S = 120.0
 """From here on times are shown in minutes."""
 
+OVERRULED = "overruled"
+"""The kind of a default example that a command contradicts, as people read it."""
+
 COUNTS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 
 
@@ -55,7 +58,7 @@ def examples_list(
     without pauses of more than five minutes and the time while the swarm was down. `commands` and
     `undos` are what you did. `examples` counts those that there were in the end. `wasted` counts
     those that were recorded and not learned from: they were deleted or undone, or are listed as
-    superseded, since a command in the same place contradicts them. `structures` counts the sets of
+    overruled, since a command in the same place contradicts them. `structures` counts the sets of
     features that were tried: 1, and one more for each `hitab examples features`. `proposals`
     counts the questions of the agent that you answered as it proposed.
 
@@ -92,7 +95,7 @@ def examples_list(
             e.state,
             *map(_shown, e.features, units, kinds),
             e.next_state,
-            e.kind,
+            OVERRULED if e.kind == ExampleKind.SUPERSEDED else e.kind,
             str(e.command),
             str(e.cycle),
             *[f"{e.ago:.2g}" if e.ago else ""] * late,
@@ -101,7 +104,7 @@ def examples_list(
     ]
     title = f"{found.name}: {quantity(len(found.examples), 'example')}"
     if superseded := sum(e.kind == ExampleKind.SUPERSEDED for e in found.examples):
-        title += f", {superseded} of them superseded and not learned from"
+        title += f", {superseded} {OVERRULED} by a command"
     fields = "number state next_state kind command cycle ago"
     data = [
         plain(e, fields)

@@ -125,20 +125,71 @@ def list_lessons() -> None:
 
 
 @app.command()
-def check(lessons: Files) -> None:
-    """Check lesson files without playing them."""
+def check(
+    names: Annotated[list[str] | None, typer.Argument(metavar="EXERCISE|LESSON")] = None,
+    library: Annotated[str | None, typer.Option("--library", "-l", metavar="LIBRARY")] = None,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Grade exercises by what is saved and by episodes; or check lesson files without playing.
+
+    For each requirement it says whether it is met, and else what is missing. The swarm need not be
+    up. The exit status is 1 if anything is missing.
+
+    Args:
+        names: Exercises, or lesson files. Default: all shipped exercises.
+        library: Grade this library for all agents, such as one that was handed in. Default: those
+            of the exercise's swarm.
+
+    Examples:
+
+      hitab lesson check chase
+
+      hitab lesson check --swarm keepaway_ann
+
+      hitab lesson check my_lesson.yaml
+    """
+    from hitab_bringup.exercises import is_exercise
     from hitab_client import LessonError
     from hitab_client.lessons import read_lesson
-    from hitab_client.shipped import find_file
+    from hitab_client.shipped import find_file, shipped_names
 
-    wrong = []
-    for name in lessons:
-        path = find_file(name, "lessons", "lesson")
+    wrong, data = [], {}
+    for name in names or sorted(shipped_names("exercises")):
+        exercise = name in shipped_names("exercises")
+        path = find_file(name, *(("exercises", "exercise") if exercise else ("lessons", "lesson")))
+        if exercise or is_exercise(path):
+            data[name] = _graded(name, path, library, swarm)
+            continue
         try:
             lesson = read_lesson(Path(path))
         except LessonError as error:
             wrong.append(str(error))
         else:
             console.say(f"{path}: {quantity(len(lesson.steps), 'step')}, nothing is wrong")
+    console.write_json(json, data)
     if wrong:
         raise LessonError("\n".join(wrong))
+    if any(one["missing"] for grades in data.values() for one in grades):
+        raise typer.Exit(1)
+
+
+def _graded(name: str, path: Path, library: str | None, swarm: str | None) -> list[dict[str, str]]:
+    """Grade an exercise and say so."""
+    from hitab_bringup.exercises import Student, read_exercise
+    from hitab_bringup.libraries import libraries_of
+    from hitab_bringup.library_choice import named_library
+    from hitab_client.run_folder import state_home
+
+    exercise = read_exercise(path)
+    libraries = libraries_of(state_home() / (swarm or exercise.swarm))
+    if library is not None:
+        libraries = dict.fromkeys(exercise.agents, named_library(library))
+    grades = exercise.grade(Student(swarm or exercise.swarm, libraries))
+    met = sum(not grade.missing for grade in grades)
+    console.say(f"{name}: {met} of {quantity(len(grades), 'requirement')}")
+    for grade in grades:
+        console.say(f"  {'FAIL' if grade.missing else 'pass'}  {grade.requirement}")
+        if grade.missing:
+            console.say(f"        {grade.missing}")
+    return [grade._asdict() for grade in grades]

@@ -124,9 +124,15 @@ def show(
 
         console.say(f"drawn to {draw_automata(automata, picture)}")
         return
+    from hitab_bringup.expecting import in_words
     from hitab_core import automaton_as_text
 
     console.say("\n\n".join(automaton_as_text(automaton) for automaton in automata))
+    for shown in automata:
+        file = there.files.get(shown.name)
+        for one in file.expectations if file is not None else ():
+            console.say("\n" + in_words(one, there.domain))
+        library_changes.tell_broken(there, *[shown.name] * (file is not None))
 
 
 def _known(name: str, loaded: Any, problems: Mapping[str, str]) -> str:
@@ -169,6 +175,7 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
             wrong.append(f"{there.folder}: {bad} of {behaviors} cannot be used")
         wrong += [there.problems[name] for name in sorted(there.problems)]
         remedies += [remedy for ways in losses.remedies.values() for remedy in ways]
+        library_changes.tell_broken(there, *there.names())
         if not losses:
             names = quantity(len(there.names()), "behavior")
             console.say(f"{there.folder}: {names}, nothing is wrong")
@@ -216,6 +223,7 @@ def diff(
 for changes in (
     library_changes.restore,
     library_changes.accept,
+    library_changes.expect,
     library_changes.delete,
     library_changes.rename,
     library_changes.export,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +14,9 @@ from hitab_client import console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import as_command, called
 from hitab_core import Do, quantity
+
+if TYPE_CHECKING:
+    from hitab_core import BehaviorLibrary
 
 Output = Annotated[
     Path | None,
@@ -54,6 +57,7 @@ def restore(
         raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
     path = there.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
+    tell_broken(there, name)
     _tell_users(there.folder)
 
 
@@ -80,6 +84,7 @@ def accept(
         accepted = library.accept_edits(*(name.removesuffix(SUFFIX) for name in names))
         for name in accepted:
             console.say(f"accepted {library.path(name)}")
+            tell_broken(library, name)
         if accepted:
             _tell_users(folder)
         else:
@@ -236,6 +241,7 @@ def import_(
         console.say(f"{behavior.name}: {'the same is there already' if there_already else told}")
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
+        tell_broken(there, *changed)
         _tell_users(folder)
 
 
@@ -266,6 +272,65 @@ def reload(
         console.say(text)
     if refused:
         raise SwarmError("\n".join(each_once(refused)))
+
+
+def expect(
+    name: Name,
+    decision: Annotated[
+        list[str] | None, typer.Argument(metavar="STATE NEXT_STATE [FEATURE=VALUE]...")
+    ] = None,
+    example: Annotated[int, typer.Option(show_default=False)] = 0,
+    called_so: Annotated[str, typer.Option("--name", metavar="NAME")] = "",
+    blocks: Annotated[bool, typer.Option("--blocks")] = False,
+    forget: Annotated[str, typer.Option(metavar="NAME")] = "",
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Have a behavior carry an expectation: in this state and situation, it goes to that state.
+
+    Whenever the behavior is tested in a training, saved, distributed, reloaded, or accepted after
+    an edit, each expectation that is broken is named with what is decided instead.
+
+    Args:
+        decision: The state, the state to go to or to stay in, and the situation; angles in
+            degrees.
+        example: Instead, the situation and decision of this example.
+        called_so: What to call the expectation.
+        blocks: Do not save the behavior while this is broken.
+        forget: Take this expectation back.
+
+    Examples:
+
+      hitab library expect Chase GoFast TurnToBall "DirectionTo(ball)=150" --agent keeper_1
+
+      hitab library expect Chase --example 7 --blocks --agent keeper_1
+
+      hitab library expect Chase --forget expectation_1 --agent keeper_1
+    """
+    from dataclasses import replace
+
+    from hitab_bringup.expecting import expected, forgotten
+
+    there = opened(library, agent, swarm, name)
+    there.load()
+    file = there.file(name)
+    if forget:
+        kept = forgotten(file, forget)
+    else:
+        new = expected(file, there.domain, decision or [], example, called_so)
+        kept = [*file.expectations, replace(new, blocks=blocks)]
+    saved = there.expect(name, kept)
+    console.say(f"{name} carries {quantity(len(saved.expectations), 'expectation')}")
+    tell_broken(there, name)
+    _tell_users(there.folder)
+
+
+def tell_broken(library: BehaviorLibrary, *names: str) -> None:
+    """Say which expectations behaviors of a library break."""
+    for name in names:
+        for text in library.file(name).broken:
+            console.note(f"but: {text}")
 
 
 def _tell_users(folder: Path) -> None:

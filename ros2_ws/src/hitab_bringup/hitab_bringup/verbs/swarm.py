@@ -39,7 +39,8 @@ def up(
     """Start a swarm and keep it alive until `hitab down`.
 
     Waits until every agent and the world answer. Killed processes are restarted. What the agents
-    learn is kept: the next start of the swarm goes on with it.
+    learn is kept: the next start of the swarm goes on with it. A world that was paused when the
+    swarm went down stays paused.
 
     Args:
         swarm: A swarm description, or the name of a shipped one.

@@ -3,6 +3,7 @@ from . import durable_files as durable_files
 from . import yaml_models as yaml_models
 from . import yaml_places as yaml_places
 from .behavior_file import SUFFIX as SUFFIX
+from .behavior_file import BehaviorFile as BehaviorFile
 from .bundle import Bundle as Bundle
 from .bundle import bundle_digest as bundle_digest
 from .bundle import digest_in as digest_in
@@ -18,6 +19,8 @@ from .differences import difference as difference
 from .digests import checksum as checksum
 from .edition import Edition as Edition
 from .edition import Editions as Editions
+from .expectation import Expectation as Expectation
+from .expectation import broken_expectations as broken_expectations
 from .reissuing import content_of as content_of
 from .reissuing import reissued as reissued
 from .yaml_places import kind_of as kind_of

@@ -13,6 +13,7 @@ from hitab_core.example_codec import file_record, value_records
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_text import behavior_text
 from hitab_core.library.digests import checksum
+from hitab_core.library.expectation import KEY, Expectation, broken_expectations
 from hitab_core.library.provenance import Provenance
 from hitab_core.use import Use
 from hitab_core.wording import quantity
@@ -48,6 +49,7 @@ class BehaviorFile:
         checksum: SHA-256 of the contents.
         text: of the file.
         state_lines: line of each state, in the automaton's order.
+        expectations: that it carries.
     """
 
     automaton: Automaton = field(compare=False)
@@ -59,11 +61,17 @@ class BehaviorFile:
     checksum: str
     text: str = field(compare=False, repr=False)
     state_lines: tuple[int, ...] = field(compare=False, repr=False)
+    expectations: tuple[Expectation, ...] = field(default=(), compare=False)
 
     @property
     def name(self) -> str:
         """What the behavior is called."""
         return self.automaton.name
+
+    @property
+    def broken(self) -> list[str]:
+        """Which expectations it breaks, and what is decided instead, by line."""
+        return broken_expectations(self.expectations, self.automaton, file_name(self.name))
 
 
 def file_name(name: str) -> str:
@@ -104,6 +112,7 @@ def text_of(
     classifier: str,
     uses: Mapping[str, str],
     provenance: Provenance,
+    expectations: Sequence[Expectation] = (),
 ) -> str:
     """Return the file of an automaton.
 
@@ -128,6 +137,8 @@ def text_of(
         **_readings(automaton),
         "provenance": asdict(provenance),
     }
+    if expectations:
+        content["optional"] = {KEY: [one.record() for one in expectations]}
     return behavior_text(content | {"checksum": checksum(content)}, _rules(automaton))
 
 

@@ -10,7 +10,7 @@ time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +25,7 @@ from hitab_core.library.contents import Contents
 from hitab_core.library.digests import digest_of
 from hitab_core.library.durable_files import PATIENCE
 from hitab_core.library.edition import Edition, Editions
+from hitab_core.library.expectation import Expectation
 from hitab_core.library.folder import LibraryFolder
 from hitab_core.library.provenance import Provenance, time_now
 from hitab_core.library.renaming import plan_renaming
@@ -252,11 +253,32 @@ class BehaviorLibrary:
                 file = edited.pop(name)
                 if name not in change.after:
                     provenance = replace(file.provenance, note="edited by hand")
-                    change.save(file.automaton, file.classifier, provenance, edited=True)
+                    change.save(
+                        file.automaton,
+                        file.classifier,
+                        provenance,
+                        edited=True,
+                        expectations=file.expectations,
+                    )
                     accepted.append(name)
             if accepted:
                 change.commit()
         return accepted
+
+    def expect(self, name: str, expectations: Sequence[Expectation]) -> BehaviorFile:
+        """Have a behavior carry these expectations and no others; return its new version.
+
+        Raises:
+            LibraryError: if there is no such behavior, or it breaks one that blocks.
+        """
+        with self.change() as change:
+            file = change.before.usable.get(name) or self.file(name)
+            provenance = replace(file.provenance, note="expectations changed")
+            saved = change.save(
+                file.automaton, file.classifier, provenance, expectations=expectations
+            )
+            change.commit()
+        return saved
 
     def install(self, texts: Mapping[str, str]) -> list[str]:
         """Copy files of another library into this one unchanged: all or none.
@@ -315,7 +337,14 @@ class BehaviorLibrary:
         with self.change() as change:
             earlier = self.version(name, number)
             provenance = replace(earlier.provenance, note=f"version {number} restored")
-            change.save(earlier.automaton, earlier.classifier, provenance, restored=True)
+            kept = change.before.readable.get(name, earlier).expectations
+            change.save(
+                earlier.automaton,
+                earlier.classifier,
+                provenance,
+                restored=True,
+                expectations=kept,
+            )
             change.commit()
         return self.path(name)
 

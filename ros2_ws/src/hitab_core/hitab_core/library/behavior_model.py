@@ -53,6 +53,16 @@ Optional = Annotated[dict[str, Any], Field(default_factory=dict)]
 """Sections by name that a later HiTAB may add and an earlier one may do without."""
 
 
+class ExpectationRecord(Record):
+    """See `hitab_core.library.expectation.Expectation`."""
+
+    name: Annotated[str, Field(min_length=1)]
+    state: str
+    features: dict[str, Annotated[float, Field(allow_inf_nan=False)]]
+    next_state: str
+    blocks: bool = False
+
+
 class DomainRecord(Record):
     """The domain in which a behavior was trained."""
 

@@ -21,6 +21,7 @@ from hitab_core.library.behavior_file import (
     meaning_of,
 )
 from hitab_core.library.digests import checksum, learned_digest
+from hitab_core.library.expectation import KEY, Expectation
 from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, Place, read_yaml
 from hitab_core.remedies import Do, Remedy
@@ -100,6 +101,7 @@ class _Reader:
         self._stop_if_wrong()  # examples make no sense without these
         readable, readings = self._readings()
         examples = self._examples([str(state) for state in states], scales, readings)
+        expectations = self._expectations()
         self._stop_if_wrong()
         functions = self._learn(examples, features, scales)
         trees = {state: function.digest() for state, function in functions.items()}
@@ -127,6 +129,7 @@ class _Reader:
             checksum(content),
             text,
             tuple(self._document.line(("states", i)) for i in range(len(states))),
+            expectations,
         )
 
     def _complain(self, wrong: str, *path: str | int, remedy: Remedy | None = None) -> None:
@@ -285,6 +288,26 @@ class _Reader:
             numbers.setdefault(example.number, i)
             examples.append(example)
         return examples
+
+    def _expectations(self) -> tuple[Expectation, ...]:
+        from hitab_core.library.behavior_model import ExpectationRecord
+        from hitab_core.library.yaml_models import read_record
+
+        found: dict[str, Expectation] = {}
+        there = self._content.get("optional", {}).get(KEY, [])
+        if not isinstance(there, list):
+            self._complain("must be a list; write one line for each", "optional", KEY)
+            return ()
+        for i, content in enumerate(there):
+            place = ("optional", KEY, i)
+            read = read_record(ExpectationRecord, content, self._complaints, place)
+            if read is None:
+                continue
+            if read.name in found:
+                self._complain(f'expectation "{read.name}" is there twice; rename one', *place)
+            line = self._document.line(place)
+            found[read.name] = Expectation(**read.model_dump(), line=line)
+        return tuple(found.values())
 
     def _learn(
         self, examples: Sequence[Example], features: Sequence[Use], scales: Sequence[Scale]

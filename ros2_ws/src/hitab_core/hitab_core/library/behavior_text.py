@@ -16,6 +16,11 @@ Rules = Mapping[str, Sequence[str]]
 _RIGHT = ("number", "features", "command", "cycle", "ago", "values")
 """Keys whose values are aligned to the right."""
 
+_APART = {
+    *("states", "features", "examples", "trees", "uses", "readable", "provenance", "optional")
+}
+"""Keys with an empty line above."""
+
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.()-]*\Z", re.ASCII)
 
 
@@ -31,7 +36,7 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
         f"#   hitab library accept {content['name']}.hfa.yaml",
     ]
     for key, value in content.items():
-        if key in ("states", "features", "examples", "trees", "uses", "readable", "provenance"):
+        if key in _APART:
             lines.append("")
         lines.extend(_section(key, value, rules, content))
     return "\n".join(lines) + "\n"
@@ -65,6 +70,12 @@ def _section(key: str, value: Any, rules: Rules, content: Mapping[str, Any]) -> 
             return _block(head, list(_table(value)) if value else [], "[]")
         case "provenance":
             return _block("provenance:", [f"{k}: {scalar(v)}" for k, v in value.items()], "{}")
+        case "optional":
+            lines = []
+            for name, records in value.items():
+                rows = records if isinstance(records, list) else []
+                lines += _block(f"{name}:", [f"- {_flow(row)}" for row in rows], _flow(records))
+            return _block("optional:", lines, "{}")
         case _:
             return [f"{key}: {_flow(value)}"]
 
@@ -115,7 +126,9 @@ def _table(examples: Sequence[Mapping[str, Any]]) -> Iterable[str]:
 
 def _flow(value: Any) -> str:
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key}: {_flow(inner)}" for key, inner in value.items()) + "}"
+        return (
+            "{" + ", ".join(f"{scalar(key)}: {_flow(inner)}" for key, inner in value.items()) + "}"
+        )
     if isinstance(value, list):
         return "[" + ", ".join(_flow(inner) for inner in value) + "]"
     return scalar(value)
@@ -126,7 +139,7 @@ def scalar(value: str | int | float | None) -> str:
     if value is None:
         return "null"
     if isinstance(value, int):
-        return str(value)
+        return str(value).lower()  # as YAML writes what is true or false
     if isinstance(value, float):
         text = repr(value)
         digits, e, exponent = text.partition("e")

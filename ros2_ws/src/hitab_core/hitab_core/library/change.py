@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from hitab_core.automaton import Automaton
@@ -10,6 +10,7 @@ from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
 from hitab_core.library.contents import Contents, Losses
 from hitab_core.library.edition import Edition
+from hitab_core.library.expectation import Expectation, broken_expectations
 from hitab_core.library.folder import Changes
 from hitab_core.library.provenance import Provenance, tool_name
 from hitab_core.library.shelf import Shelf
@@ -90,6 +91,7 @@ class LibraryChange:
         *,
         edited: bool = False,
         restored: bool = False,
+        expectations: Sequence[Expectation] | None = None,
     ) -> BehaviorFile:
         """Plan to add a behavior, or a new version of it; return its file.
 
@@ -99,16 +101,26 @@ class LibraryChange:
             provenance: where it comes from.
             edited: whether a person has made its file, and accepts it now.
             restored: whether a person brings an earlier version back.
+            expectations: that it carries; None: those that it had so far.
 
         Raises:
-            LibraryError: if it does not fit the library, or the behavior of its name is lost: only
-                a person replaces that.
+            LibraryError: if it does not fit the library, breaks an expectation that blocks, or the
+                behavior of its name is lost: only a person replaces that.
         """
         name = automaton.name
         path = self._folder.file(name)
         if not (edited or restored) and name in self.problems:
             losses = self.losses
             raise LibraryError(refused_name(name, "saved", losses), *losses.remedies[name])
+        if expectations is None:
+            there = self.contents.readable.get(name)
+            expectations = () if there is None else there.expectations
+        blocking = [one for one in expectations if one.blocks]
+        if wrong := broken_expectations(blocking, automaton):
+            raise LibraryError(
+                f'"{name}" cannot be saved: {"; ".join(wrong)}; correct it, or take back what is '
+                "expected"
+            )
         # An edited file becomes the new version itself, so do not keep it as an earlier one.
         kept = {} if edited else self._unkept(name)
         number = self._folder.next_number(name, kept)
@@ -124,6 +136,7 @@ class LibraryChange:
                 tool=tool_name(),
                 earlier=self._earlier(name),
             ),
+            expectations=expectations,
         )
         try:
             new = self._editions.read(text, path.name)

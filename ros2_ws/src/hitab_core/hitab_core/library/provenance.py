@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
+
+from hitab_core.installation import installed_version
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +39,3 @@ def time_now() -> str:
 def tool_name() -> str:
     """Return the name of this package and, if it is installed, its version."""
     return f"hitab_core {installed_version()}".rstrip()
-
-
-def installed_version() -> str:
-    """Return the version of HiTAB, which pip installs as one distribution; "" if unknown."""
-    for name in ("hitab_core", "hitab"):
-        with suppress(PackageNotFoundError):
-            return version(name)
-    return ""

@@ -60,7 +60,9 @@ def plan_renaming(
         file = files[name]
         renamed = _renamed(file, domain, old, new)
         provenance = replace(file.provenance, note=f'"{old}" renamed to "{new}"')
-        saved = change.save(renamed, file.classifier, provenance)
+        labels = dict(zip(file.automaton.labels, renamed.labels, strict=True))
+        expectations = [replace(one, **one.renamed(labels)) for one in file.expectations]
+        saved = change.save(renamed, file.classifier, provenance, expectations=expectations)
         if _rules(saved) != _rules(file, old, new):
             otherwise.append(saved.name)
     change.remove(old)

@@ -27,7 +27,7 @@ from keepaway_world.rcss.messages import BEFORE_KICK_OFF, PLAYING, command_of, s
 from keepaway_world.rcss.server_settings import SEE, ServerSettings
 from keepaway_world.rcss.trainer import Trainer
 from keepaway_world.takers import TakerTeam
-from keepaway_world.world import LOOKS
+from keepaway_world.world import LOOKS, MEASURES
 
 RETRY_SECONDS = 0.5  # between two attempts to reach a server
 REFUSED_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
@@ -51,6 +51,7 @@ class RcssWorld:
     name = "keepaway"
     cycle_seconds = 0.1
     looks = LOOKS
+    measures = MEASURES
 
     def __init__(
         self,

@@ -19,8 +19,14 @@ Seed = Annotated[
 ]
 TakerSpeed = Annotated[float, typer.Option(help="Part of full speed; the paper: 0.25.", min=0.0)]
 Library = Annotated[
-    Path | None,
-    typer.Option("--library", "-l", help="A library folder. Default: the shipped one."),
+    str | None,
+    typer.Option(
+        "--library",
+        "-l",
+        metavar="LIBRARY",
+        help="A folder, SWARM/LIBRARY, or the name of a shipped library. Default: the shipped "
+        "keepaway.",
+    ),
 ]
 Keepers = Annotated[
     str,
@@ -51,6 +57,14 @@ Parameters = Annotated[
 def register(app: typer.Typer) -> None:
     """Add `hitab demo`."""
     app.command(rich_help_panel="Begin here")(demo)
+
+
+def _library(given: str | None) -> Path:
+    """Return the folder of the library that is meant."""
+    from hitab_bringup import named_library
+    from hitab_client.shipped import shipped
+
+    return named_library(given) if given else shipped("libraries", "keepaway")
 
 
 @app.command()
@@ -95,7 +109,6 @@ def evaluate(
 
       hitab keepaway evaluate --keepers hand --taker-speed 1.0 --set kick_noise=0
     """
-    from hitab_client.shipped import shipped
     from keepaway_world.verbs.evaluation import PACES, RCSSSERVER, TRAINED, WORLDS
     from keepaway_world.verbs.evaluation import evaluate as play
     from keepaway_world.verbs.evaluation import evaluate_offered as play_offered
@@ -115,7 +128,7 @@ def evaluate(
     with console.progress("evaluating", "episodes") as advance:
         if keepers == TRAINED:
             evaluation = play(
-                library or shipped("libraries", "keepaway"),
+                _library(library),
                 behavior=behavior,
                 episodes=episodes,
                 seed=seed,
@@ -132,7 +145,7 @@ def evaluate(
     if json != "-":
         console.say(summary(figures))
     if plot is not None:
-        from keepaway_world.verbs.figures import draw_episode_lengths
+        from keepaway_world.verbs.evaluation import draw_episode_lengths
 
         draw_episode_lengths(evaluation, plot)
         console.note(f"plot in {plot}")
@@ -140,15 +153,10 @@ def evaluate(
 
 
 def _game(taker_speed: float, collisions: bool | None, texts: list[str] | None) -> dict[str, Any]:
-    """Return the parameters of a game that these options are about; values as YAML reads them."""
-    from hitab_core.library.yaml_places import read_yaml
+    """Return the parameters of a game that these options are about."""
+    from hitab_bringup import figures_in
 
-    parameters: dict[str, Any] = {"taker_speed": taker_speed}
-    for text in texts or []:
-        name, _, value = text.partition("=")
-        if not (name and value):
-            raise typer.BadParameter(f'"{text}" is not NAME=VALUE, such as takers=3')
-        parameters[name] = read_yaml(value, "--parameter").value
+    parameters = {"taker_speed": taker_speed, **figures_in(texts or [])}
     if collisions is not None:
         parameters |= {"ball_collides": collisions, "players_collide": collisions}
     return parameters
@@ -219,8 +227,8 @@ def film(
 
       hitab keepaway film hand.webp --keepers hand --seed 3 --episode 7
     """
-    from hitab_client.shipped import shipped
-    from keepaway_world.verbs.evaluation import TRAINED, offered_game, read_trained, trained_game
+    from hitab_bringup import part_of
+    from keepaway_world.verbs.evaluation import TRAINED, offered_game, trained_game
     from keepaway_world.verbs.field_film import check_film, draw_film
     from keepaway_world.verbs.field_film import film as play
 
@@ -228,7 +236,7 @@ def film(
     parameters = _game(taker_speed, collisions, parameter)
     with console.progress("filming", "pictures") as advance, contextlib.ExitStack() as stack:
         if keepers == TRAINED:
-            trained = read_trained(library or shipped("libraries", "keepaway"), behavior)
+            trained = part_of(_library(library), behavior)
             world, players = stack.enter_context(trained_game(trained, parameters, seed))
         else:
             world, players = offered_game(keepers, parameters, seed)

@@ -20,11 +20,11 @@ from keepaway_world.verbs import paper
 from keepaway_world.verbs.demo_studio import play_on, studio_beside
 from keepaway_world.verbs.evaluation import (
     Evaluation,
+    draw_episode_lengths,
     play_lockstep,
     trained_keepers,
 )
 from keepaway_world.verbs.field_picture import draw_field
-from keepaway_world.verbs.figures import draw_episode_lengths
 
 LESSONS = ("approach_ball", "goto_ball", "control_ball", "keepaway")
 TEACHER = "keeper_1"

@@ -7,29 +7,35 @@ automata play the same episodes without ROS, many times faster.
 from __future__ import annotations
 
 import contextlib
-import math
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import fmean, stdev
 from typing import TYPE_CHECKING, Any
 
 from hitab_bringup import (
     AgentDescription,
+    Part,
     RunningSwarm,
     SwarmDescription,
     WorldDescription,
     open_library,
+    part_of,
+    players_of,
+    plots,
     temporary_swarm,
     world_module,
+    world_of,
 )
-from hitab_core import LibraryError, Repertoire, has
+from hitab_core import quantity
+from hitab_world.evaluation import mean_and_error
+from keepaway_world.verbs import paper
 
 if TYPE_CHECKING:
     from hitab_client.console import Advance
     from hitab_world import EpisodeResult, World
+    from hitab_world.evaluation import Game
     from hitab_world.inprocess import Player
     from keepaway_world.world import KeepawayWorld
 
@@ -37,7 +43,6 @@ PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
 KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
 PATIENCE_SECONDS = 30.0  # for a server to start to play
-CHUNK = 5  # episodes between progress updates, in-process
 
 
 @dataclass(frozen=True)
@@ -79,14 +84,6 @@ class Evaluation:
             "parameters": dict(self.parameters),
             "seconds_of_episodes": [p.seconds for p in self.played],
         }
-
-
-def mean_and_error(values: Sequence[float]) -> dict[str, float]:
-    """Return the mean and its standard error, which is 0 for a single value."""
-    if not values:
-        return {"mean": 0.0, "se": 0.0}
-    error = stdev(values) / math.sqrt(len(values)) if len(values) > 1 else 0.0
-    return {"mean": round(fmean(values), 4), "se": round(error, 4)}
 
 
 def trained_keepers(
@@ -141,11 +138,11 @@ def evaluate(
         LibraryError: if the library cannot be used, or has no such behavior.
         SwarmError: if a keeper or the world does not start, or stops answering.
     """
-    trained = read_trained(library, behavior)
+    trained = part_of(library, behavior)
     if pace == "inprocess":
         began = time.monotonic()
-        with trained_game(trained, parameters, seed, world=world) as (made, players):
-            played = _play_inprocess(made, players, episodes, advance)
+        with trained_game(trained, parameters, seed, world=world) as game:
+            played = _play_inprocess(game, episodes, advance)
         wall, missed = time.monotonic() - began, 0
     else:
         swarm = trained_keepers(library, behavior, parameters, world=world, seed=seed)
@@ -169,7 +166,7 @@ def evaluate_offered(
     """
     began = time.monotonic()
     world, players = offered_game(keepers, parameters, seed)
-    played = _play_inprocess(world, players, episodes, advance)
+    played = _play_inprocess((world, players), episodes, advance)
     figures, wall = world.parameters.as_dict(), time.monotonic() - began
     return Evaluation("", "", "", "inprocess", seed, figures, played, wall, keepers=keepers)
 
@@ -192,61 +189,28 @@ def offered_game(
     return world, players(world)
 
 
-@dataclass(frozen=True)
-class Trained:
-    """What trained keepers perform.
-
-    Attributes:
-        repertoire: the library's automata, and the words of their domain.
-        behavior: their top-level behavior, of the library or hand-written.
-        digest: of the library.
-    """
-
-    repertoire: Repertoire
-    behavior: str
-    digest: str
-
-
-def read_trained(library: Path, behavior: str) -> Trained:
-    """Read the library of trained keepers.
-
-    Raises:
-        LibraryError: if it cannot be used, or has no such behavior.
-    """
-    if not library.is_dir():
-        raise LibraryError(f"{library}: there is no such library folder; name another")
-    opened = open_library(library)
-    automata = opened.load()
-    there = {*automata, *opened.domain.automata}
-    if behavior not in there:
-        raise LibraryError(f'{library}: has no behavior "{behavior}" {has(there, behavior)}')
-    return Trained(Repertoire(opened.domain, automata), behavior, opened.digest)
-
-
 @contextlib.contextmanager
 def trained_game(
-    trained: Trained, parameters: Mapping[str, Any], seed: int, *, world: str = KEEPAWAY
-) -> Iterator[tuple[World, Mapping[str, Player]]]:
+    trained: Part, parameters: Mapping[str, Any], seed: int, *, world: str = KEEPAWAY
+) -> Iterator[Game]:
     """Yield a world in this process and trained keepers; see `evaluate`.
 
     Raises:
         HitabError: if there is no such game.
     """
-    from hitab_world.inprocess import perform
-    from keepaway_world.parameters import KeepawayParameters
     from keepaway_world.rcss.rcss_world import RcssWorld
     from keepaway_world.rcss.server_settings import settings_from_dict
-    from keepaway_world.world import KeepawayWorld
 
-    made: World
+    described = WorldDescription(world, world_module(world), seed=seed, parameters=parameters)
     with contextlib.ExitStack() as leaving:
-        if world == RCSSSERVER:
+        made: World
+        if world == RCSSSERVER:  # which may take a while to begin
             server, figures = settings_from_dict(parameters)
             made = RcssWorld(server, figures, seed, patience=PATIENCE_SECONDS)
             leaving.callback(made.close)
         else:
-            made = KeepawayWorld(KeepawayParameters.from_dict(parameters), seed)
-        yield made, perform(made, trained.repertoire, trained.behavior)
+            made = leaving.enter_context(world_of(described))
+        yield made, players_of(made, dict.fromkeys(made.agents, trained))
 
 
 def play_lockstep(
@@ -277,14 +241,23 @@ def play_lockstep(
     return played, wall, missed
 
 
-def _play_inprocess(
-    world: World, players: Mapping[str, Player], episodes: int, advance: Advance
-) -> list[EpisodeResult]:
-    from hitab_world.inprocess import play
+def _play_inprocess(game: Game, episodes: int, advance: Advance) -> list[EpisodeResult]:
+    from hitab_world.evaluation import play_alike
 
-    played: list[EpisodeResult] = []
-    while len(played) < episodes:
+    played = []
+    for (result,) in play_alike([game], episodes):
+        played.append(result)
         advance(len(played), episodes, "playing episodes")
-        played += play(world, players, min(CHUNK, episodes - len(played)), first=len(played))
-    advance(episodes, episodes, "")
     return played
+
+
+def draw_episode_lengths(evaluation: Evaluation, path: Path) -> None:
+    """Draw the lengths of the episodes, with the paper's mean and ours."""
+    plots.draw_measures(
+        {"length of the episode, s": {"ours": [one.seconds for one in evaluation.played]}},
+        f"{evaluation.behavior}: {quantity(len(evaluation.played), 'episode')}, seed "
+        f"{evaluation.seed}, takers at {evaluation.parameters.get('taker_speed', 0.25):g} of full "
+        "speed",
+        path,
+        {"the paper": paper.HOLD_TIME_S},
+    )

@@ -1,0 +1,223 @@
+"""Makes the world of a swarm and what its agents perform, in this process: no ROS is started."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from hitab_bringup.library_choice import holds_behaviors, named_library
+from hitab_bringup.opened_library import open_library
+from hitab_bringup.swarm_description import AgentDescription, SwarmDescription, WorldDescription
+from hitab_bringup.swarm_processes import library_of
+from hitab_client import DescriptionError
+from hitab_client.run_folder import RunFolder
+from hitab_core import HitabError, LibraryError, Repertoire, Use, has, load_domain, some
+from hitab_core.library.yaml_places import read_yaml
+from hitab_world import World
+from hitab_world.evaluation import Game
+from hitab_world.figures import GivenFigures
+from hitab_world.inprocess import AutomatonPlayer, Player
+
+NOTHING = "nothing"
+_VERSION = re.compile(r"(\w+)@(\d+)")
+
+
+@dataclass(frozen=True)
+class Part:
+    """What an agent performs.
+
+    Attributes:
+        repertoire: its behaviors.
+        behavior: that it performs from the beginning of each episode.
+        library: the folder of its trained behaviors; None: there are none.
+        digest: of what is learned there.
+        versions: of its behaviors, where it is not the present one.
+    """
+
+    repertoire: Repertoire
+    behavior: Use
+    library: Path | None = None
+    digest: str = ""
+    versions: Mapping[str, int] = field(default_factory=dict)
+
+
+def part_of(
+    library: Path | None,
+    behavior: str,
+    *,
+    domain: str = "",
+    without: Sequence[str] = (),
+    versions: Mapping[str, int] | None = None,
+) -> Part:
+    """Return what an agent performs that has a library.
+
+    Args:
+        library: its folder.
+        behavior: of the library or the domain.
+        domain: of an agent without a library.
+        without: hand-written automata that are taken out.
+        versions: of behaviors of the library, instead of the present ones.
+
+    Raises:
+        LibraryError: if the library cannot be used, or has no such behavior or version.
+    """
+    use = Use.parse(behavior)
+    if library is None:
+        repertoire = Repertoire(load_domain(domain).without(without))
+        repertoire.check_performable(use)
+        return Part(repertoire, use)
+    opened = open_library(library)
+    automata = opened.load()
+    versions = versions or {}
+    for name, number in versions.items():
+        automata[name] = opened.version(name, number).automaton
+    repertoire = Repertoire(opened.domain.without(without), automata)
+    if use.name not in repertoire:
+        there = [*automata, *opened.domain.automata]
+        raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
+    repertoire.check_performable(use)
+    return Part(repertoire, use, library, opened.digest, versions)
+
+
+def players_of(world: World, parts: Mapping[str, Part]) -> dict[str, Player]:
+    """Return what plays the agents of a world; other agents than the world has are left out.
+
+    Raises:
+        DescriptionError: if it has none of them.
+    """
+
+    def time() -> float:
+        return world.episode_cycle * world.cycle_seconds
+
+    there = [name for name in world.agents if name in parts]
+    if not there:
+        raise DescriptionError(f"the world has none of {some([*parts])} {has(world.agents)}")
+    return {
+        name: AutomatonPlayer(parts[name].repertoire, parts[name].behavior, name, time=time)
+        for name in there
+    }
+
+
+@contextmanager
+def world_of(described: WorldDescription) -> Iterator[World]:
+    """Yield the world that a description describes.
+
+    Raises:
+        HitabError: if one of its figures is invalid.
+    """
+    module = importlib.import_module(described.module)
+    if not hasattr(module, "make_world"):
+        raise DescriptionError(
+            f"{described.module} has no make_world(node, seed), which makes a world without ROS"
+        )
+    made: World = module.make_world(GivenFigures(described.parameters), described.seed)
+    with ExitStack() as leaving:
+        if close := getattr(made, "close", None):
+            leaving.callback(close)
+        yield made
+
+
+def figures_in(texts: Sequence[str]) -> dict[str, Any]:
+    """Return the figures of a world that options give as ``NAME=VALUE``, as YAML reads them.
+
+    Raises:
+        HitabError: if one is not given like that.
+    """
+    figures = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        if not (name and value):
+            raise HitabError(f'"{text}" is not NAME=VALUE, such as takers=3')
+        figures[name] = read_yaml(value, "--parameter").value
+    return figures
+
+
+class Cast:
+    """Who performs what in a swarm.
+
+    Args:
+        swarm: with a world.
+        run_dir: its run folder, unless that is the default one.
+    """
+
+    def __init__(self, swarm: SwarmDescription, run_dir: Path | None = None) -> None:
+        self._agents = {agent.name: agent for agent in swarm.agents}
+        self._folder = RunFolder.of_swarm(swarm.name, run_dir).path
+        self._behaviors = {agent.name: agent.behavior for agent in swarm.agents}
+        self._libraries = {agent.name: self._own(agent) for agent in swarm.agents}
+        self._versions: dict[str, dict[str, int]] = {}
+
+    def _own(self, agent: AgentDescription) -> Path | None:
+        """Return the library that an agent has, or would begin with; None: nothing trained."""
+        for folder in (library_of(agent, self._folder), agent.start_from):
+            if folder is not None and holds_behaviors(folder):
+                return folder
+        return None
+
+    def choose_libraries(self, texts: Sequence[str]) -> None:
+        """Give agents libraries, or versions of behaviors: ``[AGENT=]LIBRARY`` or ``NAME@1``.
+
+        Raises:
+            LibraryError: if there is no such library.
+        """
+        for agents, text in map(self._whose, texts):
+            if version := _VERSION.fullmatch(text):
+                for name in agents:
+                    self._versions.setdefault(name, {})[version[1]] = int(version[2])
+            else:
+                self._libraries |= dict.fromkeys(agents, named_library(text))
+
+    def choose_behaviors(self, texts: Sequence[str]) -> None:
+        """Give agents behaviors: ``[AGENT=]BEHAVIOR``, or ``nothing``."""
+        for agents, text in map(self._whose, texts):
+            self._behaviors |= dict.fromkeys(agents, "" if text == NOTHING else text)
+
+    def _whose(self, text: str) -> tuple[list[str], str]:
+        """Return the agents that a choice is for, and the choice."""
+        name, equals, rest = text.partition("=")
+        if equals and name in self._agents:
+            return [name], rest
+        if equals and not Path(text).exists():
+            raise HitabError(f'no agent "{name}" {has(self._agents, name)}')
+        return [*self._agents], text
+
+    def parts(self) -> dict[str, Part]:
+        """Return what each agent performs; those that perform nothing are left out.
+
+        Raises:
+            HitabError: if nobody performs anything, or somebody something that is not there.
+        """
+        parts = {}
+        for name, behavior in self._behaviors.items():
+            agent, library = self._agents[name], self._libraries[name]
+            if not behavior:
+                continue
+            parts[name] = part_of(
+                library,
+                behavior,
+                domain=agent.domain,
+                without=agent.without,
+                versions=self._versions.get(name),
+            )
+        if not parts:
+            raise HitabError("no agent performs anything; name a behavior with -b NAME")
+        return parts
+
+
+@contextmanager
+def games_of(swarm: SwarmDescription, casts: Sequence[Mapping[str, Part]]) -> Iterator[list[Game]]:
+    """Yield a game for each way to cast the agents of a swarm; all worlds begin alike.
+
+    Raises:
+        HitabError: if there is no such game.
+    """
+    described = swarm.with_world().world  # raises if there is none
+    assert described is not None
+    with ExitStack() as stack:
+        worlds = [stack.enter_context(world_of(described)) for _ in casts]
+        yield [(w, players_of(w, parts)) for w, parts in zip(worlds, casts, strict=True)]

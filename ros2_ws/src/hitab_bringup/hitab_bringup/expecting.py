@@ -1,0 +1,140 @@
+"""Expectations as people write and read them: values in the units in which they are shown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from hitab_core import (
+    OWN_FEATURES,
+    RADIANS,
+    START,
+    Domain,
+    FeatureKind,
+    LibraryError,
+    Use,
+    has,
+    shown_unit,
+    shown_value,
+    unknown,
+)
+from hitab_core.library import BehaviorFile, Expectation
+
+OWN_NAMES = {use.name for use in OWN_FEATURES}
+BOOLEANS = {"yes": 1.0, "true": 1.0, "1": 1.0, "no": 0.0, "false": 0.0, "0": 0.0}
+
+
+def expected(
+    file: BehaviorFile, domain: Domain, words: Sequence[str], example: int, name: str
+) -> Expectation:
+    """Return a new expectation of a behavior.
+
+    Args:
+        file: of the behavior.
+        domain: in which it was trained.
+        words: the state, the next one, and ``FEATURE=VALUE`` for each feature of the situation.
+        example: the number of an example with all that, instead of the words; 0: none.
+        name: what to call it; empty: by its number.
+
+    Raises:
+        LibraryError: if something is unknown, or the name is taken.
+    """
+    there = {one.name for one in file.expectations}
+    numbered = (f"expectation_{number}" for number in range(1, len(there) + 2))
+    name = name or next(one for one in numbered if one not in there)
+    if name in there:
+        raise LibraryError(f'{file.name} has an expectation "{name}" already; choose another name')
+    automaton = file.automaton
+    if example:
+        found = {one.number: one for one in automaton.examples}
+        if example not in found:
+            numbers = [str(number) for number in found]
+            raise LibraryError(f"{file.name} has no example {example} {has(numbers)}")
+        return Expectation.of_example(name, found[example], automaton)
+    if len(words) < 2:
+        raise LibraryError(
+            f"say what {file.name} should decide: a state, the next one, and FEATURE=VALUE for "
+            "each feature; or give --example"
+        )
+    state, to, *situation = words
+    for label, known in ((state, (START, *automaton.labels)), (to, automaton.labels)):
+        if label not in known:
+            raise LibraryError(unknown("state", label, known, f" in {file.name}"))
+    features = situation_of(situation, domain, [str(use) for use in automaton.features])
+    return Expectation(name, state, features, to)
+
+
+def situation_of(
+    texts: Sequence[str], domain: Domain, known: Sequence[str] = ()
+) -> dict[str, float]:
+    """Return values by feature, given as ``FEATURE=VALUE``: angles in degrees, or yes and no.
+
+    Raises:
+        LibraryError: naming the text that is wrong.
+    """
+    values = {}
+    for text in texts:
+        feature, equals, value = text.rpartition("=")
+        if not equals or feature not in known:
+            raise LibraryError(
+                f'"{text}" is not FEATURE=VALUE with a feature that decides {has(known, feature)}'
+            )
+        values[feature] = value_of(value, feature, domain)
+    return values
+
+
+def value_of(text: str, feature: str, domain: Domain) -> float:
+    """Return a value of a feature as it is shown: an angle in degrees, yes or no, a name.
+
+    Raises:
+        LibraryError: if it is none.
+        VocabularyError: if there is no such feature.
+    """
+    name = Use.parse(feature).name
+    if name not in (*domain.features, *OWN_NAMES):
+        raise LibraryError(unknown("feature", name, domain.features))
+    word = domain.feature(name)
+    names: Mapping[str, float] = {}
+    if word.kind is FeatureKind.BOOLEAN:
+        names = BOOLEANS
+    elif word.kind is FeatureKind.CATEGORICAL:
+        names = {name: float(index) for index, name in enumerate(word.categories)}
+    if names:
+        if text not in names:
+            raise LibraryError(f'"{text}" is no value of {feature} {has([*names], text)}')
+        return names[text]
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise LibraryError(f'"{text}" is no value of {feature}; give a number')
+    return math.radians(value) if word.unit == RADIANS else value
+
+
+def forgotten(file: BehaviorFile, name: str) -> list[Expectation]:
+    """Return the expectations of a behavior without one.
+
+    Raises:
+        LibraryError: if it is not among them.
+    """
+    kept = [one for one in file.expectations if one.name != name]
+    if len(kept) == len(file.expectations):
+        raise LibraryError(unknown("expectation", name, [one.name for one in kept]))
+    return kept
+
+
+def in_words(one: Expectation, domain: Domain) -> str:
+    """Return an expectation for people to read."""
+    seen = [_shown(feature, value, domain) for feature, value in one.features.items()]
+    seeing = f", with {', '.join(seen)}" if seen else ""
+    return f"expects {one.name}: in {one.state}{seeing} -> {one.next_state}"
+
+
+def _shown(feature: str, value: float, domain: Domain) -> str:
+    word = domain.feature(Use.parse(feature).name)
+    if word.kind is FeatureKind.BOOLEAN:
+        return f"{feature} {'yes' if value else 'no'}"
+    if word.kind is FeatureKind.CATEGORICAL:
+        return f"{feature} {word.categories[int(value)]}"
+    return f"{feature} {shown_value(value, word.unit):.4g} {shown_unit(word.unit)}".rstrip()
