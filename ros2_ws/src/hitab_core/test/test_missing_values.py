@@ -226,10 +226,12 @@ def test_without_draws_the_most_probable_state_is_taken_whatever_is_missing(
 ) -> None:
     tree = learned(*zip(*taught, strict=True), max_depth=depth)
     odds = dict(zip(tree.labels, tree.predict_proba([asked])[0].tolist(), strict=True))
-    best = min(odds, key=lambda label: (-round(odds[label], 9), STATES[label]))
+    names = list(STATES)
     decide = tree.compile(range(4), STATES, most_probable=True)
-    assert decide([None] * 4, reading(asked), None) == STATES[best]
-    assert decide(list(asked), reading(asked), None) == STATES[best]
+    chosen = names[decide([None] * 4, reading(asked), None)]
+    assert names[decide(list(asked), reading(asked), None)] == chosen
+    assert odds[chosen] == pytest.approx(max(odds.values()))
+    assert all(STATES[chosen] <= STATES[label] for label in odds if odds[label] == odds[chosen])
 
 
 def test_a_decision_takes_one_draw_and_what_is_left_of_it_serves_on() -> None:
