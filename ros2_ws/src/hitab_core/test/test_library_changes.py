@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +20,10 @@ from hitab_core.library.bundle_file import (
     read_bundle_file,
     read_bundled,
 )
+from hitab_core.library.commit import COMMIT, carry_out, forget, withdraw
+from hitab_core.library.durable_files import sync_trees
 from hitab_core.library.edition import Editions
+from hitab_core.library.provenance import Provenance
 
 Teach = Callable[..., Automaton]
 
@@ -41,7 +46,8 @@ def again(library: BehaviorLibrary) -> BehaviorLibrary:
 
 
 def contents(library: BehaviorLibrary) -> dict[str, bytes]:
-    return {str(path): path.read_bytes() for path in library.folder.rglob("*") if path.is_file()}
+    files = [path for path in library.folder.rglob("*") if path.is_file()]
+    return {str(path.relative_to(library.folder)): path.read_bytes() for path in files}
 
 
 # -- deleting ---------------------------------------------------------------------------------
@@ -226,3 +232,74 @@ def test_an_import_says_what_it_replaces(
         }
         change.commit()
     assert sorted(again(other).load()) == ["Approach", "Control", "Keepaway"]
+
+
+# -- announcing -------------------------------------------------------------------------------
+
+
+def test_an_announced_change_is_withdrawn_without_a_trace_or_made_as_at_once(
+    library: BehaviorLibrary, teach: Teach, tmp_path: Path
+) -> None:
+    folder, before = library.folder, contents(library)
+    twin = BehaviorLibrary(shutil.copytree(folder, tmp_path / "twin"), library.domain)
+    new = teach("New", [], [("Start", [], "GoSlow")])
+
+    def announced() -> bytes:
+        with library.change(sync=False) as change:
+            change.save(new, "tree", Provenance())
+            change.announce()
+        return change.note
+
+    note = announced()
+    assert not withdraw(folder, b"another note")
+    assert withdraw(folder, note)
+    carry_out(folder, note)
+    forget(folder, note)
+    assert contents(library) == before
+
+    note = announced()
+    sync_trees([folder, folder])
+    carry_out(folder, b"another note")
+    forget(folder, b"another note")
+    assert contents(library) == {**before, COMMIT: note}
+    carry_out(folder, note)
+    assert contents(library)[COMMIT] == note, "the disk is not synced yet"
+    forget(folder, note)
+    assert not withdraw(folder, note)
+    with twin.change() as change:
+        change.save(new, "tree", Provenance())
+        change.commit()
+    assert contents(library) == contents(twin)
+
+
+def test_an_announced_change_is_on_disk_before_another_process_carries_it_out(
+    library: BehaviorLibrary, teach: Teach, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with library.change(sync=False) as change:
+        change.save(teach("New", [], [("Start", [], "GoSlow")]), "tree", Provenance())
+        change.announce()
+    note, done = os.stat(library.folder / COMMIT).st_ino, []
+    sync, replace_file = os.fsync, os.replace
+
+    def synced(descriptor: int) -> None:
+        done.append("synced" if os.fstat(descriptor).st_ino == note else "")
+        sync(descriptor)
+
+    def replaced(source: Path, target: Path) -> None:
+        done.append("replaced")
+        replace_file(source, target)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(os, "replace", replaced)
+    assert "New" in again(library).load()
+    assert done.index("synced") < done.index("replaced")
+
+
+def test_changes_leave_no_file_open(library: BehaviorLibrary, approach: Automaton) -> None:
+    before = len(os.listdir("/proc/self/fd"))
+    for _ in range(3):
+        library.remove("Keepaway")
+        library.restore("Keepaway", 1)
+        library.save(approach)
+        again(library).load()
+    assert len(os.listdir("/proc/self/fd")) == before

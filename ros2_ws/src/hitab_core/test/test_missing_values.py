@@ -66,6 +66,27 @@ def test_gain_and_ratio_are_those_of_quinlans_weather_example_with_one_outlook_u
     assert gain / ratio == pytest.approx(1.809, abs=6e-4)
 
 
+@given(
+    st.lists(st.tuples(*[st.integers(0, 9)] * 3), min_size=2, max_size=4).filter(
+        lambda counts: any(map(sum, counts))
+    ),
+    st.integers(0, 9),
+)
+def test_gain_and_ratio_are_those_of_quinlans_formulas_however_many_are_unknown(
+    counts: Any, unknown: int
+) -> None:
+    def bits(sizes: Any) -> float:
+        return -sum(n / sum(sizes) * math.log2(n / sum(sizes)) for n in sizes if n)
+
+    sizes = [sum(branch) for branch in counts]
+    known, everybody = sum(sizes), sum(sizes) + unknown
+    left = sum(n / known * bits(branch) for n, branch in zip(sizes, counts, strict=True) if n)
+    gain = known / everybody * (bits([*map(sum, zip(*counts, strict=True))]) - left)
+    split = bits([*sizes, unknown])
+    expected = gain, gain / split if split else 0.0
+    assert gain_and_ratio(np.array(counts), unknown) == pytest.approx(expected, abs=1e-9)
+
+
 @given(st.lists(st.tuples(*[st.integers(0, 9)] * 3), min_size=2, max_size=4))
 def test_whole_numbers_gain_the_same_whatever_their_type(counts: Any) -> None:
     whole = np.array(counts)
@@ -197,6 +218,20 @@ def test_a_drawn_decision_has_the_distribution_that_is_predicted(
         assert abs(drawn[label] / n - odds[label]) <= len(nodes(tree.root_)) / n
     told = {label: p for label, p in odds.items() if p > 0}
     assert tree.explain(asked, NAMES).distribution == pytest.approx(told)
+
+
+@given(TAUGHT, PATCHY, st.integers(0, 3))
+def test_without_draws_the_most_probable_state_is_taken_whatever_is_missing(
+    taught: Any, asked: Any, depth: int
+) -> None:
+    tree = learned(*zip(*taught, strict=True), max_depth=depth)
+    odds = dict(zip(tree.labels, tree.predict_proba([asked])[0].tolist(), strict=True))
+    names = list(STATES)
+    decide = tree.compile(range(4), STATES, most_probable=True)
+    chosen = names[decide([None] * 4, reading(asked), None)]
+    assert names[decide(list(asked), reading(asked), None)] == chosen
+    assert odds[chosen] == pytest.approx(max(odds.values()))
+    assert all(STATES[chosen] <= STATES[label] for label in odds if odds[label] == odds[chosen])
 
 
 def test_a_decision_takes_one_draw_and_what_is_left_of_it_serves_on() -> None:

@@ -84,3 +84,17 @@ def test_the_time_while_the_process_is_down_does_not_count(day: Day) -> None:
     day.agent.save()
     day.passes(4)
     assert day.minutes() == [3.0]
+
+
+def test_a_training_is_unsaved_from_its_beginning_until_it_is_saved_or_given_up(
+    day: Day,
+) -> None:
+    assert day.agent.journal.unsaved() is None
+    for ends in (day.agent.save, day.agent.discard):
+        day.begin()
+        day.agent.command(Use("Left"))
+        unsaved = day.agent.journal.unsaved()
+        assert unsaved is not None
+        assert unsaved.automaton == "Chase"
+        ends()
+        assert day.agent.journal.unsaved() is None

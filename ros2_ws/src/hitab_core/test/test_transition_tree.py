@@ -677,3 +677,23 @@ def test_a_pruned_tree_is_the_tree_with_some_nodes_made_leaves(examples, confide
             assert type(whole) is type(pruned)
             assert whole.feature == pruned.feature
             waiting.extend(zip(whole.branches, pruned.branches, strict=True))
+
+
+@given(
+    st.floats(-1e9, 1e9),
+    st.floats(1e-6, 1e3),
+)
+@example(1e6, 2.5e-4)
+def test_a_rule_tells_the_two_ends_of_a_range_apart_however_close_they_are(low, gap):
+    high = low + gap * max(1.0, abs(low)) / 1e3
+    ends = Threshold(high), Threshold(low)
+    inner = Fork(0, ends[1], (1, 1), (Leaf((1, 0)), Leaf((0, 1))))
+    tree = TransitionTree.of(
+        Fork(0, ends[0], (2, 1), (inner, Leaf((1, 0)))), ["A", "B"], [Scale()]
+    )
+    (rule,) = [rule for rule in tree.rules("x") if ": B" in str(rule)]
+    words = str(rule).removeprefix("if ").split(": B")[0].split()
+    assert words[2] == "x"
+    assert float(words[0]) < float(words[4])
+    assert float(words[0]) == pytest.approx(low, rel=1e-5)
+    assert float(words[4]) == pytest.approx(high, rel=1e-5)
