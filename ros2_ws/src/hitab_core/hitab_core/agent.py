@@ -319,7 +319,7 @@ class Agent:
         """Begin to train an automaton, in Start.
 
         Args:
-            curriculum: what to train; without features, use those of ``resume``.
+            curriculum: what to train; without features, use those chosen for ``resume``.
             resume: a trained behavior whose examples to continue from.
             discard: give up a training that has not been saved.
 

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 from hitab_core.domain import FeatureKind
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_file import FLAG
-from hitab_core.library.yaml_models import Record, among
+from hitab_core.library.yaml_models import Record, among, read_use
 from hitab_core.library.yaml_places import kind_of
 from hitab_core.use import NAME_RULE
 
@@ -49,10 +49,6 @@ Number = Annotated[Count, Field(ge=1)]
 Value = Annotated[float | None, PlainValidator(_value)]
 
 
-Optional = Annotated[dict[str, Any], Field(default_factory=dict)]
-"""Sections by name that a later HiTAB may add and an earlier one may do without."""
-
-
 class ExpectationRecord(Record):
     """See `hitab_core.library.expectation.Expectation`."""
 
@@ -61,6 +57,13 @@ class ExpectationRecord(Record):
     features: dict[str, Annotated[float, Field(allow_inf_nan=False)]]
     next_state: str
     blocks: bool = False
+
+
+class OptionalRecord(Record, extra="allow"):
+    """Sections by name that may be missing. A later HiTAB may add others."""
+
+    expectations: list[ExpectationRecord] = Field(default_factory=list)
+    chosen: list[Annotated[str, AfterValidator(read_use)]] = Field(default_factory=list)
 
 
 class DomainRecord(Record):
@@ -92,7 +95,7 @@ class ExampleRecord(Record):
     command: Count
     cycle: Count
     ago: float = Field(ge=0)
-    optional: Optional
+    optional: dict[str, Any] = Field(default_factory=dict)
 
 
 class ReadingRecord(Record):
@@ -131,5 +134,5 @@ class BehaviorRecord(Record):
     readable: list[str]
     readings: list[ReadingRecord]
     provenance: ProvenanceRecord
-    optional: Optional
+    optional: OptionalRecord = Field(default_factory=OptionalRecord)
     checksum: Digest

@@ -62,9 +62,10 @@ def read_behavior(
     from hitab_core.library.behavior_model import BehaviorRecord
     from hitab_core.library.yaml_models import read_record
 
-    if read_record(BehaviorRecord, content, complaints) is None:
+    record = read_record(BehaviorRecord, content, complaints)
+    if record is None:
         complaints.raise_any()  # what follows relies on the form
-    reader = _Reader(document, domain, complaints, accepting)
+    reader = _Reader(document, record, domain, complaints, accepting)
     return reader.read(name or file.removesuffix(SUFFIX), text)
 
 
@@ -81,9 +82,15 @@ def _check_format(content: Any, complaints: Complaints) -> None:
 
 class _Reader:
     def __init__(
-        self, document: Document, domain: Domain, complaints: Complaints, accepting: bool
+        self,
+        document: Document,
+        record: Any,
+        domain: Domain,
+        complaints: Complaints,
+        accepting: bool,
     ) -> None:
         self._document = document
+        self._record = record
         self._content: dict[str, Any] = document.value
         self._domain = domain
         self._complaints = complaints
@@ -118,6 +125,7 @@ class _Reader:
             tuple(examples),
             content["description"],
             tuple(readable),
+            tuple(dict.fromkeys(self._record.optional.chosen)),
         )
         return BehaviorFile(
             automaton,
@@ -290,19 +298,9 @@ class _Reader:
         return examples
 
     def _expectations(self) -> tuple[Expectation, ...]:
-        from hitab_core.library.behavior_model import ExpectationRecord
-        from hitab_core.library.yaml_models import read_record
-
         found: dict[str, Expectation] = {}
-        there = self._content.get("optional", {}).get(KEY, [])
-        if not isinstance(there, list):
-            self._complain("must be a list; write one line for each", "optional", KEY)
-            return ()
-        for i, content in enumerate(there):
+        for i, read in enumerate(self._record.optional.expectations):
             place = ("optional", KEY, i)
-            read = read_record(ExpectationRecord, content, self._complaints, place)
-            if read is None:
-                continue
             if read.name in found:
                 self._complain(f'expectation "{read.name}" is there twice; rename one', *place)
             line = self._document.line(place)
