@@ -47,6 +47,7 @@ Digest = Annotated[
 Count = Annotated[int, Field(ge=0, le=10**15), BeforeValidator(_whole)]
 Number = Annotated[Count, Field(ge=1)]
 Value = Annotated[float | None, PlainValidator(_value)]
+Used = Annotated[str, AfterValidator(read_use)]
 
 
 class ExpectationRecord(Record):
@@ -63,7 +64,7 @@ class OptionalRecord(Record, extra="allow"):
     """Sections by name that may be missing. A later HiTAB may add others."""
 
     expectations: list[ExpectationRecord] = Field(default_factory=list)
-    chosen: list[Annotated[str, AfterValidator(read_use)]] = Field(default_factory=list)
+    chosen: list[Used] = Field(default_factory=list)
 
 
 class DomainRecord(Record):
@@ -77,7 +78,7 @@ class DomainRecord(Record):
 class FeatureRecord(Record):
     """A feature that its examples have values of."""
 
-    feature: str
+    feature: Used
     kind: Annotated[str, among([*(kind.value for kind in FeatureKind), FLAG])]
     unit: str = ""
     period: float = Field(default=1.0, gt=0)
@@ -125,13 +126,13 @@ class BehaviorRecord(Record):
     description: str
     domain: DomainRecord
     parameters: list[Name]
-    states: list[str]
+    states: list[Used]
     features: list[FeatureRecord]
     classifier: str
     examples: list[ExampleRecord]
     trees: dict[str, Digest]
     uses: dict[str, str]
-    readable: list[str]
+    readable: list[Used]
     readings: list[ReadingRecord]
     provenance: ProvenanceRecord
     optional: OptionalRecord = Field(default_factory=OptionalRecord)

@@ -202,7 +202,8 @@ class _Reader:
                 )
 
     def _states(self) -> list[Use]:
-        states = self._uses("states", self._content["states"])
+        states: list[Use] = self._record.states
+        self._check_distinct("states", states)
         arguments = {*self._domain.targets, *self._content["parameters"]}
         for i, state in enumerate(states):
             if state.name == START:
@@ -219,7 +220,8 @@ class _Reader:
 
     def _features(self) -> tuple[list[Use], list[Scale]]:
         records = self._content["features"]
-        features = self._uses("features", [record["feature"] for record in records])
+        features: list[Use] = [record.feature for record in self._record.features]
+        self._check_distinct("features", features)
         scales = []
         for i, (use, record) in enumerate(zip(features, records, strict=True)):
             try:
@@ -240,25 +242,16 @@ class _Reader:
                     )
         return features, scales
 
-    def _uses(self, key: str, texts: Sequence[str]) -> list[Use]:
-        uses: list[Use] = []
-        for i, text in enumerate(texts):
-            try:
-                use = Use.parse(text)
-            except VocabularyError as error:
-                self._complain(str(error), key, i)
-                continue
-            if use in uses:
+    def _check_distinct(self, key: str, uses: Sequence[Use]) -> None:
+        for i, use in enumerate(uses):
+            if use in uses[:i]:
                 self._complain(f'has "{use}" twice; remove one', key, i)
-            uses.append(use)
-        if len(uses) < len(texts):
-            self._stop_if_wrong()  # positions would no longer fit
-        return uses
 
     def _readings(self) -> tuple[list[Use], dict[int, Sequence[float | None]]]:
         """Return the names of the readings, and the readings by command."""
         # What the domain has no more is not an error here: only who chooses it must have it.
-        readable = self._uses("readable", self._content["readable"])
+        readable: list[Use] = self._record.readable
+        self._check_distinct("readable", readable)
         readings: dict[int, Sequence[float | None]] = {}
         for i, record in enumerate(self._content["readings"]):
             if len(record["values"]) != len(readable) or record["command"] in readings:
