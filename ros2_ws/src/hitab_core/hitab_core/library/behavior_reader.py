@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
@@ -80,23 +81,18 @@ def _check_format(content: Any, complaints: Complaints) -> None:
     complaints.raise_any()
 
 
+@dataclass
 class _Reader:
-    def __init__(
-        self,
-        document: Document,
-        record: Any,
-        domain: Domain,
-        complaints: Complaints,
-        accepting: bool,
-    ) -> None:
-        self._document = document
-        self._record = record
-        self._content: dict[str, Any] = document.value
-        self._domain = domain
-        self._complaints = complaints
-        self._accepting = accepting
-        self._before = len(complaints)
-        self._accept = Do.ACCEPT(file=document.file)
+    _document: Document
+    _record: Any
+    _domain: Domain
+    _complaints: Complaints
+    _accepting: bool
+
+    def __post_init__(self) -> None:
+        self._content: dict[str, Any] = self._document.value
+        self._before = len(self._complaints)
+        self._accept = Do.ACCEPT(file=self._document.file)
 
     def read(self, name: str, text: str) -> BehaviorFile:
         content = self._content
