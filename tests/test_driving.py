@@ -117,7 +117,7 @@ def terminal(training: Desk) -> Iterator[Terminal]:
 def test_keys_train_a_robot_and_drive_it_and_stop_it(desk, terminal):
     assert termios.tcgetattr(terminal.inner) != terminal.before
     terminal.press(KEYS["Forward"])
-    terminal.sees("robot_1 performs Forward; Wander has 2 examples (1 default)")
+    terminal.sees("robot_1: Start -> Forward; Wander has 2 examples (1 default)")
     terminal.until(lambda: desk.moves(0.5))
     terminal.press(KEYS["TurnLeft"])
     terminal.sees('training "Wander": 4 examples (2 default); performs TurnLeft')
@@ -222,7 +222,7 @@ def gamepad(training: Desk, tmp_path: Path) -> Iterator[Gamepad]:
 
 
 def test_a_gamepad_trains_a_robot_and_drives_it_while_its_switch_is_held(desk, gamepad):
-    gamepad.press_until(lambda: gamepad.says("robot_1 performs Forward; Wander has"), A)
+    gamepad.press_until(lambda: gamepad.says("robot_1: Start -> Forward; Wander has"), A)
     gamepad.until(lambda: desk.moves(0.5))
 
     gamepad.joy.axes[1] = 0.5

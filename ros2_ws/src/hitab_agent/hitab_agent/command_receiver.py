@@ -54,13 +54,14 @@ class CommandReceiver:
                 check(command)
                 use = use_of(command.behavior, command.targets)
                 request = Request(status.demonstrator, command.sequence)
-                agent.command(
+                taught = agent.command(
                     use,
                     ago=command.ago,
                     seen=command.seen,
                     pace=command.pace,
                     request=request if request.number else None,
                 )
+                status.left = taught[0].state if taught else ""
         except Exception as error:
             refusal = (error,)
         self._recent.keep(status.demonstrator, command.sequence, refusal)

@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hitab_agent.slices import Background, Job
+from hitab_agent.slices import Job, in_background
 from hitab_core import BehaviorLibrary, FolderInUseError, HitabError, Use
 from hitab_core.library import Bundle, Edition, Editions, digest_in, plan_bundle, read_bundle
 from hitab_core.library.commit import carry_out, forget, withdraw
@@ -105,7 +105,7 @@ class Intake:
                 yield None
         if notes := [(shelf.library.folder, shelf.note) for shelf in self._noted()]:
             # The files are brought up to date; no agent waits for this.
-            yield Background(partial(_carry_out, notes))
+            yield in_background(partial(_carry_out, notes))
 
     def _read(self) -> Job:
         """Verify and learn the bundle, once per domain."""
@@ -113,7 +113,7 @@ class Intake:
         for shelf in self._shelves:
             groups.setdefault(shelf.library.editions, []).append(shelf)
         for editions, shelves in groups.items():
-            reading = Background(partial(read_bundle, self._bundle, editions))
+            reading = in_background(partial(read_bundle, self._bundle, editions))
             yield reading
             try:
                 self._read_files.append(reading.result())  # kept, so that it is read only once
@@ -134,7 +134,7 @@ class Intake:
                     shelf.refuse_all(error)
                 else:
                     waiting.append(shelf)
-                    yield Background(partial(time.sleep, _RETRY_S))
+                    yield in_background(partial(time.sleep, _RETRY_S))
             except Exception as error:
                 shelf.refuse_all(error)
             yield None
@@ -160,7 +160,7 @@ class Intake:
         folders = [shelf.library.folder for shelf in self._noted()]
         if not folders:
             return
-        syncing = Background(partial(_force_to_disk, folders))
+        syncing = in_background(partial(_force_to_disk, folders))
         yield syncing
         try:
             syncing.result()

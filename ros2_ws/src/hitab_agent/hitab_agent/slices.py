@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from threading import Thread
 from typing import Any
 
@@ -19,41 +20,25 @@ PAUSE_S = 0.001
 """The pause in which something else can start."""
 
 
-class Background:
-    """A call in its own thread.
+def in_background(call: Callable[[], Any]) -> Future[Any]:
+    """Begin a call in its own thread.
 
     Use it for calls that wait for the disk or only read what does not change; they must not touch
-    nodes or agents.
+    nodes or agents. A thread of an executor would keep the process from ending.
     """
+    future: Future[Any] = Future()
 
-    def __init__(self, call: Callable[[], Any]) -> None:
-        """Start the thread."""
-        self._call = call
-        self._result: Any = None
-        self._error: Exception | None = None
-        self._thread = Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def _run(self) -> None:
+    def run() -> None:
         try:
-            self._result = self._call()
+            future.set_result(call())
         except Exception as error:  # raised again where the result is asked for
-            self._error = error
+            future.set_exception(error)
 
-    @property
-    def done(self) -> bool:
-        """Whether it is over."""
-        return not self._thread.is_alive()
-
-    def result(self) -> Any:
-        """Return its result, or raise the error it raised."""
-        self._thread.join()
-        if self._error is not None:
-            raise self._error
-        return self._result
+    Thread(target=run, daemon=True).start()
+    return future
 
 
-Job = Iterator[Background | None]
+Job = Iterator[Future[Any] | None]
 """Yields where it may be interrupted: None, or the call it has to wait for."""
 
 
@@ -63,7 +48,7 @@ class Slices:
     def __init__(self, node: Node) -> None:
         """Create the timer, stopped until there is a job."""
         self._jobs: deque[Job] = deque()
-        self._awaited: Background | None = None
+        self._awaited: Future[Any] | None = None
         self._timer = steady_timer(node, PAUSE_S, self._turn)
         self._timer.cancel()
 
@@ -77,7 +62,7 @@ class Slices:
         until = time.monotonic() + SLICE_S
         try:
             while self._jobs and time.monotonic() < until:
-                if self._awaited is not None and not self._awaited.done:
+                if self._awaited is not None and not self._awaited.done():
                     break
                 try:
                     self._awaited = next(self._jobs[0])

@@ -290,13 +290,10 @@ def _to_know(
     yield from each_once((name, text) for name, s in there for text in s.faults)
     yield from read_only(folder.path)
     world = running.world.status
-    if world is not None and world.mode == WorldState.PAUSED and not _begins_paused(swarm):
+    begins_paused = swarm.world is not None and swarm.world.paused
+    if world is not None and world.mode == WorldState.PAUSED and not begins_paused:
         yield with_commands("the world is still paused, as it was before", [Do.RESUME_WORLD()])
     yield from announcements(agents.statuses.values(), folder.path)
-
-
-def _begins_paused(swarm: SwarmDescription) -> bool:
-    return swarm.world is not None and swarm.world.paused
 
 
 def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:

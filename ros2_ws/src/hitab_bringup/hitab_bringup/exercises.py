@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field
 
@@ -86,25 +86,7 @@ class Student:
         return library.files[behavior]
 
 
-class Requirement(Record):
-    """What an exercise requires."""
-
-    kinds: ClassVar[dict[str, type[Requirement]]] = {}
-
-    def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
-        raise NotImplementedError
-
-    def missing(self, exercise: Exercise, student: Student) -> str:
-        """Return what is missing; "" if nothing is.
-
-        Raises:
-            HitabError: if it cannot be looked at; the error says what is missing.
-        """
-        raise NotImplementedError
-
-
-class Saved(Requirement):
+class Saved(Record):
     """A behavior is saved."""
 
     behavior: str
@@ -140,7 +122,7 @@ class Saved(Requirement):
         return "; ".join(file.broken)
 
 
-class Decides(Requirement):
+class Decides(Record):
     """A behavior decides something in a situation."""
 
     behavior: str = Field(alias="decides")
@@ -168,7 +150,7 @@ class Decides(Requirement):
         return f"{broken}; arrange this situation and command {self.go_to}" if broken else ""
 
 
-class Shared(Requirement):
+class Shared(Record):
     """Other agents have learned the same."""
 
     behavior: str = Field(alias="shared")
@@ -185,7 +167,7 @@ class Shared(Requirement):
         return f"{', '.join(other)} learned otherwise; distribute it again" if other else ""
 
 
-class Reaches(Requirement):
+class Reaches(Record):
     """In episodes where only the agent acts, a condition comes to hold."""
 
     condition: Condition = Field(alias="reaches")
@@ -222,7 +204,12 @@ class Reaches(Requirement):
         return f"it does in {len(reached)}, and not in episode {failed}; watch it, and correct it"
 
 
-Requirement.kinds |= {"behavior": Saved, "decides": Decides, "shared": Shared, "reaches": Reaches}
+KINDS = {"behavior": Saved, "decides": Decides, "shared": Shared, "reaches": Reaches}
+Requirement = Saved | Decides | Shared | Reaches
+"""What an exercise requires: `told` says it, and `missing` what is missing, "" if nothing is.
+
+`missing` raises `HitabError` if it cannot be looked at; the error says what is missing.
+"""
 
 
 class Exercise(Record):
@@ -233,7 +220,7 @@ class Exercise(Record):
     description: str
     swarm: str
     agent: str
-    requires: list[Annotated[Requirement, OneOf(Requirement.kinds)]] = Field(min_length=1)
+    requires: list[Annotated[Requirement, OneOf(KINDS)]] = Field(min_length=1)
 
     @property
     def agents(self) -> list[str]:

@@ -60,27 +60,16 @@ def expected(
     for label, known in ((state, (START, *automaton.labels)), (to, automaton.labels)):
         if label not in known:
             raise LibraryError(unknown("state", label, known, f" in {file.name}"))
-    features = situation_of(situation, domain, [str(use) for use in automaton.features])
-    return Expectation(name, state, features, to)
-
-
-def situation_of(
-    texts: Sequence[str], domain: Domain, known: Sequence[str] = ()
-) -> dict[str, float]:
-    """Return values by feature, given as ``FEATURE=VALUE``: angles in degrees, or yes and no.
-
-    Raises:
-        LibraryError: naming the text that is wrong.
-    """
-    values = {}
-    for text in texts:
+    chosen = [str(use) for use in automaton.features]
+    features = {}
+    for text in situation:
         feature, equals, value = text.rpartition("=")
-        if not equals or feature not in known:
+        if not equals or feature not in chosen:
             raise LibraryError(
-                f'"{text}" is not FEATURE=VALUE with a feature that decides {has(known, feature)}'
+                f'"{text}" is not FEATURE=VALUE with a feature that decides {has(chosen, feature)}'
             )
-        values[feature] = value_of(value, feature, domain)
-    return values
+        features[feature] = value_of(value, feature, domain)
+    return Expectation(name, state, features, to)
 
 
 def value_of(text: str, feature: str, domain: Domain) -> float:

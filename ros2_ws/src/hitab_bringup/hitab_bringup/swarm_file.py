@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
-import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -28,6 +26,7 @@ from hitab_bringup.swarm_lines import (
     ProcessLine,
     SwarmLines,
     WorldLine,
+    module_exists,
 )
 from hitab_bringup.swarm_words import Words
 from hitab_client import DescriptionError
@@ -98,13 +97,6 @@ def world_module(kind: str) -> str:
     return next((point.value for point in told), f"{kind}_world.world_main")
 
 
-def _module_exists(module: str) -> bool:
-    try:
-        return importlib.util.find_spec(module) is not None
-    except (ImportError, ValueError):
-        return False
-
-
 def _under(above: Nodes, line: L, keys: set[str]) -> L:
     """Return a line, completed by what was said for all; the line's own keys stay known."""
     missing = (above.model_fields_set & keys) - line.model_fields_set
@@ -134,6 +126,7 @@ class _Reader:
         self._complaints = complaints
         self._path = path
         self._words = words
+        self._owners = {} if file.world is None else {WORLD: WORLD}
 
     def swarm(self, name: str) -> SwarmDescription:
         """Return the swarm.
@@ -154,10 +147,13 @@ class _Reader:
         commanders = [c for group in lines.values() for c in group]
         groups = {key: tree.with_superiors(group) for key, group in groups.items()}
         agents = [agent for group in groups.values() for agent in group]
-        self._refuse_doubles(groups, lines)
+        for section, found in (("agents", groups), ("commanders", lines)):
+            for key, group in found.items():
+                self._claim(section, key, {*(member.name for member in group), key})
         if file.hosts is not None and not self._complaints:
             agents, commanders = in_hosts(agents, commanders, file.hosts)
-        processes = self._processes(groups, (*agents, *commanders), has_world=world is not None)
+        self._owners |= {m.process: m.name for m in (*agents, *commanders)}
+        processes = self._processes(groups)
         self._complaints.raise_any()
         return SwarmDescription(
             name,
@@ -190,7 +186,7 @@ class _Reader:
 
     def _world(self, line: WorldLine) -> WorldDescription:
         module = line.module or world_module(line.kind)
-        if not _module_exists(module):
+        if not module_exists(module):
             text = (
                 f'unknown world "{line.kind}": Python module {module} is not installed; install '
                 "its package, or name the module with `module:`"
@@ -283,8 +279,6 @@ class _Reader:
             if line.kind not in self._file.kinds:
                 known = has(self._file.kinds, line.kind)
                 self._tell(key, "kind", f'there is no kind "{line.kind}" under `kinds:` {known}')
-            if not line.commands:
-                self._tell(key, "commands", "`commands:` is empty; name its subordinates")
         found = tree.commanders()
         for key, group in found.items():
             for commander in group:
@@ -292,63 +286,27 @@ class _Reader:
                     self._tell(key, "behavior", wrong)
         return found
 
-    def _refuse_doubles(
-        self,
-        groups: Mapping[str, Sequence[AgentDescription]],
-        commanders: Mapping[str, Sequence[CommanderDescription]],
-    ) -> None:
-        owners: dict[str, str] = {}
-        for section, found in (("agents", groups), ("commanders", commanders)):
-            for key, group in found.items():
-                for name in [member.name for member in group] or [key]:
-                    if name in owners:
-                        text = f'a second "{name}" (see `{owners[name]}`); rename one'
-                        self._tell(key, "", text, section)
-                    owners[name] = key
-            owners |= {key: key for key in found}
+    def _claim(self, section: str, key: str, names: Iterable[str]) -> None:
+        """Take names for a line; complain about those that another line has taken."""
+        for name in names:
+            if name in self._owners:
+                text = f'a second "{name}" (see `{self._owners[name]}`); rename one'
+                self._tell(key, "", text, section)
+            self._owners[name] = key
 
     # -- further processes ------------------------------------------------------------------
 
-    def _processes(
-        self,
-        groups: Mapping[str, Sequence[AgentDescription]],
-        members: Sequence[AgentDescription],
-        *,
-        has_world: bool,
-    ) -> list[Process]:
-        owners = {m.process: m.name for m in members} | {m.name: m.name for m in members}
-        if has_world:
-            owners[WORLD] = WORLD
+    def _processes(self, groups: Mapping[str, Sequence[AgentDescription]]) -> list[Process]:
         found = []
         for key, line in self._file.processes.items():
             made = self._process_line(key, line, groups)
-            for process in made:
-                if process.name in owners:
-                    owner = owners[process.name]
-                    text = f'a second process "{process.name}" (see `{owner}`); rename it'
-                    self._tell(key, "", text, "processes")
-                owners[process.name] = key
+            self._claim("processes", key, [process.name for process in made])
             found += made
         return found
 
     def _process_line(
         self, key: str, line: ProcessLine, groups: Mapping[str, Sequence[AgentDescription]]
     ) -> list[Process]:
-        if bool(line.module) == bool(line.command):
-            text = "needs either `module:`, run with Python, or `command:`, and not both"
-            self._tell(key, "", text, "processes")
-        elif line.module and not _module_exists(line.module):
-            text = (
-                f"`module:` Python module {line.module} is not installed; install its package, or "
-                "correct the name"
-            )
-            self._tell(key, "module", text, "processes")
-        elif line.command and shutil.which(line.command[0]) is None:
-            text = (
-                f'`command:` there is no program "{line.command[0]}" on the PATH; install it, or '
-                "name it with its folder"
-            )
-            self._tell(key, "command", text, "processes")
         if line.agents is not None and line.agents not in groups:
             known = has(groups, line.agents)
             text = f'`for:` there is no line "{line.agents}" under `agents:` {known}'

@@ -20,11 +20,13 @@ line of `agents:` and starts one for each of its agents, in the agent's namespac
 
 from __future__ import annotations
 
+import importlib.util
 import re
 import shlex
-from typing import Annotated, Any
+import shutil
+from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, Field, PlainValidator
+from pydantic import AfterValidator, Field, PlainValidator, model_validator
 
 from hitab_bringup.swarm_description import AGENT, PACES, SIM_TIME
 from hitab_commander import KindRecord
@@ -130,12 +132,33 @@ def _words(value: Any) -> tuple[str, ...]:
         raise ValueError(f"{error}; write it as a list of words") from None
 
 
-def _no_clock(value: bool | None) -> bool | None:
-    if value:
+def module_exists(module: str) -> bool:
+    """Whether a Python module is installed."""
+    try:
+        return importlib.util.find_spec(module) is not None
+    except (ImportError, ValueError):
+        return False
+
+
+def _installed(module: str) -> str:
+    if module and not module_exists(module):
         raise ValueError(
-            "the world makes the clock and cannot wait for it; write it at the top of the file, "
-            "for all others"
+            f"Python module {module} is not installed; install its package, or correct the name"
         )
+    return module
+
+
+def _program(words: tuple[str, ...]) -> tuple[str, ...]:
+    if words and shutil.which(words[0]) is None:
+        raise ValueError(
+            f'there is no program "{words[0]}" on the PATH; install it, or name it with its folder'
+        )
+    return words
+
+
+def _not_empty(value: Any) -> Any:
+    if not value:
+        raise ValueError("is empty; name its subordinates")
     return value
 
 
@@ -150,17 +173,15 @@ FLAT = AfterValidator(_flat)
 Parameters = Annotated[dict[Annotated[str, _own(OWN_LINES, SET)], Leaves], NONE_IS_EMPTY, FLAT]
 
 
-class Nodes(Record):
+class Renamed(Record):
     """What any line says of its nodes in words of ROS."""
 
     remap: Annotated[dict[RosName, RosName], NONE_IS_EMPTY] = Field(default_factory=dict)
-    use_sim_time: bool | None = None
 
 
-class WorldLine(Nodes):
-    """The world."""
+class WorldLine(Renamed):
+    """The world. It makes the clock, and cannot wait for it."""
 
-    use_sim_time: Annotated[bool | None, AfterValidator(_no_clock)] = None
     kind: str
     module: str = ""
     pace: Annotated[str, among(PACES)] = "realtime"
@@ -175,6 +196,12 @@ class WorldLine(Nodes):
         NONE_IS_EMPTY,
         FLAT,
     ] = Field(default_factory=dict)
+
+
+class Nodes(Renamed):
+    """What any line but the world's says of its nodes."""
+
+    use_sim_time: bool | None = None
 
 
 class MemberSettings(Nodes):
@@ -207,7 +234,11 @@ class CommanderLine(MemberSettings):
     """One commander, or as many as it takes: then `commands` has counts."""
 
     kind: str
-    commands: Annotated[dict[str, int] | tuple[str, ...], MappingOr(dict[str, Count], Texts)]
+    commands: Annotated[
+        dict[str, int] | tuple[str, ...],
+        MappingOr(dict[str, Count], Texts),
+        AfterValidator(_not_empty),
+    ]
     host: str = ""
     role: str | None = None
 
@@ -215,8 +246,8 @@ class CommanderLine(MemberSettings):
 class ProcessLine(Nodes):
     """One further process, or one for each agent of a line."""
 
-    module: str = ""
-    command: Annotated[tuple[str, ...], PlainValidator(_words)] = ()
+    module: Annotated[str, AfterValidator(_installed)] = ""
+    command: Annotated[tuple[str, ...], PlainValidator(_words), AfterValidator(_program)] = ()
     arguments: Texts = ()
     namespace: Namespace = ""
     parameters: Annotated[
@@ -225,6 +256,14 @@ class ProcessLine(Nodes):
         FLAT,
     ] = Field(default_factory=dict)
     agents: str | None = Field(default=None, alias="for")
+
+    @model_validator(mode="after")
+    def _runs_one(self) -> Self:
+        if bool(self.module) == bool(self.command):
+            raise ValueError(
+                "needs either `module:`, run with Python, or `command:`, and not both"
+            )
+        return self
 
 
 class SwarmLines(AgentSettings):

@@ -150,9 +150,12 @@ def test_what_is_not_finite_reaches_a_node_as_a_number():
         (f"parameters: {{x: {{y: [1, a]}}}}\n{AGENTS}", "1: `x:` must be a number, a text, true"),
         (
             f"world: {{kind: keepaway, use_sim_time: true}}\n{AGENTS}",
-            "1: `use_sim_time:` the world makes the clock and cannot wait for it; write it at",
+            "1: `use_sim_time:` is not known here",
         ),
-        (f"{AGENTS}processes: {{x: {{}}}}\n", "3: needs either `module:`, run with Python, or "),
+        (
+            f"{AGENTS}processes: {{x: {{}}}}\n",
+            "3: `x:` needs either `module:`, run with Python, or ",
+        ),
         (
             f"{AGENTS}processes: {{x: {{command: no_such_program}}}}\n",
             '3: `command:` there is no program "no_such_program" on the PATH; install it',
@@ -163,7 +166,7 @@ def test_what_is_not_finite_reaches_a_node_as_a_number():
         ),
         (
             f"{AGENTS}processes: {{a: {{module: json}}}}\n",
-            '3: a second process "a" (see `a`); rename it',
+            '3: a second "a" (see `a`); rename one',
         ),
     ],
 )

@@ -310,6 +310,10 @@ def test_an_arrow_that_is_pressed_twice_before_the_agent_answers_leaves_it_in_tr
     assert desk.agents.done == [("perform", ONE, ""), ("training", ONE)]
 
 
-def test_a_flag_is_raised_and_not_performed():
-    status = AgentStatus(behavior="Wander", examples=5, active_path=["Done"])
-    assert outcome(ONE, "Done", status) == f"{ONE} raised Done; Wander has 5 examples (0 default)"
+def test_a_command_says_which_transition_it_records():
+    status = AgentStatus(behavior="Wander", examples=5, active_path=["Start"], left="Forward")
+    told = outcome(ONE, "Done", status)
+    assert told == f"{ONE}: Forward -> Done; Wander has 5 examples (0 default)"
+    status.active_path, status.left = ["Forward", "Start"], ""  # it could not be recorded
+    told = outcome(ONE, "Forward", status)
+    assert told == f"{ONE} performs Forward; Wander has 5 examples (0 default)"

@@ -327,7 +327,7 @@ class Agent:
         """Begin to train an automaton, in Start.
 
         Args:
-            curriculum: what to train; without features, use those of ``resume``.
+            curriculum: what to train; without features, use those chosen for ``resume``.
             resume: a trained behavior whose examples to continue from.
             discard: give up a training that has not been saved.
 
@@ -417,12 +417,8 @@ class Agent:
         Raises:
             TrainingError: if there is no training, or no example leaves Start.
         """
-        session = self._session()
-        session.test(restart=restart)
-        if self.mode not in (Mode.TRAINING, Mode.TESTING):
-            self._stop()
-            session.restart()
-        self.mode = Mode.TESTING
+        self._session().test(restart=restart)
+        self._go_on(Mode.TESTING)
 
     def take_over(self) -> None:
         """Give control to the demonstrator, at the active state.
@@ -430,12 +426,14 @@ class Agent:
         Raises:
             TrainingError: if there is no training.
         """
-        session = self._session()
-        session.take_over()
+        self._session().take_over()
+        self._go_on(Mode.TRAINING)
+
+    def _go_on(self, mode: Mode) -> None:
         if self.mode not in (Mode.TRAINING, Mode.TESTING):
             self._stop()
-            session.restart()
-        self.mode = Mode.TRAINING
+            self._session().restart()
+        self.mode = mode
 
     def save(
         self,

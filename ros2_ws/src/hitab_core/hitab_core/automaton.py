@@ -70,6 +70,7 @@ class Automaton:
         parameters: G, the free variables, bound by the user of the automaton.
         examples: what the transition functions were learned from; none for a hand-written one.
         readable: names of the examples' readings.
+        chosen: the features that were chosen for its training, if some of them were trimmed.
 
     Raises:
         VocabularyError: if it has a state twice or a transition function for none of its states.
@@ -97,6 +98,7 @@ class Automaton:
     examples: tuple[Example, ...] = ()
     description: str = ""
     readable: tuple[Use, ...] = ()
+    chosen: tuple[Use, ...] = ()
     _labels: tuple[str, ...] = field(init=False, repr=False, compare=False, default=())
 
     def __post_init__(self) -> None:

@@ -153,6 +153,26 @@ def test_training_goes_on_from_what_was_saved(make):
     assert len(agent.repertoire.automata["Home"].examples) == 6
 
 
+def test_training_is_resumed_with_the_features_that_were_trimmed(make):
+    agent = make()
+    curriculum = replace(HOME, features=(Use("x"), Use("SecondsInState")))
+    agent.begin(curriculum)
+    see(agent, 5.0)
+    agent.command(Use("Left"))
+    see(agent, 0.0)
+    agent.command(Use("Stay"))
+    learned = agent.session.automaton()
+    agent.save()
+    agent = make()  # from the file
+    assert agent.repertoire.automata["Home"].features == HOME.features
+    agent.begin(Curriculum("Home", ()), resume="Home")
+    again = agent.session.automaton()
+    assert again.features == curriculum.features
+    assert again.examples == learned.examples
+    agent.begin(Curriculum("Home", HOME.features), resume="Home", discard=True)
+    assert agent.session.automaton().features == HOME.features
+
+
 def test_the_same_seed_and_episode_give_the_same_decisions(make):
     agent, other = make("one"), make("two")
     draws = []

@@ -93,10 +93,10 @@ def earlier(world: WorldClient) -> float:
 
 def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
     """Return what came of a command, from the status that acknowledges it."""
-    path = " > ".join(status.active_path) or behavior
-    done = f"raised {behavior}" if behavior in FLAGS else f"performs {path}"
+    state = behavior if behavior in FLAGS else next(iter(status.active_path), behavior)
+    done = f": {status.left} -> {state}" if status.left else f" performs {state}"
     return (
-        f"{agent} {done}; {status.behavior} has "
+        f"{agent}{done}; {status.behavior} has "
         f"{quantity(status.examples, 'example')} ({status.default_examples} default)"
         + (f"; {agent} {status.note}" if status.note else "")
     )

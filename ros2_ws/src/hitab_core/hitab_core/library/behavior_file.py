@@ -137,8 +137,12 @@ def text_of(
         **_readings(automaton),
         "provenance": asdict(provenance),
     }
-    if expectations:
-        content["optional"] = {KEY: [one.record() for one in expectations]}
+    optional = {
+        KEY: [one.record() for one in expectations],
+        "chosen": [str(use) for use in automaton.chosen],
+    }
+    if any(optional.values()):
+        content["optional"] = {key: entries for key, entries in optional.items() if entries}
     return behavior_text(content | {"checksum": checksum(content)}, _rules(automaton))
 
 

@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 from hitab_core.domain import FeatureKind
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_file import FLAG
-from hitab_core.library.yaml_models import Record, among
+from hitab_core.library.yaml_models import Record, among, read_use
 from hitab_core.library.yaml_places import kind_of
 from hitab_core.use import NAME_RULE
 
@@ -47,10 +47,7 @@ Digest = Annotated[
 Count = Annotated[int, Field(ge=0, le=10**15), BeforeValidator(_whole)]
 Number = Annotated[Count, Field(ge=1)]
 Value = Annotated[float | None, PlainValidator(_value)]
-
-
-Optional = Annotated[dict[str, Any], Field(default_factory=dict)]
-"""Sections by name that a later HiTAB may add and an earlier one may do without."""
+Used = Annotated[str, AfterValidator(read_use)]
 
 
 class ExpectationRecord(Record):
@@ -61,6 +58,13 @@ class ExpectationRecord(Record):
     features: dict[str, Annotated[float, Field(allow_inf_nan=False)]]
     next_state: str
     blocks: bool = False
+
+
+class OptionalRecord(Record, extra="allow"):
+    """Sections by name that may be missing. A later HiTAB may add others."""
+
+    expectations: list[ExpectationRecord] = Field(default_factory=list)
+    chosen: list[Used] = Field(default_factory=list)
 
 
 class DomainRecord(Record):
@@ -74,7 +78,7 @@ class DomainRecord(Record):
 class FeatureRecord(Record):
     """A feature that its examples have values of."""
 
-    feature: str
+    feature: Used
     kind: Annotated[str, among([*(kind.value for kind in FeatureKind), FLAG])]
     unit: str = ""
     period: float = Field(default=1.0, gt=0)
@@ -92,7 +96,7 @@ class ExampleRecord(Record):
     command: Count
     cycle: Count
     ago: float = Field(ge=0)
-    optional: Optional
+    optional: dict[str, Any] = Field(default_factory=dict)
 
 
 class ReadingRecord(Record):
@@ -122,14 +126,14 @@ class BehaviorRecord(Record):
     description: str
     domain: DomainRecord
     parameters: list[Name]
-    states: list[str]
+    states: list[Used]
     features: list[FeatureRecord]
     classifier: str
     examples: list[ExampleRecord]
     trees: dict[str, Digest]
     uses: dict[str, str]
-    readable: list[str]
+    readable: list[Used]
     readings: list[ReadingRecord]
     provenance: ProvenanceRecord
-    optional: Optional
+    optional: OptionalRecord = Field(default_factory=OptionalRecord)
     checksum: Digest

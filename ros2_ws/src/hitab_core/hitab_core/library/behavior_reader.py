@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
@@ -62,9 +63,10 @@ def read_behavior(
     from hitab_core.library.behavior_model import BehaviorRecord
     from hitab_core.library.yaml_models import read_record
 
-    if read_record(BehaviorRecord, content, complaints) is None:
+    record = read_record(BehaviorRecord, content, complaints)
+    if record is None:
         complaints.raise_any()  # what follows relies on the form
-    reader = _Reader(document, domain, complaints, accepting)
+    reader = _Reader(document, record, domain, complaints, accepting)
     return reader.read(name or file.removesuffix(SUFFIX), text)
 
 
@@ -79,17 +81,18 @@ def _check_format(content: Any, complaints: Complaints) -> None:
     complaints.raise_any()
 
 
+@dataclass
 class _Reader:
-    def __init__(
-        self, document: Document, domain: Domain, complaints: Complaints, accepting: bool
-    ) -> None:
-        self._document = document
-        self._content: dict[str, Any] = document.value
-        self._domain = domain
-        self._complaints = complaints
-        self._accepting = accepting
-        self._before = len(complaints)
-        self._accept = Do.ACCEPT(file=document.file)
+    _document: Document
+    _record: Any
+    _domain: Domain
+    _complaints: Complaints
+    _accepting: bool
+
+    def __post_init__(self) -> None:
+        self._content: dict[str, Any] = self._document.value
+        self._before = len(self._complaints)
+        self._accept = Do.ACCEPT(file=self._document.file)
 
     def read(self, name: str, text: str) -> BehaviorFile:
         content = self._content
@@ -118,6 +121,7 @@ class _Reader:
             tuple(examples),
             content["description"],
             tuple(readable),
+            tuple(dict.fromkeys(self._record.optional.chosen)),
         )
         return BehaviorFile(
             automaton,
@@ -194,7 +198,8 @@ class _Reader:
                 )
 
     def _states(self) -> list[Use]:
-        states = self._uses("states", self._content["states"])
+        states: list[Use] = self._record.states
+        self._check_distinct("states", states)
         arguments = {*self._domain.targets, *self._content["parameters"]}
         for i, state in enumerate(states):
             if state.name == START:
@@ -211,7 +216,8 @@ class _Reader:
 
     def _features(self) -> tuple[list[Use], list[Scale]]:
         records = self._content["features"]
-        features = self._uses("features", [record["feature"] for record in records])
+        features: list[Use] = [record.feature for record in self._record.features]
+        self._check_distinct("features", features)
         scales = []
         for i, (use, record) in enumerate(zip(features, records, strict=True)):
             try:
@@ -232,25 +238,16 @@ class _Reader:
                     )
         return features, scales
 
-    def _uses(self, key: str, texts: Sequence[str]) -> list[Use]:
-        uses: list[Use] = []
-        for i, text in enumerate(texts):
-            try:
-                use = Use.parse(text)
-            except VocabularyError as error:
-                self._complain(str(error), key, i)
-                continue
-            if use in uses:
+    def _check_distinct(self, key: str, uses: Sequence[Use]) -> None:
+        for i, use in enumerate(uses):
+            if use in uses[:i]:
                 self._complain(f'has "{use}" twice; remove one', key, i)
-            uses.append(use)
-        if len(uses) < len(texts):
-            self._stop_if_wrong()  # positions would no longer fit
-        return uses
 
     def _readings(self) -> tuple[list[Use], dict[int, Sequence[float | None]]]:
         """Return the names of the readings, and the readings by command."""
         # What the domain has no more is not an error here: only who chooses it must have it.
-        readable = self._uses("readable", self._content["readable"])
+        readable: list[Use] = self._record.readable
+        self._check_distinct("readable", readable)
         readings: dict[int, Sequence[float | None]] = {}
         for i, record in enumerate(self._content["readings"]):
             if len(record["values"]) != len(readable) or record["command"] in readings:
@@ -290,19 +287,9 @@ class _Reader:
         return examples
 
     def _expectations(self) -> tuple[Expectation, ...]:
-        from hitab_core.library.behavior_model import ExpectationRecord
-        from hitab_core.library.yaml_models import read_record
-
         found: dict[str, Expectation] = {}
-        there = self._content.get("optional", {}).get(KEY, [])
-        if not isinstance(there, list):
-            self._complain("must be a list; write one line for each", "optional", KEY)
-            return ()
-        for i, content in enumerate(there):
+        for i, read in enumerate(self._record.optional.expectations):
             place = ("optional", KEY, i)
-            read = read_record(ExpectationRecord, content, self._complaints, place)
-            if read is None:
-                continue
             if read.name in found:
                 self._complain(f'expectation "{read.name}" is there twice; rename one', *place)
             line = self._document.line(place)

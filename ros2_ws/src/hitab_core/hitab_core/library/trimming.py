@@ -28,7 +28,8 @@ def trim(
     """Return an automaton without the states and features that it does not need.
 
     A state is needed if an example mentions it, a feature if a transition function can look at it.
-    The trimmed automaton decides exactly as before. A C4.5 tree depends a little even on features
+    The trimmed automaton decides exactly as before, and notes the features chosen, so that its
+    training can be resumed with them. A C4.5 tree depends a little even on features
     that it does not use in the end: if leaving one out would change a decision, it is kept.
 
     Args:
@@ -63,6 +64,8 @@ def trim(
                 f'kept feature "{feature}": no transition function uses it, but without it the '
                 "learned functions would differ"
             )
+    if len(columns) < len(automaton.features):
+        trimmed = replace(trimmed, chosen=automaton.features)
     mentioned = {a for use in (*trimmed.states, *trimmed.features) for a in use.arguments}
     notes += [
         f'kept parameter "{parameter}", which nothing uses'

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BasicBehavior
-from hitab_core.errors import TrainingError
+from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.repertoire import Repertoire
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.exchange import exchanged, realigned
 from hitab_core.training.moments import readable
+from hitab_core.use import Use
 
 
 def resumed(
@@ -21,7 +23,8 @@ def resumed(
     """Return a curriculum completed from a trained behavior, and that behavior's examples.
 
     Args:
-        curriculum: what to train; without a name, features or parameters, those of ``earlier``.
+        curriculum: what to train; without a name, features or parameters, those of
+            ``earlier``, whose features are all that were chosen for it, trimmed ones too.
         earlier: whose examples to continue from.
         repertoire: of the agent.
 
@@ -31,7 +34,7 @@ def resumed(
     """
     if not isinstance(earlier, Automaton) or not earlier.examples:
         raise TrainingError(f'"{earlier.name}" was not trained; there is nothing to resume')
-    features = curriculum.features or earlier.features
+    features = curriculum.features or _chosen(earlier, repertoire)
     completed = replace(
         curriculum,
         name=curriculum.name or earlier.name,
@@ -45,3 +48,18 @@ def resumed(
         examples = exchanged(examples, earlier.features, features, earlier.readable, earlier.name)
     names = readable(repertoire.domain, completed.parameters)
     return completed, realigned(examples, earlier.readable, names)
+
+
+def _chosen(earlier: Automaton, repertoire: Repertoire) -> tuple[Use, ...]:
+    """Return the features chosen for a saved training that are still there for its examples."""
+
+    def is_there(use: Use) -> bool:
+        if use in earlier.features:
+            return True
+        with suppress(VocabularyError, TrainingError):
+            repertoire.domain.check_feature(use, earlier.parameters)
+            exchanged(earlier.examples, earlier.features, [use], earlier.readable, earlier.name)
+            return True
+        return False
+
+    return tuple(filter(is_there, earlier.chosen)) or earlier.features
