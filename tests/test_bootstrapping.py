@@ -42,8 +42,9 @@ def digests(team) -> set[str]:
 
 def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(team):
     before = places(team)
-    made = steps(team).next(ONE, note="run", evaluation=QUICK)
+    made = steps(team, who="anna").next(ONE, note="run", evaluation=QUICK)
 
+    assert made.by == "anna" != team.agents.demonstrator
     assert made.score is not None
     assert (made.score.episodes, made.score.seed, made.examples) == (2, 5, 2)
     assert made.score.figures["seconds"].mean > 0.0
