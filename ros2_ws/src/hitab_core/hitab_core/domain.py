@@ -396,7 +396,8 @@ def load_domain(name: str) -> Domain:
         if name not in points:
             raise VocabularyError(
                 f'no domain "{name}" is installed {has(points, name)}; a package provides one '
-                f'under the entry-point group "{ENTRY_POINT_GROUP}", or write "module:ATTRIBUTE"'
+                f'under the entry-point group "{ENTRY_POINT_GROUP}", or write "module:ATTRIBUTE" '
+                "or the path of its file, such as my_world.py"
             )
         found = points[name].load()
     if not isinstance(found, Domain):
