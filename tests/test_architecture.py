@@ -19,7 +19,7 @@ CORE_FLOORS = (
     ("installation", "remedies"),
     ("arrays", "errors", "example", "hierarchy", "seeding", "wording"),
     ("default_example", "example_codec", "transition_function", "use", "vocabulary"),
-    ("automaton",),
+    ("automaton", "plain_body", "source_file"),
     ("domain",),
     ("action_behavior", "repertoire"),
     ("learning",),

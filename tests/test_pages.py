@@ -12,6 +12,7 @@ LIBRARY = ROOT / "ros2_ws/src/keepaway_world/libraries/keepaway"
 ELSEWHERE = {
     r"scripts/test\b": "is what runs this",
     r"scripts/hitab demo\b": "test_demo.py",
+    r"scripts/wheels\b": "test_wheels.py",
     r"(scripts/)?hitab up thousand\b": "test_scale.py",
 }
 """Commands that other tests run, because they take long; with all that follows to `hitab down`."""

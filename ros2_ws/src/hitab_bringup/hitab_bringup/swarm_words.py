@@ -40,7 +40,7 @@ class Words:
             return f"`domain:` is missing {has(self._domains)}"
         if name in self._domains:
             return ""
-        if ":" in name:  # not installed: "module:ATTRIBUTE"
+        if ":" in name or name.endswith(".py"):  # not installed
             try:
                 load_domain(name)
             except HitabError as error:

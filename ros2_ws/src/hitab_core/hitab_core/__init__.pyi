@@ -42,6 +42,8 @@ from .learning.scikit_learn import TransitionTreeClassifier as TransitionTreeCla
 from .learning.transition_tree import TransitionTree as TransitionTree
 from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
+from .plain import behavior as behavior
+from .plain import feature as feature
 from .plain import plain_domain as plain_domain
 from .remedies import Do as Do
 from .remedies import Remedy as Remedy
@@ -49,6 +51,7 @@ from .repertoire import Repertoire as Repertoire
 from .saving import to_be_saved as to_be_saved
 from .seeding import agent_seed as agent_seed
 from .seeding import world_seed as world_seed
+from .source_file import load_file as load_file
 from .training.training_session import Request as Request
 from .transition_function import HandWritten as HandWritten
 from .use import NAME as NAME

@@ -16,10 +16,14 @@ from enum import StrEnum
 from functools import cached_property
 from importlib import import_module
 from importlib.metadata import entry_points
+from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, OWN_NAMES, SECONDS_IN_STATE, SECONDS_SINCE
 from hitab_core.errors import VocabularyError
+from hitab_core.plain_body import PlainBody
+from hitab_core.source_file import load_file, loaded_file
 from hitab_core.use import NAME, NAME_RULE, Use, wrong_number
 from hitab_core.vocabulary import check_known, has
 
@@ -368,9 +372,16 @@ class Domain:
 def load_domain(name: str) -> Domain:
     """Return the installed domain called ``name``, or the one at ``"module:ATTRIBUTE"``.
 
+    A name that ends in ``.py`` is the path of a file whose functions are the words; see
+    `hitab_core.plain`. Once loaded, it is found by its name, as libraries keep it.
+
     Raises:
         VocabularyError: if there is none, or it is not a domain.
     """
+    if name.endswith(".py"):
+        return _domain_of(load_file(Path(name)))
+    if (file := loaded_file(name)) is not None:
+        return _domain_of(file)
     module, _, attribute = name.partition(":")
     if attribute:
         try:
@@ -385,9 +396,30 @@ def load_domain(name: str) -> Domain:
         if name not in points:
             raise VocabularyError(
                 f'no domain "{name}" is installed {has(points, name)}; a package provides one '
-                f'under the entry-point group "{ENTRY_POINT_GROUP}", or write "module:ATTRIBUTE"'
+                f'under the entry-point group "{ENTRY_POINT_GROUP}", or write "module:ATTRIBUTE" '
+                "or the path of its file, such as my_world.py"
             )
         found = points[name].load()
     if not isinstance(found, Domain):
         raise VocabularyError(f'"{name}" is not a Domain but a {type(found).__name__}')
     return found
+
+
+def _domain_of(file: ModuleType) -> Domain:
+    """Return the domain of the words in a file, named after it."""
+    path = Path(str(file.__file__))
+
+    def words(kind: type[Any]) -> list[Any]:
+        return [word for word in vars(file).values() if isinstance(word, kind)]
+
+    try:
+        return Domain.of(
+            path.stem,
+            str(getattr(file, "VERSION", "1")),
+            PlainBody,
+            behaviors=words(BasicBehavior),
+            features=words(Feature),
+            targets=words(Target),
+        )
+    except VocabularyError as error:
+        raise VocabularyError(f"{path}: {error}") from error

@@ -7,33 +7,7 @@ from functools import partial
 
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import FeatureValueError, VocabularyError
-
-Percept = list[float]
-Action = Sequence[float]
-
-
-class PlainBody:
-    """The last percept and the action of this cycle, both lists of numbers.
-
-    Attributes:
-        percept: values, in an order that the domain's functions know.
-        heard: messages that came with it.
-        action: set by a basic behavior; empty: none.
-    """
-
-    def __init__(self, name: str) -> None:
-        self.percept: Percept = []
-        self.heard: list[str] = []
-        self.action: Action = ()
-
-    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take a percept; forget the action of the last cycle."""
-        self.percept, self.heard = list(values), list(heard)
-        self.action = ()
-
-    def act(self) -> tuple[Action, str]:
-        """Return the action; a plain body says nothing."""
-        return self.action, ""
+from hitab_core.plain_body import Action, Percept, PlainBody
 
 
 def plain_domain(
@@ -118,3 +92,14 @@ def _at(body: PlainBody, *, name: str, place: int) -> float:
             f"{len(body.percept)}; pass one value for each feature"
         )
     return body.percept[place]
+
+
+def behavior(function: Callable[[Percept], Action]) -> BasicBehavior:
+    """Make a basic behavior of a function of the percept that returns the action."""
+    return _behavior(function.__name__, function)
+
+
+def feature(function: Callable[[Percept], float]) -> Feature:
+    """Make a feature of a function of the percept that returns its value."""
+    name = function.__name__
+    return Feature(name, _reader(name, function), description=function.__doc__ or "")

@@ -4,6 +4,9 @@ from . import inprocess as inprocess
 from . import parameters as parameters
 from . import snapshots as snapshots
 from . import testing as testing
+from .simulation import Simulation as Simulation
+from .simulation import SimulationWorld as SimulationWorld
+from .simulation import simulation_in as simulation_in
 from .world import LESS as LESS
 from .world import LOOK as LOOK
 from .world import MORE as MORE

@@ -35,6 +35,7 @@ def up(
     namespace: Annotated[str, typer.Option(metavar="NAME")] = "",
     use_sim_time: Annotated[bool, typer.Option("--use-sim-time")] = False,
     run_dir: RunDir = None,
+    agents: Annotated[int, typer.Option(min=0)] = 0,
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
 
@@ -43,7 +44,7 @@ def up(
     swarm went down stays paused.
 
     Args:
-        swarm: A swarm description, or the name of a shipped one.
+        swarm: A swarm description, the name of a shipped one, or a Python file with a world.
         pace: lockstep or realtime; overrides the description.
         paused: Start with the world paused.
         library: A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to
@@ -52,6 +53,7 @@ def up(
         namespace: Namespace around all of its nodes, so that another swarm with the same agents
             can be up in the same ROS domain. The swarm is then called SWARM_NAME.
         use_sim_time: All nodes but the world take their time from the world's clock.
+        agents: How many, in a world in a Python file. 0: as many as it says.
 
     Examples:
 
@@ -77,6 +79,7 @@ def up(
         pace=pace or "",
         paused=paused,
         library=library or "",
+        agents=agents,
     )
     if library:
         for new in {member.library for member in description.members}:

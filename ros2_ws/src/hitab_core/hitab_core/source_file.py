@@ -1,0 +1,51 @@
+"""A Python file that a user names by its path: a world, and the words of its agents."""
+
+from __future__ import annotations
+
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from traceback import extract_tb
+from types import ModuleType
+
+from hitab_core.errors import VocabularyError
+from hitab_core.use import NAME, NAME_RULE
+
+PREFIX = "hitab_file_"
+
+
+def loaded_file(name: str) -> ModuleType | None:
+    """Return the file of this name that this process has loaded, if any."""
+    return sys.modules.get(f"{PREFIX}{name}")
+
+
+def load_file(path: Path) -> ModuleType:
+    """Run a file once and return it as a module.
+
+    Raises:
+        VocabularyError: if there is no such file, its name is malformed, or it raises.
+    """
+    path = path.expanduser().resolve()
+    if not path.is_file():
+        raise VocabularyError(f"{path}: there is no such file; correct the path")
+    if NAME.match(path.stem) is None:
+        raise VocabularyError(f'{path}: "{path.stem}" is not a name; {NAME_RULE}; rename the file')
+    there = loaded_file(path.stem)
+    if there is not None and there.__file__ == str(path):
+        return there
+    spec = spec_from_file_location(f"{PREFIX}{path.stem}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    sys.modules[spec.name] = module
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[spec.name]
+        lines = [frame.lineno for frame in extract_tb(error.__traceback__)]
+        line = getattr(error, "lineno", None) or lines[-1]
+        place = f"{path}:{line}"
+        raise VocabularyError(
+            f"{place}: {type(error).__name__}: {error}; correct the file"
+        ) from error
+    return module

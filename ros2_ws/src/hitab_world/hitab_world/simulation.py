@@ -1,0 +1,253 @@
+"""A world in one file: a class of the user's own that steps, beside functions as words.
+
+The functions are those of `hitab_core.plain`; `hitab up FILE` runs the file.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, ClassVar
+
+from hitab_core import has, load_file, some, world_seed
+from hitab_world import snapshots
+from hitab_world.parameters import NOT_NEGATIVE, Limit, Parameters
+from hitab_world.world import (
+    Action,
+    Entity,
+    EpisodeResult,
+    Look,
+    Measure,
+    Placement,
+    Sensed,
+    WorldError,
+)
+
+VERSION = 1
+Values = Sequence[float]
+
+
+class Simulation:
+    """Base of a world in one file.
+
+    Attributes:
+        agents: how many; they are called agent_1, agent_2 and so on.
+        cycle_seconds: simulated duration of a step, s.
+        size: width and height of the field, m; it is centered on the origin.
+        looks: how viewers draw each kind of thing.
+        measures: by which behaviors are compared.
+        ended: why the episode has ended; a step sets it. `reset` begins with "".
+        names: of the agents.
+    """
+
+    agents: int = 1
+    cycle_seconds: float = 0.1
+    size: tuple[float, float] = (10.0, 10.0)
+    looks: Mapping[str, Look] = MappingProxyType({})
+    measures: Sequence[Measure] = ()
+    ended: str = ""
+    names: tuple[str, ...] = ()
+
+    def reset(self, seed: int) -> Mapping[str, Values]:
+        """Begin an episode, which depends on the seed alone; return each agent's percept."""
+        raise NotImplementedError
+
+    def step(self, actions: Mapping[str, Values]) -> Mapping[str, Values]:
+        """Advance by one step; return each agent's percept.
+
+        The action of an agent that does nothing is empty.
+        """
+        raise NotImplementedError
+
+    def draw(self) -> Iterable[Entity]:
+        """Return what viewers show."""
+        return ()
+
+    def measured(self) -> Mapping[str, float]:
+        """Return the measures of the episode so far."""
+        return {}
+
+
+def simulation_in(path: Path) -> type[Simulation]:
+    """Return the simulation in a file.
+
+    Raises:
+        VocabularyError: if the file cannot be run.
+        WorldError: if it has none, or more than one.
+    """
+    file = load_file(path)
+    found = [
+        thing
+        for thing in vars(file).values()
+        if isinstance(thing, type)
+        and issubclass(thing, Simulation)
+        and thing.__module__ == file.__name__
+    ]
+    if len(found) != 1:
+        what = some([kind.__name__ for kind in found]) if found else "no class"
+        raise WorldError(f"{path}: has {what} derived from Simulation; it must have exactly one")
+    kind = found[0]
+    if isinstance(kind.agents, bool) or not isinstance(kind.agents, int) or kind.agents < 1:
+        raise WorldError(
+            f"{path}: {kind.__name__}.agents is {kind.agents!r}; it must be a whole number from 1"
+        )
+    return kind
+
+
+@dataclass(frozen=True)
+class SimulationFigures(Parameters):
+    """The file of a simulation, and how many agents; 0: as many as it says."""
+
+    WORLD: ClassVar[str] = "simulation"
+    LIMITS: ClassVar[Mapping[str, Limit]] = {"agents": NOT_NEGATIVE}
+
+    file: str = ""
+    agents: int = 0
+
+
+class SimulationWorld:
+    """Makes a simulation a `hitab_world.world.World`.
+
+    A snapshot holds the actions of the episode so far; to restore it, they are done again.
+    """
+
+    def __init__(self, figures: SimulationFigures, seed: int = 0) -> None:
+        kind = simulation_in(Path(figures.file))
+        self._place = f"{figures.file}: {kind.__name__}"
+        self.parameters = figures
+        self.agents = tuple(f"agent_{i + 1}" for i in range(figures.agents or kind.agents))
+        self._kind = kind
+        self.name = Path(figures.file).stem
+        self.cycle_seconds = kind.cycle_seconds
+        self.size = kind.size
+        self.looks = kind.looks
+        self.measures = kind.measures
+        self.seed = seed
+        self.episode = self.cycle = self.episode_cycle = 0
+        self.ended = ""
+        self.refused: Mapping[str, str] = {}
+        self._begin()
+
+    def _begin(self) -> None:
+        self._simulation, self._percepts, self._done = self._played([], self.seed, self.episode)
+
+    def _played(
+        self, done: list[dict[str, list[float]]], seed: int, episode: int
+    ) -> tuple[Simulation, dict[str, list[float]], list[dict[str, list[float]]]]:
+        """Return an episode in which these actions were done."""
+        simulation = self._kind()
+        simulation.agents, simulation.names = len(self.agents), self.agents
+        percepts = self._checked(simulation.reset(world_seed(seed, episode)), "reset")
+        for actions in done:
+            percepts = self._checked(simulation.step(actions), "step")
+        return simulation, percepts, list(done)
+
+    def _checked(self, percepts: Any, method: str) -> dict[str, list[float]]:
+        """Return what all agents perceive.
+
+        Raises:
+            WorldError: naming the agent whose percept is missing or wrong.
+        """
+        where = f"{self._place}.{method}()"
+        if not isinstance(percepts, Mapping):
+            raise WorldError(f"{where} returned {percepts!r}; return each agent's percept by name")
+        for name in percepts:
+            if name not in self.agents:
+                raise WorldError(f'{where}: no agent "{name}" {has(self.agents, name)}')
+        found = {}
+        for name in self.agents:
+            try:
+                found[name] = [float(value) for value in percepts[name]]
+            except (LookupError, TypeError, ValueError) as error:
+                raise WorldError(
+                    f"{where}: {name} has no list of numbers ({type(error).__name__}: {error}); "
+                    "return one for each agent"
+                ) from error
+            if not all(map(math.isfinite, found[name])):
+                raise WorldError(
+                    f"{where}: the percept of {name} is not finite: {found[name]}; a feature may "
+                    "return NaN, a percept has numbers alone"
+                )
+        if len({*map(len, found.values())}) > 1:
+            raise WorldError(f"{where}: percepts differ in length; give all agents equally many")
+        return found
+
+    def reset(self, episode: int | None = None, seed: int | None = None) -> None:
+        """Begin an episode: the given one, or the next one; of the given run, or of this one."""
+        self.seed = self.seed if seed is None else int(seed)
+        self.episode = self.episode + 1 if episode is None else int(episode)
+        self.episode_cycle, self.ended, self.refused = 0, "", {}
+        self._begin()
+
+    def percept(self, agent: str) -> Sensed:
+        """Return what an agent perceives now."""
+        if agent not in self._percepts:
+            raise WorldError(f'no agent "{agent}" {has(self.agents, agent)}')
+        return list(self._percepts[agent]), []
+
+    def step(self, actions: Mapping[str, Action]) -> str | None:
+        """Play one cycle; return why the episode ended with it, or None."""
+        if self.ended:
+            raise WorldError(f'the episode has ended ("{self.ended}"); reset() begins the next')
+        done: dict[str, list[float]] = {name: [] for name in self.agents}
+        refused = {}
+        for name, action in actions.items():
+            try:
+                if name not in done:
+                    raise ValueError(f"there is no such agent {has(self.agents, name)}")
+                values = [float(value) for value in action[0]]
+                if not all(map(math.isfinite, values)):
+                    raise ValueError("needs finite values")
+                done[name] = values
+            except (LookupError, TypeError, ValueError) as error:
+                refused[name] = f"{name}: {error}; treated as no action"
+        self.refused = refused
+        self._percepts = self._checked(self._simulation.step(done), "step")
+        self._done.append(done)
+        self.cycle += 1
+        self.episode_cycle += 1
+        self.ended = str(self._simulation.ended)
+        return self.ended or None
+
+    def entities(self) -> list[Entity]:
+        """Return what the simulation draws."""
+        return list(self._simulation.draw())
+
+    def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
+        """Begin an episode, if wanted; nothing can be moved."""
+        if names := [placement.name for placement in placements]:
+            raise WorldError(
+                f"{some(names)} cannot be moved in {self.name}; begin another episode instead"
+            )
+        if new_episode:
+            self.reset()
+
+    def snapshot(self) -> dict[str, Any]:
+        """Return what was done in the episode, as JSON-able data."""
+        return {**snapshots.header(self, VERSION), "done": [dict(one) for one in self._done]}
+
+    def restore(self, snapshot: Mapping[str, Any]) -> None:
+        """Do again what was done until a snapshot.
+
+        Raises:
+            WorldError: if it is of another world, or damaged; then nothing has changed.
+        """
+        with snapshots.reading(snapshot, self, VERSION) as moment:
+            done = [
+                {name: [snapshots.finite(v) for v in one[name]] for name in self.agents}
+                for one in snapshot["done"]
+            ]
+            if len(done) != moment.episode_cycle:
+                raise ValueError(f"{len(done)} steps in {moment.episode_cycle} cycles")
+            again = self._played(done, moment.seed, moment.episode)
+            if again[0].ended != moment.ended:
+                raise ValueError("the episode does not end as it did")
+        moment.bring_back(self)
+        self._simulation, self._percepts, self._done = again
+
+    def result(self) -> EpisodeResult:
+        """Return how the present episode has gone so far."""
+        return EpisodeResult.of(self, dict(self._simulation.measured()))

@@ -1,0 +1,35 @@
+"""Runs a world in one file as its own process; see `hitab_world.simulation`.
+
+For example::
+
+    python -m hitab_world.simulation_main --ros-args -r __ns:=/world -p parameters.file:=maze.py
+"""
+
+from __future__ import annotations
+
+import sys
+
+from rclpy.node import Node
+
+from hitab_ros import run
+from hitab_world.figures import declare_figures
+from hitab_world.simulation import SimulationFigures, SimulationWorld
+from hitab_world.world_node import run_world
+
+
+def make_world(node: Node, seed: int) -> SimulationWorld:
+    """Create the world in the file that the node's parameters name.
+
+    Raises:
+        HitabError: if the file has no simulation, or that cannot begin an episode.
+    """
+    return SimulationWorld(declare_figures(node, SimulationFigures), seed)
+
+
+def main() -> None:
+    """Run until stopped."""
+    sys.exit(run(lambda spinning: run_world(make_world, spinning)))
+
+
+if __name__ == "__main__":
+    main()

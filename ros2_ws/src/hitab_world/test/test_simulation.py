@@ -1,0 +1,110 @@
+"""A world in one file: the class is a world, its functions are a domain, mistakes are named."""
+
+from pathlib import Path
+
+import pytest
+
+from hitab_core import HitabError, LearningAgent, load_domain
+from hitab_world import SimulationWorld
+from hitab_world.simulation import SimulationFigures
+from hitab_world.testing import Wandering, check_world
+
+CORRIDOR = """
+from random import Random
+
+from hitab_core import behavior, feature
+from hitab_world import Entity, Measure, Simulation
+
+
+class Corridor(Simulation):
+    agents = 2
+    measures = (Measure("distance"),)
+
+    def reset(self, seed):
+        random = Random(seed)
+        self.x = {name: random.uniform(-3.0, 3.0) for name in self.names}
+        self.gone = 0.0
+        return self.percepts()
+
+    def step(self, actions):
+        for name, action in actions.items():
+            if action:
+                self.x[name] += 0.1 * action[0]
+                self.gone += abs(0.1 * action[0])
+        if self.gone > 4.0:
+            self.ended = "far"
+        return self.percepts()
+
+    def percepts(self):
+        return {name: [x] for name, x in self.x.items()}
+
+    def draw(self):
+        return [Entity(name, "agent", x, 0.0, radius=0.2) for name, x in self.x.items()]
+
+    def measured(self):
+        return {"distance": self.gone}
+
+
+@feature
+def Position(percept):
+    return percept[0]
+
+
+@behavior
+def Left(percept):
+    return [-1.0]
+
+
+@behavior
+def Right(percept):
+    return [1.0]
+"""
+
+
+def written(folder: Path, text: str, name: str = "corridor") -> Path:
+    path = folder / f"{name}.py"
+    path.write_text(text)
+    return path
+
+
+def test_a_simulation_in_a_file_is_a_world(tmp_path):
+    path = written(tmp_path, CORRIDOR)
+    check_world(
+        lambda seed: SimulationWorld(SimulationFigures(str(path)), seed),
+        Wandering([[1.0], [-0.5]]),
+    )
+    assert len(SimulationWorld(SimulationFigures(str(path), 5)).agents) == 5
+
+
+def test_its_functions_are_a_domain_that_a_notebook_trains(tmp_path):
+    domain = load_domain(str(written(tmp_path, CORRIDOR)))
+    assert load_domain("corridor").signature == domain.signature, "as a library names it"
+    agent = LearningAgent(domain, tmp_path / "library").train("Shuttle")
+    assert [*agent.step([0.0], command="Right")] == [1.0]
+    agent.step([5.0], command="Left")
+    agent.step([0.0], command="Right")
+    agent.learn()
+    assert [agent.decide([x]) for x in (4.0, 5.0, 1.0)] == ["Right", "Left", "Left"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("(Simulation)", "", "has no class"),
+        ("class Corridor", "class Other(Simulation): pass\nclass Corridor", "Other"),
+        ("agents = 2", "agents = 0", "whole number from 1"),
+        ("percept[0]\n", "percept[0]\n1 / 0\n", "ZeroDivisionError"),
+        ("agents = 2", "agents = = 2", "bad.py:9: SyntaxError"),
+        ("[x] for", "[float('nan')] for", "the percept of agent_1 is not finite"),
+        ("[x] for", "x for", "agent_1 has no list of numbers"),
+        ("{name: [x]", "{name + '0': [x]", 'no agent "agent_10"'),
+        ("return {name: [x] for name, x in self.x.items()}", "return 3", "returned 3"),
+    ],
+)
+def test_a_mistake_in_the_file_is_named_with_its_place(tmp_path, old, new, told):
+    assert old in CORRIDOR
+    path = written(tmp_path, CORRIDOR.replace(old, new), "bad")
+    with pytest.raises(HitabError) as raised:
+        SimulationWorld(SimulationFigures(str(path)))
+    assert told in str(raised.value)
+    assert str(path) in str(raised.value)

@@ -1,0 +1,72 @@
+"""A world in one file: `hitab up` runs it, what is trained is there at the next start."""
+
+import json
+from pathlib import Path
+
+import pytest
+from waiting import within
+
+CORRIDOR = (Path(__file__).parents[1] / "examples/corridor.py").read_text()
+FAILS = CORRIDOR.replace("        if self.gone > 4.0", "        1 / 0\n        if self.gone > 4.0")
+
+
+@pytest.fixture
+def run(hitab):
+    def do(*command: str) -> str:
+        done = hitab(*command)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return do
+
+
+def written(folder: Path, text: str) -> str:
+    path = folder / "corridor.py"
+    path.write_text(text)
+    return str(path)
+
+
+def test_agents_of_a_world_in_one_file_are_trained_saved_and_there_again(run, apart):
+    path = written(apart, CORRIDOR)
+    assert "corridor is up: 2 agents and a world" in run("up", path, "--agents", "2")
+    run("train", "agent_1", "Shuttle", "-f", "Position")
+    run("demonstrate", "agent_1", "Right")
+    run("demonstrate", "agent_1", "Left")
+    run("save", "agent_1")
+    run("down")
+    run("up", path, "--agents", "2")
+    run("perform", "agent_1", "Shuttle")
+    told = json.loads(run("status", "--json", "-"))
+    assert told["agents"][0]["behavior"] == "Shuttle"
+    run("down")
+    evaluated = ("evaluate", path, "-b", "Right", "-n", "3", "--longest", "60", "--json", "-")
+    first = json.loads(run(*evaluated))
+    assert first["ended"]["evaluated"] == {"far": 3}
+    assert first["measures"]["distance"]["evaluated"]["mean"] > 4.0
+    assert json.loads(run(*evaluated))["measures"] == first["measures"]
+
+
+def test_a_step_that_raises_is_in_the_status_with_its_line_and_the_world_goes_on_waiting(
+    run, apart
+):
+    path = written(apart, FAILS)
+    line = FAILS.splitlines().index("        1 / 0") + 1
+    run("up", path)
+
+    def failed() -> bool:
+        world = json.loads(run("status", "--json", "-"))["world"]
+        return world["mode"] == "paused" and f"corridor.py:{line}" in str(world)
+
+    assert within(30.0, failed)
+    run("down")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("x = 1\n", "has no class derived from Simulation"), ("x = = 1\n", "corridor.py:1")],
+)
+def test_a_file_that_is_no_world_does_not_start(hitab, apart, text, told):
+    up = hitab("up", written(apart, text))
+    assert up.returncode == 1
+    assert told in up.stderr
+    assert "Traceback" not in up.stderr
