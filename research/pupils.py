@@ -262,6 +262,11 @@ class InProcessPupil:
         self.given += max(0, len(self._session.examples) - before)
 
     @property
+    def lateness(self) -> float:
+        """The estimated median of the person's delays, s."""
+        return self._pupil.people[""].median
+
+    @property
     def held(self) -> int:
         """Return the number of examples that all trainings hold now."""
         if self._pupil.session is not None:
