@@ -1,7 +1,7 @@
 """Measures how well an agent estimates how late a person's commands come.
 
-Novices (`novices.py`) whose delays are log-normal around different medians train a team. After some
-commands, the agent's estimate of the median is compared with the true one.
+Novices (`novices.py`) whose delays are log-normal around different medians train a team. After
+some commands, the agent's estimate of the median is compared with the true one.
 
     scripts/python research/delays.py --people 12
 """
