@@ -193,6 +193,22 @@ def swarm(name: str) -> Any:
     return read_swarm(find_file(name, "swarms", "swarm"))
 
 
+@pytest.mark.parametrize("named", ["./payload.py", "payload:DOMAIN"])
+def test_a_domain_that_a_library_or_bundle_names_runs_no_file(
+    lib: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: str
+) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "payload.py").write_text("from pathlib import Path\nPath('ran').touch()\n")
+    done("library", "export", "GotoBall", "-l", "lib", "-o", "one.bundle.yaml")
+    bundle = tmp_path / "one.bundle.yaml"
+    bundle.write_text(re.sub("(?m)^domain: .*", f'domain: "{named}"', bundle.read_text()))
+    for file in lib.glob("*.hfa.yaml"):
+        file.write_text(file.read_text().replace("name: keepaway,", f'name: "{named}",'))
+    for verb in (("list", "-l", "lib"), ("import", "one.bundle.yaml", "-l", "new")):
+        assert f'no domain "{named}" is installed' in refused("library", *verb)
+        assert not (tmp_path / "ran").exists()
+
+
 def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:
     with pytest.raises(DescriptionError, match=r'of domain "keepaway", and no agent .* foraging'):
         with_library(swarm("foraging"), "lib")
