@@ -408,8 +408,9 @@ def named_domain(name: str) -> Domain:
     if name not in points:
         raise VocabularyError(
             f'no domain "{name}" is installed {has(points, name)}; a package provides one under '
-            f'the entry-point group "{ENTRY_POINT_GROUP}", or give "module:ATTRIBUTE" or the '
-            "path of its file, such as my_world.py, as the `domain:` of a swarm file"
+            f'the entry-point group "{ENTRY_POINT_GROUP}". Of a world in one file, give the file: '
+            "hitab up my_world.py, hitab library --file my_world.py list. A swarm file may say "
+            '"module:ATTRIBUTE"'
         )
     return _checked(name, points[name].load())
 
