@@ -36,6 +36,7 @@ def test_agents_of_a_world_in_one_file_are_trained_saved_and_there_again(run, ap
     run("down")
     run("up", path, "--agents", "2")
     run("perform", "agent_1", "Shuttle")
+    assert "Shuttle" in run("library", "--file", path, "list", "-a", "agent_1")
     told = json.loads(run("status", "--json", "-"))
     assert told["agents"][0]["behavior"] == "Shuttle"
     run("down")

@@ -163,13 +163,13 @@ def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
             "give the copy to --library"
         )
     domain = domain_in(folder) if folder.is_dir() else None
-    domains = sorted({agent.domain for agent in swarm.agents})
+    domains = sorted({_named(agent.domain) for agent in swarm.agents})
     if domain is None and len(domains) > 1:
         raise DescriptionError(
             f'the agents of swarm "{swarm.name}" are of several domains {has(domains)} and cannot '
             "share a new library; write `library:` for each of them in its description"
         )
-    theirs = {member.domain for member in swarm.members}
+    theirs = {_named(member.domain) for member in swarm.members}
     if domain not in {None, *theirs}:
         raise DescriptionError(
             f'{folder}: its behaviors are of domain "{domain}", and no agent of swarm '
@@ -178,8 +178,15 @@ def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
     meant = domain or domains[0]
     return replace(
         swarm,
-        agents=tuple(replace(a, library=folder) if a.domain == meant else a for a in swarm.agents),
+        agents=tuple(
+            replace(a, library=folder) if _named(a.domain) == meant else a for a in swarm.agents
+        ),
         commanders=tuple(
             replace(c, library=folder) if c.domain == meant else c for c in swarm.commanders
         ),
     )
+
+
+def _named(domain: str) -> str:
+    """Return the name by which libraries know a domain: a file's has the name of the file."""
+    return Path(domain).stem if domain.endswith(".py") else domain

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
-from hitab_core import BehaviorLibrary, HitabError, LibraryError, load_domain
+from hitab_core import BehaviorLibrary, HitabError, LibraryError, named_domain
 from hitab_core.library import SUFFIX
 from hitab_core.library.yaml_places import open_yaml
 
@@ -29,7 +29,7 @@ def open_library(folder: Path) -> BehaviorLibrary:
     name = domain_in(folder)
     if name is None:
         raise LibraryError(_without_domain(folder))
-    return BehaviorLibrary(folder, load_domain(name))
+    return BehaviorLibrary(folder, named_domain(name))
 
 
 def domain_in(folder: Path) -> str | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,10 @@ from hitab_bringup import read_swarm
 from hitab_bringup.libraries import prepare
 from hitab_bringup.library_choice import with_library
 from hitab_bringup.main import make_app
+from hitab_bringup.swarm_options import described_swarm
 from hitab_client import DescriptionError, RunFolder, RunRecord
 from hitab_client.shipped import find_file, shipped
-from hitab_core import BehaviorLibrary, LibraryError, load_domain
+from hitab_core import BehaviorLibrary, LearningAgent, LibraryError, load_domain
 
 KEEPAWAY = ["ApproachBall", "ControlBall", "GotoBall", "Keepaway"]
 
@@ -191,6 +193,37 @@ def test_a_change_names_the_agents_that_use_the_library_and_how_they_read_it_aga
 
 def swarm(name: str) -> Any:
     return read_swarm(find_file(name, "swarms", "swarm"))
+
+
+def test_a_library_of_a_world_in_one_file_is_opened_with_the_file(tmp_path: Path) -> None:
+    words = "from hitab_core import behavior\n\n@behavior\ndef Go(percept):\n    return [1.0]\n"
+    (tmp_path / "walk.py").write_text(
+        f"{words}\nfrom hitab_world import Simulation\nclass Walk(Simulation):\n    pass\n"
+    )
+    agent = LearningAgent(load_domain("walk.py"), tmp_path / "mine").train("March", features=[])
+    agent.step([0.0], command="Go")
+    agent.save()
+    described = described_swarm("walk.py", None, library="mine")
+    assert [member.library for member in described.agents] == [tmp_path / "mine"]
+    del sys.modules["hitab_file_walk"]  # as in another process
+    assert "hitab library --file my_world.py" in refused("library", "list", "-l", "mine")
+    assert "March" in done("library", "--file", "walk.py", "list", "-l", "mine")
+
+
+@pytest.mark.parametrize("named", ["./payload.py", "payload:DOMAIN"])
+def test_a_domain_that_a_library_or_bundle_names_runs_no_file(
+    lib: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: str
+) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "payload.py").write_text("from pathlib import Path\nPath('ran').touch()\n")
+    done("library", "export", "GotoBall", "-l", "lib", "-o", "one.bundle.yaml")
+    bundle = tmp_path / "one.bundle.yaml"
+    bundle.write_text(re.sub("(?m)^domain: .*", f'domain: "{named}"', bundle.read_text()))
+    for file in lib.glob("*.hfa.yaml"):
+        file.write_text(file.read_text().replace("name: keepaway,", f'name: "{named}",'))
+    for verb in (("list", "-l", "lib"), ("import", "one.bundle.yaml", "-l", "new")):
+        assert f'no domain "{named}" is installed' in refused("library", *verb)
+        assert not (tmp_path / "ran").exists()
 
 
 def test_a_library_is_only_for_those_of_its_domain(lib: Path) -> None:

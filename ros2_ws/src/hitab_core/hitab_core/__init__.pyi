@@ -23,6 +23,7 @@ from .domain import FeatureKind as FeatureKind
 from .domain import Scale as Scale
 from .domain import Target as Target
 from .domain import load_domain as load_domain
+from .domain import named_domain as named_domain
 from .drawing.picture import draw_automata as draw_automata
 from .drawing.text import automaton_as_text as automaton_as_text
 from .errors import FeatureValueError as FeatureValueError

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -373,33 +373,53 @@ def load_domain(name: str) -> Domain:
     """Return the installed domain called ``name``, or the one at ``"module:ATTRIBUTE"``.
 
     A name that ends in ``.py`` is the path of a file whose functions are the words; see
-    `hitab_core.plain`. Once loaded, it is found by its name, as libraries keep it.
+    `hitab_core.plain`. Once loaded, it is found by its name, as libraries keep it. It can run any
+    code: take a name that a data file gives to `named_domain`.
 
     Raises:
         VocabularyError: if there is none, or it is not a domain.
     """
     if name.endswith(".py"):
+        if (stem := Path(name).stem) in _installed():
+            raise VocabularyError(f'{name}: domain "{stem}" is installed; rename the file')
         return _domain_of(load_file(Path(name)))
+    module, _, attribute = name.partition(":")
+    if not attribute:
+        return named_domain(name)
+    try:
+        found = getattr(import_module(module), attribute)
+    except (ImportError, AttributeError) as error:
+        raise VocabularyError(
+            f'domain "{name}" cannot be imported: {error}; it must read "module:ATTRIBUTE", '
+            "with the module where Python finds it"
+        ) from error
+    return _checked(name, found)
+
+
+def named_domain(name: str) -> Domain:
+    """Return a domain that is installed, or whose file was loaded, by its name alone.
+
+    Raises:
+        VocabularyError: if there is none, or it is not a domain.
+    """
     if (file := loaded_file(name)) is not None:
         return _domain_of(file)
-    module, _, attribute = name.partition(":")
-    if attribute:
-        try:
-            found = getattr(import_module(module), attribute)
-        except (ImportError, AttributeError) as error:
-            raise VocabularyError(
-                f'domain "{name}" cannot be imported: {error}; it must read "module:ATTRIBUTE", '
-                "with the module where Python finds it"
-            ) from error
-    else:
-        points = {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
-        if name not in points:
-            raise VocabularyError(
-                f'no domain "{name}" is installed {has(points, name)}; a package provides one '
-                f'under the entry-point group "{ENTRY_POINT_GROUP}", or write "module:ATTRIBUTE" '
-                "or the path of its file, such as my_world.py"
-            )
-        found = points[name].load()
+    points = _installed()
+    if name not in points:
+        raise VocabularyError(
+            f'no domain "{name}" is installed {has(points, name)}; a package provides one under '
+            f'the entry-point group "{ENTRY_POINT_GROUP}". Of a world in one file, give the file: '
+            "hitab up my_world.py, hitab library --file my_world.py list. A swarm file may say "
+            '"module:ATTRIBUTE"'
+        )
+    return _checked(name, points[name].load())
+
+
+def _installed() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=ENTRY_POINT_GROUP)}
+
+
+def _checked(name: str, found: object) -> Domain:
     if not isinstance(found, Domain):
         raise VocabularyError(f'"{name}" is not a Domain but a {type(found).__name__}')
     return found

@@ -5,14 +5,16 @@ The functions are those of `hitab_core.plain`; `hitab up FILE` runs the file.
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from traceback import extract_tb
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-from hitab_core import has, load_file, some, world_seed
+from hitab_core import HitabError, has, load_file, some, world_seed
 from hitab_world import snapshots
 from hitab_world.parameters import NOT_NEGATIVE, Limit, Parameters
 from hitab_world.world import (
@@ -27,6 +29,7 @@ from hitab_world.world import (
 )
 
 VERSION = 1
+TIME = "time"
 Values = Sequence[float]
 
 
@@ -39,6 +42,7 @@ class Simulation:
         size: width and height of the field, m; it is centered on the origin.
         looks: how viewers draw each kind of thing.
         measures: by which behaviors are compared.
+        longest: how many steps an episode takes at most; then it ends with "time".
         ended: why the episode has ended; a step sets it. `reset` begins with "".
         names: of the agents.
     """
@@ -48,19 +52,23 @@ class Simulation:
     size: tuple[float, float] = (10.0, 10.0)
     looks: Mapping[str, Look] = MappingProxyType({})
     measures: Sequence[Measure] = ()
+    longest: int = 10_000
     ended: str = ""
     names: tuple[str, ...] = ()
 
     def reset(self, seed: int) -> Mapping[str, Values]:
-        """Begin an episode, which depends on the seed alone; return each agent's percept."""
-        raise NotImplementedError
+        """Begin an episode, which depends on the seed alone; return each agent's percept.
+
+        By default, it begins with a step in which nothing is done.
+        """
+        return self.step({name: [] for name in self.names})
 
     def step(self, actions: Mapping[str, Values]) -> Mapping[str, Values]:
         """Advance by one step; return each agent's percept.
 
         The action of an agent that does nothing is empty.
         """
-        raise NotImplementedError
+        raise NotImplementedError("define step(self, actions)")
 
     def draw(self) -> Iterable[Entity]:
         """Return what viewers show."""
@@ -120,6 +128,7 @@ class SimulationWorld:
         self.parameters = figures
         self.agents = tuple(f"agent_{i + 1}" for i in range(figures.agents or kind.agents))
         self._kind = kind
+        self._source = hashlib.sha256(Path(figures.file).read_bytes()).hexdigest()[:16]
         self.name = Path(figures.file).stem
         self.cycle_seconds = kind.cycle_seconds
         self.size = kind.size
@@ -137,13 +146,40 @@ class SimulationWorld:
     def _played(
         self, done: list[dict[str, list[float]]], seed: int, episode: int
     ) -> tuple[Simulation, dict[str, list[float]], list[dict[str, list[float]]]]:
-        """Return an episode in which these actions were done."""
-        simulation = self._kind()
-        simulation.agents, simulation.names = len(self.agents), self.agents
-        percepts = self._checked(simulation.reset(world_seed(seed, episode)), "reset")
-        for actions in done:
-            percepts = self._checked(simulation.step(actions), "step")
+        """Return an episode in which these actions were done.
+
+        Raises:
+            WorldError: naming the line of the file that raised.
+        """
+        try:
+            simulation = self._kind()
+            simulation.agents, simulation.names = len(self.agents), self.agents
+            percepts = self._checked(simulation.reset(world_seed(seed, episode)), "reset")
+            for actions in done:
+                percepts = self._stepped(simulation, actions)
+        except HitabError:
+            raise
+        except Exception as error:
+            file = str(Path(self.parameters.file).resolve())
+            lines = [f.lineno for f in extract_tb(error.__traceback__) if f.filename == file]
+            place = f"{file}:{lines[-1]}" if lines else self._place
+            raise WorldError(
+                f"{place}: {type(error).__name__}: {error}; correct the file"
+            ) from error
         return simulation, percepts, list(done)
+
+    def _stepped(
+        self, simulation: Simulation, actions: Mapping[str, list[float]]
+    ) -> dict[str, list[float]]:
+        """Return what all agents perceive after a step; the step may change what it is given."""
+        given = {name: list(values) for name, values in actions.items()}
+        percepts = self._checked(simulation.step(given), "step")
+        if not isinstance(simulation.ended, str):
+            raise WorldError(
+                f"{self._place}.step() set ended to {simulation.ended!r}; set it to a text that "
+                'says why, such as "goal", or leave it ""'
+            )
+        return percepts
 
     def _checked(self, percepts: Any, method: str) -> dict[str, list[float]]:
         """Return what all agents perceive.
@@ -205,11 +241,13 @@ class SimulationWorld:
             except (LookupError, TypeError, ValueError) as error:
                 refused[name] = f"{name}: {error}; treated as no action"
         self.refused = refused
-        self._percepts = self._checked(self._simulation.step(done), "step")
+        self._percepts = self._stepped(self._simulation, done)
         self._done.append(done)
         self.cycle += 1
         self.episode_cycle += 1
-        self.ended = str(self._simulation.ended)
+        self.ended = self._simulation.ended
+        if not self.ended and self.episode_cycle >= self._kind.longest:
+            self.ended = self._simulation.ended = TIME
         return self.ended or None
 
     def entities(self) -> list[Entity]:
@@ -227,7 +265,8 @@ class SimulationWorld:
 
     def snapshot(self) -> dict[str, Any]:
         """Return what was done in the episode, as JSON-able data."""
-        return {**snapshots.header(self, VERSION), "done": [dict(one) for one in self._done]}
+        done = [dict(one) for one in self._done]
+        return {**snapshots.header(self, VERSION), "source": self._source, "done": done}
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
         """Do again what was done until a snapshot.
@@ -236,6 +275,11 @@ class SimulationWorld:
             WorldError: if it is of another world, or damaged; then nothing has changed.
         """
         with snapshots.reading(snapshot, self, VERSION) as moment:
+            if snapshots.text(snapshot["source"]) != self._source:
+                raise WorldError(
+                    f"{self.parameters.file} is not as it was when the snapshot was taken; "
+                    "restore that version of the file, or take another snapshot"
+                )
             done = [
                 {name: [snapshots.finite(v) for v in one[name]] for name in self.agents}
                 for one in snapshot["done"]
@@ -243,6 +287,8 @@ class SimulationWorld:
             if len(done) != moment.episode_cycle:
                 raise ValueError(f"{len(done)} steps in {moment.episode_cycle} cycles")
             again = self._played(done, moment.seed, moment.episode)
+            if len(done) >= self._kind.longest and not again[0].ended:
+                again[0].ended = TIME
             if again[0].ended != moment.ended:
                 raise ValueError("the episode does not end as it did")
         moment.bring_back(self)

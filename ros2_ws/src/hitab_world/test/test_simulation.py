@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from hitab_core import HitabError, LearningAgent, load_domain
-from hitab_world import SimulationWorld
+from hitab_world import SimulationWorld, WorldError
 from hitab_world.simulation import SimulationFigures
 from hitab_world.testing import Wandering, check_world
 
@@ -99,6 +99,8 @@ def test_its_functions_are_a_domain_that_a_notebook_trains(tmp_path):
         ("[x] for", "x for", "agent_1 has no list of numbers"),
         ("{name: [x]", "{name + '0': [x]", 'no agent "agent_10"'),
         ("return {name: [x] for name, x in self.x.items()}", "return 3", "returned 3"),
+        ("random = Random(seed)", "random = 1 / 0", "bad.py:13: ZeroDivisionError"),
+        ("def reset", "def begin", "AttributeError"),
     ],
 )
 def test_a_mistake_in_the_file_is_named_with_its_place(tmp_path, old, new, told):
@@ -108,3 +110,52 @@ def test_a_mistake_in_the_file_is_named_with_its_place(tmp_path, old, new, told)
         SimulationWorld(SimulationFigures(str(path)))
     assert told in str(raised.value)
     assert str(path) in str(raised.value)
+
+
+def test_an_ending_that_is_no_text_is_refused(tmp_path):
+    text = CORRIDOR.replace("if self.gone > 4.0:", "if True:").replace('"far"', "self.gone > 4.0")
+    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "bad"))))
+    with pytest.raises(WorldError, match=r"bad\.py: Corridor\.step\(\) set ended to False; set"):
+        world.step({})
+
+
+def test_an_episode_ends_at_its_longest_and_is_restored_there(tmp_path):
+    text = CORRIDOR.replace("    agents = 2\n", "    agents = 2\n    longest = 3\n")
+    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "short"))))
+    assert [world.step({}) for _ in range(3)] == [None, None, "time"]
+    kept = world.snapshot()
+    world.reset()
+    world.restore(kept)
+    assert (world.ended, world.episode_cycle) == ("time", 3)
+
+
+def test_a_class_without_reset_begins_with_a_step_in_which_nothing_is_done(tmp_path):
+    reset = CORRIDOR.partition("    def reset")[2].partition("    def step")[0]
+    text = CORRIDOR.replace(f"    def reset{reset}", "    x, gone = {'agent_1': 2.0}, 0.0\n\n")
+    text = text.replace("agents = 2", "agents = 1")
+    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "plain"))))
+    assert world.percept("agent_1") == ([2.0], [])
+
+
+def test_a_step_may_change_the_actions_it_is_given(tmp_path):
+    text = CORRIDOR.replace("actions.items():", "((n, actions.pop(n)) for n in [*actions]):")
+    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "pops"))))
+    world.step({"agent_1": ([1.0], "")})
+    kept, percept = world.snapshot(), world.percept("agent_1")
+    world.reset()
+    world.restore(kept)
+    assert world.percept("agent_1") == percept
+
+
+def test_a_snapshot_is_refused_once_the_file_has_changed(tmp_path):
+    path = written(tmp_path, CORRIDOR, "edited")
+    kept = SimulationWorld(SimulationFigures(str(path))).snapshot()
+    path.write_text(CORRIDOR.replace("0.1 *", "0.2 *"))
+    with pytest.raises(WorldError, match="not as it was when the snapshot was taken"):
+        SimulationWorld(SimulationFigures(str(path))).restore(kept)
+
+
+def test_a_file_with_the_name_of_an_installed_domain_is_refused(tmp_path):
+    with pytest.raises(HitabError, match='"keepaway" is installed; rename the file'):
+        load_domain(str(written(tmp_path, CORRIDOR, "keepaway")))
+    assert "Position" not in load_domain("keepaway").features

@@ -17,6 +17,24 @@ from hitab_core import quantity
 app = typer.Typer(help="Inspect and change libraries of trained behaviors.")
 
 
+@app.callback()
+def read_file(
+    file: Annotated[
+        Path | None,
+        typer.Option(
+            "--file",
+            metavar="FILE",
+            help="The Python file of the agents' world, if they are of a world in one file.",
+        ),
+    ] = None,
+) -> None:
+    """Inspect and change libraries of trained behaviors."""
+    if file is not None:
+        from hitab_core import load_domain
+
+        load_domain(str(file))  # libraries find it by its name
+
+
 @app.command("list")
 def list_behaviors(
     library: Library = None, agent: Agent = None, swarm: SwarmName = None, json: JsonPath = None

@@ -214,14 +214,14 @@ def import_(
     """
     from hitab_bringup.library_choice import known_libraries, library_meant
     from hitab_bringup.opened_library import domain_in, open_library
-    from hitab_core import BehaviorLibrary, load_domain
+    from hitab_core import BehaviorLibrary, named_domain
     from hitab_core.library import read_bundle_file, read_bundled
 
     bundle = read_bundle_file(file)
     is_new = library is not None and library not in known_libraries()
     folder = Path(library or "").expanduser() if is_new else library_meant(library, agent, swarm)
     there = (
-        BehaviorLibrary(folder, load_domain(bundle.domain))
+        BehaviorLibrary(folder, named_domain(bundle.domain))
         if not folder.is_dir() or domain_in(folder) is None
         else open_library(folder)
     )
