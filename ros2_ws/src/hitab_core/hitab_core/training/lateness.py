@@ -104,14 +104,6 @@ class Lateness:
         """Return how probable delays are, shape (n,), per second."""
         return np.asarray((_density(delays) * self.odds).sum(axis=(1, 2)))
 
-    @property
-    def uncertainty(self) -> float:
-        """Standard deviation of the median's logarithm."""
-        logs = np.log(MEDIANS)
-        weights = self.odds.sum(axis=1)
-        mean = float(weights @ logs)
-        return math.sqrt(max(0.0, float(weights @ (logs - mean) ** 2)))
-
 
 def _prior() -> Floats:
     middle = math.log(math.sqrt(SOONEST * LATEST))
