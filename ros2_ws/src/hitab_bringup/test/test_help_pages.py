@@ -3,6 +3,7 @@
 import re
 
 import pytest
+import typer
 from typer.main import get_command
 from typer.testing import CliRunner
 
@@ -40,8 +41,8 @@ def test_every_option_and_argument_has_help(app):
 
 
 def test_the_help_lists_at_most_thirty_six_verbs_and_a_group_is_one(app):
-    alone = [c for c in app.registered_commands if not c.hidden]
-    assert len(alone) + len(app.registered_groups) <= 36
+    shown = typer.main.get_group(app).commands  # by name: another test may have registered twice
+    assert 20 < sum(not command.hidden for command in shown.values()) <= 36
 
 
 def test_without_a_verb_the_help_is_what_was_asked_for(app):
