@@ -62,6 +62,8 @@ class Novice(Person):
         # Whoever sees a robot do the wrong thing presses the key of the right one.
         self.contradicts = self.trusts = True
         self.estimated = estimated
+        # The agent asks when the person is not commanding: after each trial.
+        self.answers_between = answers
 
     def train(self, pupil: Pupil) -> Diary:
         """Train all plans of the intention, from the bottom up, each once."""

@@ -161,17 +161,18 @@ class SecondThoughts:
 
     # -- questions --------------------------------------------------------------------------
 
-    def answer(self, allowance: int) -> list[Example]:
+    def answer(self, allowance: int, most: int = ANSWERS) -> list[Example]:
         """Answer what the agent asks, as long as there is something, and budget.
 
         Args:
             allowance: the most examples that all trainings may hold.
+            most: questions that the person answers now.
 
         Returns:
             The examples that answers have deleted, default ones left out.
         """
         before, answered = self.pupil.examples(), set()
-        for _ in range(ANSWERS):
+        for _ in range(most):
             examples = self.pupil.examples()
             if self.pupil.held >= allowance or not any(e.state == START for e in examples):
                 break

@@ -83,7 +83,7 @@ class Person:
         self.contradicts = reviews or (contradicts and self.ago > 0.0)
         self.reviews, self.slows = reviews, slows
         self.answers, self.unlearns = answers, unlearns
-        self.trusts = self.estimated = False
+        self.trusts = self.estimated = self.answers_between = False
 
     # -- the whole course -------------------------------------------------------------------
 
@@ -213,6 +213,8 @@ class Course:
             scene = again or self._next(scenes)
             first = again is not None
             good = self._play(scene, guided=hand or first, first=first)
+            if self.person.answers_between:
+                self._forget(self._trial(), self._second_thoughts().answer(self.allowance, 1))
             clean = clean + 1 if good and not hand else 0
             if clean >= wanted:
                 self.person.diary.content.append(self.plan.name)

@@ -144,4 +144,5 @@ def _marks(session: TrainingSession | None) -> tuple[Any, ...]:
     if session is None:
         return (None,)
     known = [question.number for question in session.asked.known(session.log)]
-    return session.examples, session, session.curriculum, known, len(session.asked.answered)
+    answered, news = session.asked.answered, session.perception.situations.news
+    return session.examples, session, session.curriculum, known, len(answered), news

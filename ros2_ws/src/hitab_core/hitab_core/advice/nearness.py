@@ -28,6 +28,28 @@ UNKNOWN = math.inf
 """The distance where no example has any of the values."""
 
 
+def apart(some: Floats, others: Floats, scales: Sequence[Scale], spread: Floats) -> Floats:
+    """Return the distances of situations from others; where nothing compares, `UNKNOWN`.
+
+    Args:
+        some, others: shapes (k, m) and (n, m); toroidal values in [0, period); NaN: not known.
+        scales: how the values of each of the m features compare.
+        spread: shape (m,), the usual differences, see `spreads`.
+
+    Returns:
+        shape (k, n).
+    """
+    away = np.abs(some[:, None, :] - others[None, :, :])
+    for f, scale in enumerate(scales):
+        if scale.kind is FeatureKind.TOROIDAL:
+            away[:, :, f] = np.minimum(away[:, :, f], scale.period - away[:, :, f])
+        if not scale.kind.is_measured:
+            away[:, :, f] = np.where(np.isnan(away[:, :, f]), np.nan, away[:, :, f] > 0)
+    away /= spread
+    known = ~np.isnan(away).all(axis=2)
+    return np.where(known, np.fmax.reduce(away, axis=2, initial=0.0), UNKNOWN)
+
+
 class Nearness:
     """Measures the distance from the nearest of some examples, in some of their features."""
 

@@ -31,6 +31,7 @@ from hitab_core.training.moments import (
     state_of,
 )
 from hitab_core.training.responses import responded
+from hitab_core.training.situations import Situations
 from hitab_core.use import Use
 
 TIMERS = tuple(use for use in OWN_FEATURES if use.name not in FLAGS)
@@ -40,16 +41,13 @@ BLAMED_SECONDS = 1.0
 """A change of state that was longer before a correction was due is not what is corrected."""
 
 
-PERCEIVED_MAX = 200
-"""The most moments in which questions are looked for; with more, it takes long."""
-
-
 class Perceived:
     """Reads whatever can be read, and keeps it for as long as a command may refer to it.
 
     Attributes:
         readable: names of the readings.
         moments: the last ones.
+        situations: a sample of all, in which questions are looked for.
     """
 
     def __init__(
@@ -71,8 +69,14 @@ class Perceived:
         found = tuple(names) or readable(domain, parameters)
         self.readable = (*found, *(use for use in chosen if use not in found))
         self.moments = Moments()
+        self.situations = Situations()
         self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
         self._column = {use: i for i, use in enumerate(self.readable)}
+        self._discrete = [
+            self._column[use]
+            for use in chosen
+            if use not in TIMERS and not domain.scale_of(use).kind.is_measured
+        ]
         self._uses: list[Use | None] = []
         self._entered: Moment | None = None
         self._corrected: dict[int, tuple[Moment, str, str]] = {}
@@ -117,7 +121,20 @@ class Perceived:
         """
         if jumped:
             self.begin()
-        self.moments.add(Moment(cycle, time, state_of(running.active), self._read(running)))
+        moment = Moment(cycle, time, state_of(running.active), self._read(running))
+        self.moments.add(moment)
+        self._meet(moment)
+
+    def _meet(self, moment: Moment) -> None:
+        values = (moment.readings[i] for i in self._discrete)
+        kind = (moment.state, *(None if math.isnan(value) else value for value in values))
+        self.situations.add(kind, moment)
+
+    def remember(self) -> None:
+        """Meet again what is kept around commands, after a restart."""
+        for _, moments in self._windows.values():
+            for moment in moments:
+                self._meet(moment)
 
     def enter(self, label: str, due: Moment) -> None:
         """Have a commanded state be active since the command was due."""
@@ -145,7 +162,10 @@ class Perceived:
         latest = self.moments.latest
         self.begin()
         if latest is not None:
-            self.moments.add(replace(latest, state=START))
+            self.situations.forget_from(latest.time)
+            begun = replace(latest, state=START)
+            self.moments.add(begun)
+            self._meet(begun)
 
     def due(
         self,
@@ -232,11 +252,9 @@ class Perceived:
             )
         return values
 
-    def perceived(self, features: Sequence[Use]) -> list[tuple[str, tuple[float, ...]]]:
-        """Return the values of features in all moments that are kept, with the states."""
-        kept = [m for _, moments in self._windows.values() for m in moments]
-        kept = kept[:: -(-len(kept) // PERCEIVED_MAX) or 1]
-        return [(m.state, self.in_moment(m, features)) for m in kept]
+    def met(self, features: Sequence[Use]) -> list[tuple[str, tuple[float, ...]]]:
+        """Return the values of features in a sample of what was met, with the states."""
+        return [(m.state, self.in_moment(m, features)) for m in self.situations]
 
     # -- moments that stay with the examples ------------------------------------------------
 

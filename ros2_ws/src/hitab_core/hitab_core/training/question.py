@@ -25,6 +25,7 @@ class QuestionKind(StrEnum):
     MISTAKE = "mistake"
     SPARSE = "sparse"
     AMBIGUITY = "ambiguity"
+    UNSHOWN = "unshown"
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,9 @@ class Material:
         scales, names, units: of the features.
         classifier: that learns from them.
         labels: of the states, without Start.
+        goals: labels of what may be right: the chosen states, or those of the states.
         corrections: of what the automaton did by itself.
-        perceived: the features' values in what was perceived, each with the state of that time.
+        met: the features' values in a sample of what was met, each with the state of that time.
     """
 
     examples: tuple[Example, ...]
@@ -92,8 +94,9 @@ class Material:
     units: tuple[str, ...]
     classifier: str
     labels: tuple[str, ...]
+    goals: tuple[str, ...] = ()
     corrections: tuple[Correction, ...] = ()
-    perceived: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    met: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
     def evidence(self, state: str) -> Evidence:
         """Return what the transition function of a state is learned from."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.proposals import Proposal
 from hitab_core.advice.support import situation_in_words
+from hitab_core.advice.unshown import Unshown
 from hitab_core.example import Example
 from hitab_core.wording import numbered, some
 
@@ -49,6 +50,14 @@ def unshown(proposal: Proposal, evidence: Evidence) -> str:
     assert proposal.place is not None
     where = situation(evidence, proposal.place)
     return f"What is right in {proposal.state}{where}? {sentences(proposal.evidence[:REASONS])}"
+
+
+def never_shown(found: Unshown, evidence: Evidence) -> str:
+    """Return a question about a situation that was met and never shown."""
+    where = situation(evidence, found.situation)
+    follows = "it stays" if found.decided == found.state else f"{found.decided} follows"
+    learned = f"; as it is, {follows}" if found.decided else ""
+    return f"What is right in {found.state}{where}? Nothing like it was shown{learned}."
 
 
 def situation(evidence: Evidence, values: Sequence[float]) -> str:

@@ -1,21 +1,26 @@
 """What an agent asks its demonstrator about the examples of a training, and what answers do.
 
-There are four kinds of questions. Two commands in the same situation contradict each other; an
+There are five kinds of questions. Two commands in the same situation contradict each other; an
 example made the agent do what was then corrected, and was perhaps a mistake; the examples say too
-little where it was corrected; several explanations fit the examples. Each is found again from the
-examples as they are (`hitab_core.advice`), so an answer that changes them ends its question, and
-undoing the answer asks it again.
+little where it was corrected; several explanations fit the examples; a situation was met in which
+nothing like it was shown. Each is found again from the examples as they are (`hitab_core.advice`),
+so an answer that changes them ends its question, and undoing the answer asks it again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from typing import Any
 
+import numpy as np
+
 from hitab_core.advice.ambiguity import Ambiguity, ambiguities
+from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.proposals import Proposal, ProposalKind
 from hitab_core.advice.unlearning import propose, suspects
-from hitab_core.automaton import START
+from hitab_core.advice.unshown import Unshown, unshown
+from hitab_core.arrays import Booleans
+from hitab_core.automaton import FLAGS, START
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.training import question_texts
@@ -48,64 +53,74 @@ class Questions:
         self._numbers: dict[tuple[Any, ...], int] = {}
         self._dismissed: set[tuple[str, ...]] = set()
         self._about: tuple[Example, ...] | None = None
+        self._contradicting: list[Question] = []
         self._known: list[Question] = []
-        self._searched = False
+        self._searched: Hashable = None
 
     def count(self, log: ExampleLog) -> int:
         """Return how many are `known`."""
         return len(self.known(log))
 
     def known(self, log: ExampleLog) -> list[Question]:
-        """Return those that are open, without looking for those that take long to find."""
+        """Return what is asked now, without looking for what takes long to find.
+
+        All contradictions are, and of the others the most useful one.
+        """
         self._look_at(log)
-        return self._unless_dismissed(self._known)
+        asked = [question for question in self._known if question.words not in self._dismissed]
+        others = [q for q in asked if q.kind is not QuestionKind.CONTRADICTION]
+        return [q for q in asked if q not in others[1:]]
 
     def _look_at(self, log: ExampleLog) -> None:
         """Look for those that are found at once, if the examples have changed."""
         if self._about is not log.examples:
-            self._about, self._searched = log.examples, False
-            self._known = self._contradictions(log.contradictory())
+            self._about, self._searched = log.examples, None
+            self._known = self._contradicting = self._contradictions(log.contradictory())
 
-    def find(self, material: Callable[[], Material], log: ExampleLog) -> list[Question]:
-        """Return those that are open, the most useful first; this can take a tenth of a second.
+    def find(
+        self, material: Callable[[], Material], log: ExampleLog, news: Hashable = 0
+    ) -> list[Question]:
+        """Return what is asked now, see `known`; this can take a tenth of a second.
 
         Args:
-            material: returns what they are found from; called if the examples have changed.
+            material: returns what they are found from; called if anything has changed.
             log: of the examples of the training.
+            news: changes when it is worth while to look again, though no example has changed.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        for _ in self.search(material, log):
+        for _ in self.search(material, log, news):
             pass
-        return self._unless_dismissed(self._known)
+        return self.known(log)
 
-    def search(self, material: Callable[[], Material], log: ExampleLog) -> Iterator[None]:
+    def search(
+        self, material: Callable[[], Material], log: ExampleLog, news: Hashable = 0
+    ) -> Iterator[None]:
         """Look for questions, for `find`, in steps between which something else can be done.
 
         If the examples change meanwhile, the search ends; begin another one.
 
         Args:
-            material, log: see `find`.
+            material, log, news: see `find`.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
         self._look_at(log)
         examples = self._about
-        if self._searched:
+        if self._searched == news:
             return
         found: list[tuple[tuple[float, ...], Question]] = []
-        for ranked in self._found(material(), self._known):
+        for ranked in self._found(material(), self._contradicting):
             if ranked is not None:
                 found.append(ranked)
             yield
             if self._about is not examples:
                 return
         found.sort(key=lambda ranked: ranked[0])
-        if not self._searched:
-            self._known = [*self._known, *(question for _, question in found)]
-            self._searched = True
+        self._known = [*self._contradicting, *(question for _, question in found)]
+        self._searched = news
 
     def get(self, number: int, found: Sequence[Question]) -> Question:
         """Return an open question.
@@ -127,9 +142,6 @@ class Questions:
     def dismiss(self, key: Iterable[str]) -> None:
         """Do not ask a question again, given `Question.words`."""
         self._dismissed.add(tuple(key))
-
-    def _unless_dismissed(self, found: Iterable[Question]) -> list[Question]:
-        return [question for question in found if question.words not in self._dismissed]
 
     def _number(self, key: tuple[Any, ...]) -> int:
         return self._numbers.setdefault(key, len(self._numbers) + 1)
@@ -159,12 +171,16 @@ class Questions:
                     yield (sparse, not proposal.corrections, -proposal.score), question
         for state in (START, *given.labels):
             evidence = given.evidence(state)
-            if len(set(evidence.next_states)) < 2:
-                continue
-            for ambiguity in ambiguities(evidence, given.perceived):
-                rank = (2, not ambiguity.here, -ambiguity.share)
-                yield rank, self._of_ambiguity(ambiguity)
-            yield None
+            if len(set(evidence.next_states)) > 1:
+                for ambiguity in ambiguities(evidence, given.met):
+                    rank = (2, not ambiguity.here, -ambiguity.share)
+                    yield rank, self._of_ambiguity(ambiguity)
+                yield None
+            if state not in FLAGS:
+                found = unshown(evidence, *_about(state, given))
+                if found is not None:
+                    yield (0, 0, -found.told), self._of_unshown(found, evidence)
+                yield None
 
     def _contradictions(self, examples: Sequence[Example]) -> list[Question]:
         recorded: dict[int, list[int]] = {}
@@ -233,6 +249,19 @@ class Questions:
             where,
         )
 
+    def _of_unshown(self, found: Unshown, evidence: Evidence) -> Question:
+        key = (QuestionKind.UNSHOWN, found.state, found.situation)
+        return Question(
+            self._number(key),
+            QuestionKind.UNSHOWN,
+            question_texts.never_shown(found, evidence),
+            found.state,
+            (),
+            _commands(found.state, found.situation, found.next_states),
+            found.situation,
+            key,
+        )
+
     def _of_ambiguity(self, ambiguity: Ambiguity) -> Question:
         key = (QuestionKind.AMBIGUITY, *ambiguity.key)
         return Question(
@@ -249,6 +278,19 @@ class Questions:
             ambiguity.situation,
             key,
         )
+
+
+def _about(
+    state: str, given: Material
+) -> tuple[list[tuple[float, ...]], tuple[str, ...], Booleans]:
+    """Return what was met in a state, what may be right in it, and what its entries assumed."""
+    met = [values for there, values in given.met if there == state]
+    met += [e.features for e in given.examples if e.state != state == e.next_state]
+    own = [e for e in given.examples if e.state == state and e.is_learned]
+    # A default example without an ordinary one answers a question.
+    commanded = {e.command for e in given.examples if not e.is_default}
+    assumed = [e.is_default and e.command in commanded for e in own]
+    return met, given.goals, np.array(assumed, np.bool_)
 
 
 def _commands(state: str, situation: Sequence[float], labels: Sequence[str]) -> tuple[Choice, ...]:

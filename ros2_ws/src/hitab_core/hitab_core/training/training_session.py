@@ -233,6 +233,7 @@ class TrainingSession:
             if record["do"] == "dismiss":
                 self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
+        self.perception.remember()
         self.check_on(self.context.repertoire)
         self.rebuild(self.context)
 
@@ -388,15 +389,15 @@ class TrainingSession:
 
     def search(self) -> Iterator[None]:
         """Look for questions in steps; see `Questions.search`."""
-        return self.asked.search(self._material, self.log)
+        return self.asked.search(self._material, self.log, self.perception.situations.news)
 
     def questions(self) -> list[Question]:
-        """Return what the agent asks the demonstrator; this can take a tenth of a second.
+        """Return what the agent asks the demonstrator now; this can take a tenth of a second.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        return self.asked.find(self._material, self.log)
+        return self.asked.find(self._material, self.log, self.perception.situations.news)
 
     def _material(self) -> Material:
         examples, features = self.log.examples, self.curriculum.features
@@ -408,8 +409,9 @@ class TrainingSession:
             tuple(repertoire.domain.feature(use.name).unit for use in features),
             self.curriculum.classifier,
             tuple(self.states),
+            tuple(map(str, self.curriculum.states)) or tuple(self.states),
             tuple(self.perception.corrections(examples, features)),
-            tuple(self.perception.perceived(features)),
+            tuple(self.perception.met(features)),
         )
 
     def answer(self, number: int, choice: str = "", *, dismiss: bool = False) -> Question:

@@ -1,0 +1,132 @@
+"""What an agent met and was never shown: the situation in which one answer would tell it most.
+
+An example says what is right in its situation, and less the farther another one is from it. What
+the examples of a state say of a situation is a weight for each next state: the inverse of the
+distance to the nearest example of it. A next state that was never shown has weight 1, as if its
+example were as far away as examples usually are from each other (`hitab_core.advice.nearness`).
+
+What an answer *tells* is how much it adds, over all situations that the agent met in the state:
+the share of the weights that does not stand behind the heaviest next state, times the part of the
+way by which the situation asked about is nearer than the nearest example. Each kind of situation,
+by what is so or not so, counts 1 in all, however often it was met.
+
+Default examples from the entry of a state say *stay* where nobody has decided that, so they are
+taken for `ASSUMED` away even where they are.
+
+Source:
+    D. D. Lewis and W. A. Gale, A sequential algorithm for training text classifiers, SIGIR 1994:
+    to ask where the answer is least sure.
+    B. Settles, Active learning literature survey, 2009, section 3.6: weighted by how many other
+    situations are like it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.nearness import apart
+from hitab_core.advice.spread import spreads
+from hitab_core.advice.support import SupportedTree
+from hitab_core.arrays import Booleans, Floats
+from hitab_core.automaton import START
+
+ASSUMED = 0.2
+"""The least distance of a default example of an entry, in usual distances."""
+
+TOUCHING = 0.01
+"""No distance counts as less: an example does not decide all."""
+
+FAR = 1e6
+"""The distance of the nearest example where there is none."""
+
+LEAST = 0.1
+"""What an answer has to tell: a tenth of all that can be told of one kind of situation."""
+
+
+@dataclass(frozen=True)
+class Unshown:
+    """A situation in which nobody said what is right.
+
+    Attributes:
+        state: in which it was met.
+        situation: a value for each feature; NaN: missing.
+        decided: what the learned tree decides there; empty: nothing was learned.
+        next_states: what may be right, the most probable first.
+        told: what an answer tells.
+    """
+
+    state: str
+    situation: tuple[float, ...]
+    decided: str
+    next_states: tuple[str, ...]
+    told: float
+
+
+def unshown(
+    evidence: Evidence, met: Sequence[Sequence[float]], labels: Sequence[str], assumed: Booleans
+) -> Unshown | None:
+    """Return the situation in which an answer tells most; None if none tells enough.
+
+    Args:
+        evidence: the examples of the state.
+        met: features' values in what was met in the state.
+        labels: of what may be right, besides what was shown.
+        assumed: shape (n,), which of the examples come from the entry of the state.
+
+    Raises:
+        FeatureValueError, VocabularyError, ValueError: as learning from the examples.
+    """
+    if not met:
+        return None
+    shown = evidence.next_states
+    situations = np.unique([evidence.placed(values) for values in met], axis=0, equal_nan=True)
+    spread = _spread(evidence, situations)
+    away = apart(situations, evidence.values, evidence.scales, spread)
+    away = np.maximum(away, np.where(assumed, ASSUMED, TOUCHING))
+    likely = [
+        label for label in dict.fromkeys([*shown, evidence.state, *labels]) if label != START
+    ]
+    of_label = [[next_state == label for next_state in shown] for label in likely]
+    weights = np.array(
+        [
+            (1.0 / away[:, those]).max(axis=1, initial=0.0 if any(those) else 1.0)
+            for those in of_label
+        ]
+    )
+    open_part = 1.0 - weights.max(axis=0) / weights.sum(axis=0)
+    nearest = away.min(axis=1, initial=FAR)
+    near = np.maximum(apart(situations, situations, evidence.scales, spread), TOUCHING)
+    told = (nearest[:, None] / (nearest[:, None] + near)).T @ (
+        open_part * _each_kind_once(situations, evidence)
+    )
+    place = int(told.argmax())
+    if told[place] < LEAST:
+        return None
+    situation = tuple(situations[place].tolist())
+    tree = evidence.learn()
+    decision = None if tree is None else SupportedTree(tree, evidence).decide(situation)
+    # Without examples a state stays as it is.
+    decided = decision.next_state if decision is not None else "" if shown else evidence.state
+    order = [likely[i] for i in np.argsort(-weights[:, place], kind="stable").tolist()]
+    next_states = tuple(dict.fromkeys(label for label in (decided, *order) if label))
+    return Unshown(evidence.state, situation, decided, next_states, float(told[place]))
+
+
+def _spread(evidence: Evidence, situations: Floats) -> Floats:
+    """Return the usual differences of examples; of all that was met where these are all equal."""
+    own = spreads(evidence.values, evidence.scales)
+    differ = [len(np.unique(column[~np.isnan(column)])) > 1 for column in evidence.values.T]
+    return np.where(
+        differ, own, spreads(np.vstack([evidence.values, situations]), evidence.scales)
+    )
+
+
+def _each_kind_once(situations: Floats, evidence: Evidence) -> Floats:
+    """Return a weight for each situation; those of one kind add up to 1."""
+    discrete = [f for f, scale in enumerate(evidence.scales) if not scale.kind.is_measured]
+    kinds = np.unique(situations[:, discrete], axis=0, return_inverse=True, equal_nan=True)[1]
+    return np.asarray(1.0 / np.bincount(kinds.ravel())[kinds.ravel()])

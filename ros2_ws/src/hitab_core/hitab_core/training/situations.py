@@ -1,0 +1,61 @@
+"""The situations that an agent in training met: a bounded sample in which every kind has a place.
+
+Of hours in one situation and a second in another, the second matters as much: what the agent will
+do there has to be decided, too. So moments are sorted into kinds, which differ in the state or in
+what is so or not so, and each kind keeps a random sample of its own.
+
+Source: J. S. Vitter, Random sampling with a reservoir, ACM Transactions on Mathematical Software
+11, 1985, algorithm R.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from random import Random
+
+from hitab_core.training.moments import Moment
+
+KEPT = 400
+"""The most moments that are kept; with more, looking for questions takes long."""
+
+
+class Situations:
+    """A sample of the moments that were met."""
+
+    def __init__(self) -> None:
+        self._kinds: dict[Hashable, list[Moment]] = {}
+        self._seen: dict[Hashable, int] = {}
+        self._random = Random(0)
+
+    def __iter__(self) -> Iterator[Moment]:
+        """Iterate over the sample."""
+        return (moment for kind in self._kinds.values() for moment in kind)
+
+    def add(self, kind: Hashable, moment: Moment) -> None:
+        """Add a moment; it may take the place of another one, or of none.
+
+        Args:
+            kind: moments of different kinds do not replace each other, unless one has many.
+            moment: what was met.
+        """
+        sample = self._kinds.setdefault(kind, [])
+        self._seen[kind] = self._seen.get(kind, 0) + 1
+        if sum(map(len, self._kinds.values())) >= KEPT:
+            largest = max(self._kinds.values(), key=len)
+            if len(sample) == len(largest):
+                place = self._random.randrange(self._seen[kind])
+                if place < len(sample):
+                    sample[place] = moment
+                return
+            largest.pop(self._random.randrange(len(largest)))
+        sample.append(moment)
+
+    @property
+    def news(self) -> tuple[int, int]:
+        """What changes when a kind is met first, and when twice as much has been met."""
+        return len(self._kinds), sum(self._seen.values()).bit_length()
+
+    def forget_from(self, time: float) -> None:
+        """Forget what was met from some time on, s."""
+        for sample in self._kinds.values():
+            sample[:] = [moment for moment in sample if moment.time < time]
