@@ -107,9 +107,9 @@ def test_other_things_are_done_while_questions_are_looked_for(
     trained.until(lambda it: it.automaton.name)
     trained.process.meanwhile(done)
     asked = trained.until(lambda it: it.searched)
-    assert [q.kind for q in asked.questions] == ["contradiction"]
+    assert [q.kind for q in asked.questions] == ["contradiction", "unshown"]
     assert [choice.name for choice in asked.questions[0].choices] == ["Right", "Left"]
-    assert found == [1]
+    assert found == [2]
 
 
 def test_examples_that_change_during_the_search_are_asked_about(

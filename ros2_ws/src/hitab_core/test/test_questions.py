@@ -16,7 +16,7 @@ from hitab_core import (
     Use,
     plain_domain,
 )
-from hitab_core.training import Curriculum, moments
+from hitab_core.training import Curriculum, Question, moments
 
 CART = plain_domain(
     "cart",
@@ -51,6 +51,12 @@ class Driven:
     def show(self, position: float, label: str, bump: float = 0.0) -> None:
         self.at(position, bump)
         self.agent.command(Use(label))
+
+    def asked(self, kind: str) -> Question:
+        """Return the question of a kind, after dismissing those before it."""
+        while (question := self.session.questions()[0]).kind != kind:
+            self.session.answer(question.number, dismiss=True)
+        return question
 
     def kinds(self) -> list[str]:
         return [question.kind.value for question in self.session.questions()]
@@ -138,9 +144,9 @@ def test_a_mistaken_example_is_found_by_the_correction_of_what_it_made_the_robot
     assert cart.agent.active_path == ["Stop"], "it does what it was taught"
     cart.agent.take_over()
     cart.agent.command(Use("Right"))
-    found = [q for q in cart.session.questions() if q.kind == "mistake" and wrong in q.examples]
-    assert found, [q.text for q in cart.session.questions()]
-    cart.session.answer(found[0].number)
+    question = cart.asked("mistake")
+    assert wrong in question.examples
+    cart.session.answer(question.number)
     assert wrong not in [e.number for e in cart.session.examples]
     cost = cart.agent.journal.costs("Shuttle")
     assert [(c.proposals, c.finished) for c in cost] == [(1, False)]
@@ -156,9 +162,7 @@ def test_two_explanations_end_in_a_question_and_the_answer_in_the_right_automato
     cart.at(9.0)  # seen on the way: farther, and no bump
     cart.at(3.0, 1.0)
     cart.show(5.0, "Stop", bump=1.0)
-    asked = [q for q in cart.session.questions() if q.kind == "ambiguity"]
-    assert asked, cart.kinds()
-    question = asked[0]
+    question = cart.asked("ambiguity")
     far = dict(zip(("Position", "Bump"), question.situation, strict=True))
     right = "Stop" if far["Position"] >= 5.0 else "Right"  # the person means the place
     cart.session.answer(question.number, right)
@@ -253,3 +257,75 @@ def test_a_feature_that_is_not_read_cannot_be_chosen_before_the_first_example(
     agent.sense([0.0], [], 1, 0.1)
     agent.command(Use("Right"))
     assert session.examples[0].features == (1.0,)
+
+
+@pytest.fixture
+def shown(tmp_path: Path) -> Driven:
+    """A cart that was shown to go right at 0 and to stop at 5, without a bump."""
+    cart = Driven(tmp_path, "Position", "Bump")
+    cart.show(0.0, "Right")
+    cart.show(5.0, "Stop")
+    return cart
+
+
+def never_shown(cart: Driven) -> Question | None:
+    """Return what is asked about something that was never shown."""
+    return next((q for q in cart.session.questions() if q.kind == "unshown"), None)
+
+
+def test_a_situation_that_is_met_in_a_test_is_asked_about_and_the_answer_is_learned(
+    shown: Driven,
+) -> None:
+    shown.agent.test(restart=True)
+    for position in (0.0, 1.0, 2.0):
+        shown.at(position)
+    shown.at(2.5, bump=1.0)
+    about = []
+    while (question := never_shown(shown)) is not None:
+        about.append((question.state, question.situation))
+        assert question.text.partition("?")[2].startswith(" Nothing like it was shown; as it is, ")
+        position, bump = question.situation
+        shown.session.answer(question.number, "Stop" if bump or position > 3.0 else "Right")
+    assert ("Right", (2.5, 1.0)) in about
+    assert len(about) == len(set(about)), "an answer ends its question"
+    function = shown.session.automaton().transitions["Right"]
+    assert list(function.predict([[2.5, 1.0], [2.0, 0.0], [5.0, 0.0]])) == [
+        "Stop",
+        "Right",
+        "Stop",
+    ]
+
+
+def test_what_was_shown_is_not_asked_about(shown: Driven) -> None:
+    for _ in range(20):
+        shown.show(0.0, "Right")
+        shown.show(0.0, "Right")
+        shown.show(5.0, "Stop")
+        shown.show(5.0, "Stop")
+    while (question := never_shown(shown)) is not None:
+        assert question.state not in ("Right", "Stop"), question.text
+        shown.session.answer(question.number, dismiss=True)
+
+
+def test_a_state_that_no_example_leaves_is_asked_about(shown: Driven) -> None:
+    shown.agent.test(restart=True)
+    for position in (0.0, 5.0, 5.0, 9.0):
+        shown.at(position)
+    states = []
+    while (question := never_shown(shown)) is not None:
+        states.append(question.state)
+        shown.session.answer(question.number, dismiss=True)
+    assert "Stop" in states
+
+
+def test_one_question_besides_contradictions_is_asked_at_a_time(shown: Driven) -> None:
+    shown.agent.test(restart=True)
+    for position in (0.0, 5.0, 5.0, 9.0):
+        shown.at(position)
+    numbers = set()
+    while questions := shown.session.questions():
+        (question,) = questions
+        assert question.number not in numbers
+        numbers.add(question.number)
+        shown.session.answer(question.number, dismiss=True)
+    assert len(numbers) > 1
