@@ -69,9 +69,10 @@ class Result:
         """Return a line of text."""
         hold = mean_and_error(self.seconds)
         ended = ", ".join(f"{count} {why}" for why, count in sorted(self.ended.items()))
+        middle = f"median {median(self.seconds):.1f} s, n = {len(self.seconds)}"
         return (
             f"{self.title:40} {hold['mean']:7.2f} ± {hold['se']:5.2f} s, "
-            f"median {median(self.seconds):.1f} s, n = {len(self.seconds)}   {ended}   {self.rate:.0f} cycles/s"
+            f"{middle}   {ended}   {self.rate:.0f} cycles/s"
         )
 
 
