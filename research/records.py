@@ -33,7 +33,7 @@ from games import size_of
 
 from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
-from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Use, has
+from hitab_core import START, Automaton, BehaviorLibrary, Domain, HandWritten, Repertoire, Use, has
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_world.evaluation import mean_and_error
 from hitab_world.inprocess import perform, play
@@ -125,7 +125,7 @@ def random_rules(domain: Domain, away: str, seed: int) -> Iterator[Repertoire]:
 
 
 def swapped(automaton: Automaton, domain: Domain, away: str) -> Automaton:
-    """Return the trained automaton as if its examples were of another word than `GetOpen`."""
+    """Return the trained automaton as if its examples were of another word than the lessons'."""
     examples = tuple(
         replace(
             example,
@@ -138,6 +138,13 @@ def swapped(automaton: Automaton, domain: Domain, away: str) -> Automaton:
     scales = [domain.scale_of(feature) for feature in automaton.features]
     transitions = learn_transitions(examples, scales)
     return replace(automaton, states=states, examples=examples, transitions=transitions)
+
+
+def trained_team(opened: BehaviorLibrary, away: str) -> Repertoire:
+    """Return what a library holds, with another word for a keeper whose ball it is not."""
+    automata = dict(opened.load())
+    automata["Keepaway"] = swapped(automata["Keepaway"], opened.domain, away)
+    return Repertoire(opened.domain, automata)
 
 
 def measure(
@@ -245,10 +252,8 @@ def main(
     teams: dict[str, Callable[[], Iterator[Repertoire]]] = {}
     for word in words:
         if keepers in ("both", "trained"):
-            trained = dict(opened.load())
-            examples = sum(len(automaton.examples) for automaton in trained.values())
-            trained["Keepaway"] = swapped(trained["Keepaway"], opened.domain, word)
-            team = Repertoire(opened.domain, trained)
+            team = trained_team(opened, word)
+            examples = sum(len(automaton.examples) for automaton in team.automata.values())
             teams[f"trained ({examples} examples), {word}"] = partial(repeat, team)
         if keepers in ("both", "rules"):
             for n, s in pairs:
