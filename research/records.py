@@ -40,7 +40,7 @@ from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import SIGHTS, KeepawayParameters, variant
 from keepaway_world.world import KeepawayWorld
 
-NEAR, SLACK = 4.5, 0.2  # m: the rules that did best when tried with other seeds
+NEAR, SLACK = 4.5, 0.2  # m: the better of two pairs, tried with other seeds
 PASS = "SwiftPassTo(clearest_keeper)"
 NEAREST, CLEAREST = (0.0, 10.0), (-1.0, 2.0)  # m: between which random numbers are drawn
 TRAINED_AWAY = "GetOpen"  # the lessons' word for a keeper whose ball it is not
