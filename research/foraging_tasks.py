@@ -319,7 +319,6 @@ class Courier(ForagerTask):
     name = "courier"
     title = "couriers: to the box, home, to the box"
     settings = ((1.0,), (1.5,), (1.9,))
-    drawn = (0.0, 20.0)  # m
     measure = f"rounds of a robot in {COURIER_SECONDS:g} s"
     episodes = 12
     top = "Courier"

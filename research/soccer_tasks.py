@@ -271,7 +271,6 @@ class Captain(CaptainTask):
     lesson = "captain/captain.yaml"
     words = uses("BallDistance TakerDistance")
     settings = ((4.0,), (8.0,), (12.0,))
-    drawn = (0.0, 20.0)  # m
 
     @property
     def _longest(self) -> int:

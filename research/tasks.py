@@ -98,7 +98,7 @@ class Task(ABC):
     words: tuple[Use, ...]
     limits: Mapping[str, float] = MappingProxyType({})
     settings: Sequence[tuple[float, ...]]
-    drawn: tuple[float, float]
+    drawn: tuple[float, float] = (0.0, 20.0)
     has_stop = False
     has_commander = False
     has_levels = True
