@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from math import hypot
@@ -145,6 +145,8 @@ class Foraging(ForagerTask):
 
     name = "foraging"
     title = "foraging in two squads"
+    settings = ((20.0,), (45.0,), (90.0,))
+    drawn = (0.0, 150.0)  # s
     measure = f"boxes brought home in {FORAGING_SECONDS:g} s"
     episodes = 10
     top = "Forage"
@@ -214,12 +216,9 @@ class Foraging(ForagerTask):
         """Return the foragers, each for itself."""
         return super().trained()
 
-    def rules(self) -> Sequence[Team]:
-        """Return foragers and commanders with rules, for some waiting times before giving up."""
-        return [
-            Team(forager_rules(), {"SquadForage": squad_rules(wait)})
-            for wait in (20.0, 45.0, 90.0)
-        ]
+    def ruled(self, *numbers: float) -> Team:
+        """Return foragers and commanders with rules, for some wait before giving up, s."""
+        return Team(forager_rules(), {"SquadForage": squad_rules(*numbers)})
 
     def with_policy(self, policy: Policy, commands: int) -> Team:
         """Return foragers that follow a policy, under commanders that have learned likewise."""
@@ -319,6 +318,7 @@ class Courier(ForagerTask):
 
     name = "courier"
     title = "couriers: to the box, home, to the box"
+    settings = ((1.0,), (1.5,), (1.9,))
     measure = f"rounds of a robot in {COURIER_SECONDS:g} s"
     episodes = 12
     top = "Courier"
@@ -342,9 +342,9 @@ class Courier(ForagerTask):
             duration=5.0 if self.quick else COURIER_SECONDS,
         )
 
-    def rules(self) -> Sequence[Team]:
-        """Return couriers with a rule for each way, for some distances from home."""
-        return [Team({"GoTo": GO_TO, "Courier": _to_and_fro(near)}) for near in (1.0, 1.5, 1.9)]
+    def ruled(self, *numbers: float) -> Team:
+        """Return couriers with a rule for each way, for some distance from home, m."""
+        return Team({"GoTo": GO_TO, "Courier": _to_and_fro(*numbers)})
 
     def with_policy(self, policy: Policy, commands: int) -> Team:
         """Return couriers that follow a policy."""

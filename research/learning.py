@@ -6,6 +6,7 @@ has been taken away. All play the same episodes in one process.
 
     scripts/python research/learning.py --json learning.json
     scripts/python research/learning.py --task drill --task courier
+    scripts/python research/learning.py --task drill --row rules --row random
     scripts/python research/learning.py --read learning.json
 
 Rules and learners that have settings get those that score best in episodes of another seed than
@@ -20,6 +21,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from math import sqrt
 from pathlib import Path
+from random import Random
 from statistics import fmean, stdev
 from typing import Annotated, Any
 
@@ -68,11 +70,13 @@ class Entrant:
     Attributes:
         name, title: for programs and for people.
         teams: one for each setting.
+        drawn: another team for each episode, by its number and the seed, instead.
     """
 
     name: str
     title: str
     teams: Sequence[Callable[[], Team]]
+    drawn: Callable[[int, int], Team] | None = None
 
 
 def entrants(task: Task) -> Iterator[Entrant]:
@@ -80,6 +84,12 @@ def entrants(task: Task) -> Iterator[Entrant]:
     yield Entrant("trained", "trained", [task.trained])
     yield Entrant(
         "rules", "the same words, one-line rules", [_given(team) for team in task.rules()]
+    )
+    yield Entrant(
+        "random",
+        "the same words, random thresholds",
+        [_given(task.rules()[0])],
+        lambda seed, episode: task.random_rules(Random(f"{seed} {episode}")),
     )
     if task.has_stop:
         yield Entrant("plain_stop", "a Stop that does nothing", [lambda: plain(task)])
@@ -161,7 +171,12 @@ def row_of(
         ]
         chosen = max(range(len(teams)), key=lambda i: tried[i])
     team = teams[chosen]
-    found = scores(task, team, episodes, seed, say)
+    found: list[float] = []
+    if entrant.drawn is None:
+        found = scores(task, team, episodes, seed, say)
+    else:
+        for episode in range(episodes):
+            found += task.play(entrant.drawn(seed, episode), 1, seed, first=episode)
     mean = fmean(found)
     return Row(
         entrant.name,
@@ -215,6 +230,10 @@ def main(
         list[str] | None,
         typer.Option("--task", help="Task to play; repeat for several. All by default."),
     ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--row", help="Row to play beside the trained; repeat for several."),
+    ] = None,
     episodes: Annotated[
         int,
         typer.Option("--episodes", help="Episodes of each row; 0: the task's own number.", min=0),
@@ -249,6 +268,8 @@ def main(
                 "rows": rows,
             }
             for entrant in entrants(task):
+                if only and entrant.name not in ("trained", *only):
+                    continue
                 label = f"{name}, {entrant.title}: "
                 base = rows[0]["mean"] if rows else None
                 if quick:

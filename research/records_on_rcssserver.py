@@ -18,9 +18,13 @@ from typing import Annotated
 import typer
 from games import size_of
 from rcss_programs import options, start, start_team, tell_episodes, tell_lost_commands
+from records import TRAINED_AWAY, trained_team
 
-from hitab_bringup import part_of, players_of
+from hitab_bringup import players_of
+from hitab_bringup.evaluating import Part
+from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
+from hitab_core import Use
 from hitab_world.inprocess import play
 from keepaway_world.rcss import sentences
 from keepaway_world.rcss.rcss_world import RcssWorld
@@ -55,6 +59,9 @@ def main(
     side: Annotated[int, typer.Option(help="Of the square box, m.", min=10)] = 20,
     episodes: Annotated[int, typer.Option(help="How many.", min=2)] = 20,
     port: Annotated[int, typer.Option(help="Port of the server.")] = 6600,
+    away: Annotated[
+        str, typer.Option(help="Word of a keeper whose ball it is not.")
+    ] = TRAINED_AWAY,
     library: Annotated[Path | None, typer.Option(help="Folder of a trained library.")] = None,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
 ) -> None:
@@ -74,7 +81,8 @@ def main(
             "takers": counts[1],
         }
     )
-    trained = part_of(library or shipped("libraries", "keepaway_fullspeed"), "Keepaway")
+    opened = open_library(library or shipped("libraries", "keepaway_fullspeed"))
+    trained = Part(trained_team(opened, away), Use("Keepaway"))
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         start(

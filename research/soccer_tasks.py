@@ -53,6 +53,8 @@ class Keepaway(Task):
         "DistanceTo(ball) DirectionTo(ball) DistanceTo(closest_taker) BallIsKickable "
         "ATeammateIsCloserToBall IWasYelledAt"
     )
+    settings = ((1.5,), (2.5,), (4.0,), (6.0,))
+    drawn = (0.0, 10.0)  # m
     has_stop = True
 
     @property
@@ -89,9 +91,9 @@ class Keepaway(Task):
         robots = {name: without_defaults(a, DOMAIN) for name, a in team.robots.items()}
         return replace(team, robots=robots, examples=sum(len(a.examples) for a in robots.values()))
 
-    def rules(self) -> Sequence[Team]:
-        """Return keepers that hold the ball until a taker is within some distance."""
-        return [Team(keeper_rules(near)) for near in (1.5, 2.5, 4.0, 6.0)]
+    def ruled(self, *numbers: float) -> Team:
+        """Return keepers that hold the ball until a taker is within some distance, m."""
+        return Team(keeper_rules(*numbers))
 
     def with_policy(self, policy: Policy, commands: int) -> Team:
         """Return keepers that follow a policy."""
@@ -268,6 +270,7 @@ class Captain(CaptainTask):
     behavior = "Captain"
     lesson = "captain/captain.yaml"
     words = uses("BallDistance TakerDistance")
+    settings = ((4.0,), (8.0,), (12.0,))
 
     @property
     def _longest(self) -> int:
@@ -278,20 +281,18 @@ class Captain(CaptainTask):
         """The shipped one."""
         return read_kind(shipped("libraries", "captain") / KIND_FILE)
 
-    def rules(self) -> Sequence[Team]:
-        """Return captains with one rule, for some distances of takers."""
-
-        def captain(near: float) -> Automaton:
-            return rule(
-                "Captain",
-                "Freeze Keepaway Regroup",
-                "BallDistance TakerDistance",
-                rest=lambda ball, taker: (
-                    "Regroup" if ball > 8 else "Keepaway" if taker < near else "Freeze"
-                ),
-            )
-
-        return [self._team(captain(near)) for near in (4.0, 8.0, 12.0)]
+    def ruled(self, *numbers: float) -> Team:
+        """Return a captain with one rule, for some distance of takers, m."""
+        (near,) = numbers
+        captain = rule(
+            "Captain",
+            "Freeze Keepaway Regroup",
+            "BallDistance TakerDistance",
+            rest=lambda ball, taker: (
+                "Regroup" if ball > 8 else "Keepaway" if taker < near else "Freeze"
+            ),
+        )
+        return self._team(captain)
 
     def play(self, team: Team, episodes: int, seed: int, first: int = 0) -> list[float]:
         """Return how long the keepers keep the ball, s."""
@@ -322,6 +323,8 @@ class Drill(CaptainTask):
     behavior = "Drill"
     lesson = "drill"
     words = uses("Apart")
+    settings = ((3.0, 7.0), (3.5, 6.5), (3.9, 6.1))
+    drawn = (0.0, 10.0)  # m
     has_stop = False
 
     @cached_property
@@ -334,21 +337,18 @@ class Drill(CaptainTask):
         }
         return described_kind("DrillCaptain", described)
 
-    def rules(self) -> Sequence[Team]:
-        """Return captains with one rule for each order."""
-
-        def captain(together: float, wide: float) -> Automaton:
-            return rule(
-                "Drill",
-                "Gather Spread",
-                "Apart",
-                Start=lambda apart: "Gather",
-                Gather=lambda apart: "Spread" if apart < together else "Gather",
-                Spread=lambda apart: "Gather" if apart > wide else "Spread",
-            )
-
-        settings = ((3.0, 7.0), (3.5, 6.5), (3.9, 6.1))
-        return [self._team(captain(together, wide)) for together, wide in settings]
+    def ruled(self, *numbers: float) -> Team:
+        """Return a captain with one rule for each order, for two distances, m."""
+        together, wide = numbers
+        captain = rule(
+            "Drill",
+            "Gather Spread",
+            "Apart",
+            Start=lambda apart: "Gather",
+            Gather=lambda apart: "Spread" if apart < together else "Gather",
+            Spread=lambda apart: "Gather" if apart > wide else "Spread",
+        )
+        return self._team(captain)
 
     def _world(self, seed: int) -> KeepawayWorld:
         # Without takers the ball lies still, for which the referee would move all players away.

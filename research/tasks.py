@@ -12,6 +12,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from itertools import repeat
 from pathlib import Path
 from random import Random
 from types import MappingProxyType
@@ -83,6 +84,8 @@ class Task(ABC):
         episodes: how many make a figure.
         words: all that the taught automata read; what a peer sees.
         limits: largest value of a feature that makes a difference, by feature.
+        settings: thresholds of the rules that are tried.
+        drawn: between which random ones are.
         has_stop: whether what its Stop does matters.
         has_commander: whether robots have a commander.
         has_levels: whether the taught automata are more than one.
@@ -94,6 +97,8 @@ class Task(ABC):
     episodes: int
     words: tuple[Use, ...]
     limits: Mapping[str, float] = MappingProxyType({})
+    settings: Sequence[tuple[float, ...]]
+    drawn: tuple[float, float] = (0.0, 20.0)
     has_stop = False
     has_commander = False
     has_levels = True
@@ -125,8 +130,17 @@ class Task(ABC):
         """Return the same, learned without default examples."""
 
     @abstractmethod
+    def ruled(self, *numbers: float) -> Team:
+        """Return a team with hand-written rules over the same words, with these thresholds."""
+
     def rules(self) -> Sequence[Team]:
-        """Return teams with hand-written rules over the same words, one for each setting."""
+        """Return such teams, one for each setting."""
+        return [self.ruled(*numbers) for numbers in self.settings]
+
+    def random_rules(self, random: Random) -> Team:
+        """Return such a team with random thresholds, in ascending order."""
+        bounds = repeat(self.drawn, len(self.settings[0]))
+        return self.ruled(*sorted(random.uniform(*both) for both in bounds))
 
     @abstractmethod
     def with_policy(self, policy: Policy, commands: int) -> Team:

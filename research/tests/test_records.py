@@ -21,7 +21,7 @@ def test_the_records_compare_trained_keepers_and_rules_over_the_same_episodes(tm
     assert done.returncode == 0, done.stderr
     figures = json.loads(path.read_text())["full"]
     assert [len(team["seconds"]) for team in figures.values()] == [2, 2]
-    assert "trained (31 examples) - rules (near 4.5, slack 0.2):" in done.stdout
+    assert "trained (31 examples), GetOpen - rules (near 4.5, slack 0.2), GetOpen:" in done.stdout
 
     plot, server = tmp_path / "r.png", tmp_path / "server.json"
     server.write_text('{"each_seconds": [3.0, 40.0, 700.0]}')

@@ -12,7 +12,7 @@ be as good an explanation:
   ratio is at least `NEARLY` of the best one;
 - the tree fits as many examples, and has no more leaves.
 
-If the learned tree and an alternative clearly decide otherwise in a situation that was perceived
+If the learned tree and an alternative clearly decide otherwise on readings that the agent had
 in this training, the examples do not say what was meant, and one command in this situation does.
 **An answer is an example** in the situation asked about: the person says what to do there, not
 why. With the example the rejected explanation no longer fits, or needs one more leaf.
