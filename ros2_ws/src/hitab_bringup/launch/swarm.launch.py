@@ -22,6 +22,7 @@ from hitab_bringup.swarm_processes import processes
 from hitab_client.dds_profile import choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import RunFolder
+from hitab_core import HitabError
 from hitab_ros.exit_codes import FINAL
 from launch import LaunchContext, LaunchDescription
 
@@ -40,6 +41,7 @@ ARGUMENTS = (
     ("pace", "", "lockstep or realtime; empty: that of the description", ["", *PACES]),
     ("paused", "false", "Whether the world is paused at first", FLAGS),
     ("library", "", "Library for all agents; empty: folders of their own", None),
+    ("agents", "0", "How many, for a world in one file; 0: as many as it says", None),
 )
 
 
@@ -49,6 +51,8 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
     def given(name: str) -> str:
         return str(LaunchConfiguration(name).perform(context))
 
+    if not (agents := given("agents")).isdecimal():
+        raise HitabError(f"agents:={agents}: give a whole number, such as agents:=3")
     run_dir = Path(given("run_dir")) if given("run_dir") else None
     swarm = described_swarm(
         given("swarm"),
@@ -58,6 +62,7 @@ def start(context: LaunchContext) -> list[ExecuteProcess]:
         pace=given("pace"),
         paused=given("paused") == "true",
         library=given("library"),
+        agents=int(agents),
     )
     folder = RunFolder.of_swarm(swarm.name, run_dir)
     folder.prepare()
