@@ -136,6 +136,9 @@ class AgentServices:
         if agent.mode is Mode.TESTING and (open_ones := _open_questions(agent)):
             done += f"; it has {open_ones}"
             response.remedies = remedy_messages([Do.QUESTIONS(agent=agent.name)])
+        if agent.mode is Mode.TESTING and (remarks := agent.remarks(look=True)):
+            done += "".join(f"; but {remark}" for remark in remarks)
+            response.remedies += remedy_messages(remark.remedy for remark in remarks)
         saved = agent.edition.files.get(agent.training)
         if saved is not None and agent.mode is Mode.TESTING and agent.session is not None:
             learned = agent.session.automaton()
@@ -226,7 +229,7 @@ class AgentServices:
     def _save(self, request: srv.SaveBehavior.Request, response: Any) -> str:
         bindings, agent = bindings_of(request), self._agent
         performed = agent.behavior if agent.mode is Mode.PERFORMING else ""
-        open_ones = _open_questions(agent)
+        open_ones, remarks = _open_questions(agent), agent.remarks(look=True)
         automaton, path, trimmed, replaced = self._agent.save(
             request.name, bindings, request.description, keep_unused=request.keep_unused
         )
@@ -237,10 +240,11 @@ class AgentServices:
         saved = Use(automaton.name, automaton.parameters)
         done = f'saved "{saved}" with {quantity(len(automaton.examples), "example")}'
         done += f"; {replaced}" if replaced else ""
-        if open_ones:
-            done += f"; it had {open_ones}"
+        done += f"; it had {open_ones}" if open_ones else ""
+        done += "".join(f"; but {remark}" for remark in remarks)
+        if open_ones or remarks:
             further = Do.TRAIN_FURTHER(agent=agent.name, behavior=automaton.name)
-            response.remedies = remedy_messages([further])
+            response.remedies = remedy_messages([further, *(r.remedy for r in remarks)])
         done = "; but ".join([done, *agent.edition.files[automaton.name].broken])
         if performed and self._agent.mode is Mode.IDLE:
             done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'

@@ -151,6 +151,7 @@ class StatusPublisher:
         status.examples = len(session.log) if session else 0
         status.default_examples = session.log.defaults if session else 0
         status.questions = session.asked.count(session.log) if session else 0
+        status.remarks = len(agent.remarks())
         status.unsure = agent.monitor.unsure
         status.when_unsure = agent.monitor.caution.when_unsure.value
         status.unsure_support = agent.monitor.caution.support

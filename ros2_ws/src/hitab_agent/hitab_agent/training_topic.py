@@ -15,7 +15,7 @@ from hitab_core import Agent
 from hitab_core.training import TrainingSession
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong
-from hitab_ros.conversions import cost_message
+from hitab_ros.conversions import cost_message, remark_messages
 
 PERIOD_S = 0.1
 """At least this long passes between two messages."""
@@ -111,6 +111,7 @@ class TrainingTopic:
             searched=searched,
             questions=[question_message(q, session) for q in asked.known(session.log)],
             answered=asked.answered,
+            remarks=remark_messages(self._agent.remarks()),
             cost=self._cost,
         )
 
@@ -144,5 +145,5 @@ def _marks(session: TrainingSession | None) -> tuple[Any, ...]:
     if session is None:
         return (None,)
     known = [question.number for question in session.asked.known(session.log)]
-    answered, news = session.asked.answered, session.perception.situations.news
-    return session.examples, session, session.curriculum, known, len(answered), news
+    more = len(session.asked.answered), session.perception.situations.news, session.remarks()
+    return session.examples, session, session.curriculum, known, more

@@ -20,6 +20,7 @@ COMMANDS = {
     Do.VOCABULARY: "vocabulary {agent}",
     Do.QUESTIONS: "questions {agent}",
     Do.EXAMPLES: "examples list {agent}",
+    Do.RELABEL: "examples relabel {agent} {number} --to {behavior}",
     Do.EXAMPLES_OF: "examples list {agent} {behavior}",
     Do.TEST: "test {agent}",
     Do.CAUTION: "test {agent} --when-unsure {when_unsure} --distance 3",

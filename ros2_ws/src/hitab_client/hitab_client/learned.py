@@ -11,10 +11,10 @@ from typing import Any
 
 from hitab_msgs.msg import Question
 
-from hitab_core import START, Automaton, Example, FeatureKind, Scale, TransitionTree, Use
+from hitab_core import START, Automaton, Example, FeatureKind, Remark, Scale, TransitionTree, Use
 from hitab_core.learning import Arc, Categories, Fork, Leaf, Node, Test, Threshold
 from hitab_core.training import TrainingCost
-from hitab_ros.conversions import cost_of, example_of
+from hitab_ros.conversions import cost_of, example_of, remarks_of
 
 NOTHING: Mapping[str, TransitionTree] = MappingProxyType({})
 
@@ -102,6 +102,7 @@ class Training(Learned):
         searched: whether all questions were looked for, and the cost is known.
         questions: that are open.
         answered: those that were answered, and how, oldest first.
+        remarks: signs that it does not play.
         cost: what the training has cost so far; None: unknown.
     """
 
@@ -111,6 +112,7 @@ class Training(Learned):
     searched: bool = False
     questions: tuple[Question, ...] = ()
     answered: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
     cost: TrainingCost | None = None
 
 
@@ -139,6 +141,7 @@ def training_of(message: Any) -> Training:
         searched=message.searched,
         questions=tuple(message.questions),
         answered=tuple(message.answered),
+        remarks=remarks_of(message.remarks),
         cost=cost_of(message.cost) if message.cost.automaton else None,
     )
 

@@ -6,6 +6,8 @@ from .action_behavior import action_behaviors as action_behaviors
 from .action_behavior import calls_of as calls_of
 from .action_behavior import feedback_feature as feedback_feature
 from .action_behavior import uses_actions as uses_actions
+from .advice.remarks import Remark as Remark
+from .advice.remarks import Sign as Sign
 from .agent import Agent as Agent
 from .agent import Mode as Mode
 from .automaton import FLAGS as FLAGS

@@ -14,6 +14,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import NamedTuple
 
+from hitab_core.advice.remarks import Remark
 from hitab_core.automaton import FLAGS
 from hitab_core.caution import CautionMonitor, WhenUnsure
 from hitab_core.domain import Domain
@@ -174,6 +175,11 @@ class Agent:
     def unsaved(self) -> int:
         """The number of examples of the training under way."""
         return 0 if self.session is None else len(self.session.log)
+
+    def remarks(self, *, look: bool = False) -> list[Remark]:
+        """Return signs that the training does not play; see `TrainingSession.remarks`."""
+        found = [] if self.session is None else self.session.remarks(look=look)
+        return [remark.of(self.name) for remark in found]
 
     @property
     def raised(self) -> frozenset[str]:

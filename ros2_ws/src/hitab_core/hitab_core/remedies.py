@@ -24,6 +24,7 @@ class Do(Enum):
     VOCABULARY = "list what {agent} can do and perceive"
     QUESTIONS = "see what {agent} asks"
     EXAMPLES = "list the examples of {agent}"
+    RELABEL = "have example {number} of {agent} go to {behavior}"
     EXAMPLES_OF = "list the examples of a trained behavior of {agent}"
     TEST = "test what {agent} has learned"
     CAUTION = "say when an agent is unsure"

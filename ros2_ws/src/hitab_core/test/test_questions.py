@@ -103,6 +103,12 @@ def test_a_training_without_features_can_be_asked_about(cart: Driven) -> None:
         cart.session.answer(questions[0].number)
 
 
+@pytest.mark.parametrize("features", [(), ("Position",)])
+def test_a_training_without_examples_has_no_question(cart: Driven, features: tuple[str]) -> None:
+    cart.agent.begin(Curriculum("Blank", tuple(map(Use, features))))
+    assert cart.session.questions() == []
+
+
 def test_an_answer_is_given_once_and_to_a_question_that_is_open(cart: Driven) -> None:
     twice(cart)
     (question, *_) = cart.session.questions()

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from hitab_msgs import msg
 
-from hitab_core import Do, Example, ExampleKind, Feature, Remedy, Scale, Use
+from hitab_core import Do, Example, ExampleKind, Feature, Remark, Remedy, Scale, Sign, Use
 from hitab_core.commanding import Order, Report
 from hitab_core.training import TrainingCost
 
@@ -57,6 +57,29 @@ def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
         Remedy(Do[m.code], tuple(zip(m.names, m.values, strict=False)))
         for m in messages
         if m.code in Do.__members__
+    )
+
+
+def remark_messages(remarks: Iterable[Remark]) -> list[msg.Remark]:
+    """Return remarks as messages."""
+    return [
+        msg.Remark(
+            code=remark.code.name,
+            names=[name for name, _ in remark.arguments],
+            values=[value for _, value in remark.arguments],
+            remedy=remedy_messages([remark.remedy])[0],
+        )
+        for remark in remarks
+    ]
+
+
+def remarks_of(messages: Iterable[Any]) -> tuple[Remark, ...]:
+    """Return the remarks in messages, without those that this version does not know."""
+    return tuple(
+        Remark(Sign[m.code], tuple(zip(m.names, m.values, strict=False)), remedy)
+        for m in messages
+        for remedy in remedies_of([m.remedy])
+        if m.code in Sign.__members__
     )
 
 

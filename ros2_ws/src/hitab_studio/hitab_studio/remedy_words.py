@@ -13,6 +13,7 @@ BUTTONS = {
     Do.RESUME: "Back to training (T)",
     Do.DEMONSTRATE: "the buttons below the field",
     Do.CHOOSE_FEATURES: "Features… in Teach",
+    Do.RELABEL: "Relabel in Examples",
     Do.QUESTIONS: "Teach",
     Do.SAVE: "Save… in Teach",
     Do.DISCARD: "Discard… in Teach",

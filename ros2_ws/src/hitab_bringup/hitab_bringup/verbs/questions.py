@@ -11,7 +11,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import plain
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_client.commands import called
+from hitab_client.commands import called, with_commands
 
 
 def questions(
@@ -26,7 +26,8 @@ def questions(
 
     It asks when commands contradict each other, when an example made it do what you corrected,
     when it was shown too little somewhere, and when several explanations fit what it was shown.
-    `hitab undo` takes an answer back.
+    `hitab undo` takes an answer back. Above the questions it says where what it learned goes round
+    in a circle, and what did not happen in ten episodes of a test.
 
     Args:
         answer: Answer this question, as proposed or with --choice.
@@ -53,7 +54,8 @@ def questions(
             console.say(done.message)
             return
         found = swarm_up.agents.training(agent, searched=True)
-    told = [] if found.questions else [f"{agent} has no question"]
+    told = [with_commands(str(remark), [remark.remedy]) for remark in found.remarks]
+    told += [] if found.questions else [f"{agent} has no question"]
     for question in found.questions:
         told.append(f"{question.number}. {question.text}")
         for index, offered in enumerate(question.choices):
@@ -65,7 +67,9 @@ def questions(
             "proposed; add --choice CHOICE to answer otherwise."
         )
     asked = [_record(question) for question in found.questions]
-    console.show(json, {"questions": asked, "answered": list(found.answered)}, *told)
+    data = {"questions": asked, "answered": list(found.answered)}
+    remarks = [{"code": r.code.name, **dict(r.arguments)} for r in found.remarks]
+    console.show(json, {**data, "remarks": remarks}, *told)
 
 
 def _record(question: Any) -> dict[str, Any]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 AGENT = (
     "domain mode behavior active_path examples default_examples cycle library_digest last_error "
-    "faults note unsure questions"
+    "faults note unsure questions remarks"
 )
 WORLD = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
 """Fields of statuses that are shown."""
@@ -232,4 +232,7 @@ def _wrong(status: dict[str, Any]) -> list[str]:
         told.append(f"unsure: {status['unsure']}")
     if status.get("questions"):
         told.append(f"asks {quantity(status['questions'], 'question')}")
+    if status.get("remarks"):
+        see = as_command(Do.QUESTIONS(agent=status["agent"]))
+        told.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
     return told

@@ -214,7 +214,8 @@ class _Training:
         # Neither what corrections recorded nor default examples that an ordinary one overrules.
         self.judged = tuple(example for example in others if example.is_learned)
         values = [e.features for e in self.judged] + [c.features for c in corrections]
-        self._spread = spreads(np.array(values, np.float64), scales)
+        table = np.array(values, np.float64).reshape(len(values), len(scales))
+        self._spread = spreads(table, scales)
         self._shown: dict[str, _Shown] = {}
 
     def shown(self, state: str) -> _Shown:

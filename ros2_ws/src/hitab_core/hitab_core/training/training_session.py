@@ -7,11 +7,19 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from hitab_core.advice.remarks import Remark, loops
 from hitab_core.automaton import FLAGS, START, Automaton, as_entered
-from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
+from hitab_core.errors import (
+    FeatureValueError,
+    HitabError,
+    LibraryError,
+    TrainingError,
+    VocabularyError,
+)
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import relearned
@@ -27,6 +35,7 @@ from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
+from hitab_core.training.trial import Trial
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -113,6 +122,8 @@ class TrainingSession:
         self.requests: deque[Request] = deque(maxlen=REMEMBERED)
         self.note = ""
         self.late = LateCommands({} if people is None else people)
+        self._loops: tuple[tuple[Example, ...], list[Remark]] = (), []
+        self._trial = Trial()
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -161,6 +172,7 @@ class TrainingSession:
         """
         if self.testing:
             self.running.tick()
+            self._trial.see(self.running.active, self.log.examples)
             return
         try:
             if not self.context.repertoire.stands_still(Use.parse(self.running.active)):
@@ -183,12 +195,14 @@ class TrainingSession:
         """Stop the active state and return to Start, as at the beginning of an episode."""
         self.running.stop()
         self.running.start()
+        self._trial.begin(whole=self.testing)
         self.note = ""
         self._left = False
         self.perception.restart()
 
     def leave(self) -> None:
         """Stop, since the agent performs something else; come back with `restart`."""
+        self._trial.interrupt(self.running.active)
         self.running.stop()
         self._left = True
         self.perception.begin()
@@ -377,19 +391,39 @@ class TrainingSession:
         self._write({"do": "test"})
         self.note = ""
         self.running.set_transitions(automaton.transitions)
+        self.testing = self._tested = True
+        self._trial.interrupt(self.running.active)
         if restart:
             self.restart()
-        self.testing = self._tested = True
 
     def take_over(self) -> None:
         """Give control to the demonstrator, at the active state."""
         self._write({"do": "train"})
+        self._trial.interrupt(self.running.active)
         self._taken_over = self.testing
         self.testing = False
 
     def search(self) -> Iterator[None]:
-        """Look for questions in steps; see `Questions.search`."""
-        return self.asked.search(self._material, self.log, self.perception.situations.news)
+        """Look for questions in steps, see `Questions.search`, and for loops."""
+        news = self.perception.situations.news
+        yield from self.asked.search(self._material, self.log, news)
+        self.remarks(look=True)
+
+    def remarks(self, *, look: bool = False) -> list[Remark]:
+        """Return signs that what was learned does not play.
+
+        Args:
+            look: for loops, too, if the examples have changed since this was done.
+        """
+        examples = self.log.examples
+        if look and self._loops[0] is not examples:
+            found: list[Remark] = []
+            with suppress(HitabError):  # testing says what cannot be learned from
+                classifier = self.curriculum.classifier
+                found = loops(self.automaton(), self.context.repertoire, classifier)
+            self._loops = examples, found
+        about, found = self._loops
+        return [*(found if about is examples else ()), *self._trial.remarks(examples)]
 
     def questions(self) -> list[Question]:
         """Return what the agent asks the demonstrator now; this can take a tenth of a second.

@@ -9,7 +9,7 @@ from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio import unavailable
 from hitab_studio.learned import superseding
-from hitab_studio.remedy_words import told
+from hitab_studio.remedy_words import in_studio, told
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
@@ -43,6 +43,8 @@ def context(session: Session) -> dict[str, Any]:
         "reaction": _reaction(session),
         "cost": training.cost if training else None,
         "questions": training.questions if training else (),
+        "remarks": training.remarks if training else (),
+        "in_studio": in_studio,
         "question_titles": TITLES,
         "answers": answers,
         "when_unsure": when_unsure(session),

@@ -1,0 +1,95 @@
+"""What an automaton does in a test, by episodes, and the remarks that follow.
+
+A world tells an agent when an episode begins; robots in no world have no episodes, and get none
+of these remarks. Only whole episodes count, in which nobody took over, of a test of the same
+examples.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from hitab_core.advice.remarks import Remark, Sign
+from hitab_core.automaton import FLAGS, START
+from hitab_core.example import Example
+from hitab_core.remedies import Do
+
+EPISODES = 10
+"""After so many episodes what has not happened is remarked on.
+
+What is due in one episode of four is missing in all of ten with a probability of 0.06, in one of
+two with 0.001; a test of ten takes a person a few minutes.
+"""
+
+
+class Trial:
+    """What the automaton that is being tested has done."""
+
+    def __init__(self) -> None:
+        self._forget(())
+
+    def _forget(self, examples: tuple[Example, ...]) -> None:
+        self._about = examples
+        self._episodes = 0
+        self._entered: Counter[str] = Counter()
+        self._ever: set[str] = set()
+        self._left: set[str] = set()
+        self._found: list[Remark] = []
+        self._whole = False
+        self._seen: set[str] = set()
+        self._active = START
+
+    def begin(self, *, whole: bool) -> None:
+        """Begin an episode, after the last one.
+
+        Args:
+            whole: whether the automaton decides in it from the beginning.
+        """
+        if self._whole and self._seen:
+            self._episodes += 1
+            self._entered.update(self._seen)
+            self._found = self._remarks()
+        self._whole, self._seen, self._active = whole, set(), START
+
+    def interrupt(self, active: str) -> None:
+        """Do not count this episode: a demonstrator intervened while a state was active."""
+        self._whole, self._active = False, active
+
+    def see(self, active: str, examples: tuple[Example, ...]) -> None:
+        """See which state is active after a tick, decided by what was learned from examples."""
+        if examples is not self._about:
+            whole = self._whole and not self._seen
+            self._forget(examples)
+            self._whole = whole
+        if active != self._active:
+            self._left.add(self._active)
+            self._active = active
+        self._seen.add(active)
+        self._ever.add(active)
+
+    def remarks(self, examples: tuple[Example, ...]) -> list[Remark]:
+        """Return the remarks on what was learned from these examples."""
+        return self._found if examples is self._about else []
+
+    def _remarks(self) -> list[Remark]:
+        if self._episodes < EPISODES:
+            return []
+        found = []
+        commands = [e for e in self._about if not e.is_default]
+        # What leads to nothing but states that were not entered is said of these.
+        follows = {
+            e.state: e.next_state for e in commands if e.leaves and e.next_state in self._ever
+        }
+        for state in dict.fromkeys(e.next_state for e in commands):
+            if state not in self._ever:
+                sign = Sign.NOT_RAISED if state in FLAGS else Sign.NOT_ENTERED
+                found.append(_remark(sign, state, self._episodes, state))
+            elif state in follows and state not in self._left and self._entered[state] >= EPISODES:
+                sign, episodes = Sign.NOT_LEFT, self._entered[state]
+                found.append(_remark(sign, state, episodes, follows[state]))
+        return found
+
+
+def _remark(sign: Sign, state: str, episodes: int, behavior: str) -> Remark:
+    arguments = (("state", state), ("episodes", str(episodes)))
+    return Remark(sign, arguments, Do.DEMONSTRATE(behavior=behavior))
