@@ -75,6 +75,18 @@ def test_who_subscribes_gets_the_training_as_it_is_then_each_revision_and_its_en
     assert trained.topic.revision == 0
 
 
+def test_a_loop_in_what_was_learned_is_published_with_what_would_mend_it(
+    trained: Trained,
+) -> None:
+    trained.agent.begin(Curriculum("Shuttle", (Use("Position"), Use("Speed"))))
+    trained.show((0.0, "Right"), (5.0, "Left"), (5.0, "Right"))
+    trained.subscribe()
+    (remark,) = trained.until(lambda it: it.remarks).remarks
+    assert remark.code == "LOOP"
+    assert dict(zip(remark.names, remark.values, strict=True))["states"] == "Left and Right"
+    assert remark.remedy.code == "RELABEL"
+
+
 def test_nothing_is_built_while_nobody_subscribes(
     trained: Trained, monkeypatch: pytest.MonkeyPatch
 ) -> None:

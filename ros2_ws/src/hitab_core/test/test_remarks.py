@@ -17,7 +17,7 @@ CART = plain_domain(
     {"Position": lambda p: p[0]},
 )
 CART.behaviors["Hop"] = replace(CART.behaviors["Hop"], one_shot=True)
-FEW, MANY = 3, 20
+FEW, MANY = 40, 60
 
 
 class Cart:
