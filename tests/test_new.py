@@ -1,11 +1,13 @@
 """A robot and a world of one's own, as `hitab new` writes them."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from mentions import ROOT
 
 
 @pytest.fixture
@@ -31,6 +33,10 @@ def run(apart):
 
 def test_a_new_robot_is_tested_installed_started_and_trained(run, apart):
     assert "pip install" in run("hitab", "new", "lift")
+    page = (ROOT / "docs/your-own-robot.md").read_text(encoding="utf-8")
+    (link,) = re.findall(r"```python\n(.*class Link.*?)```", page, re.DOTALL)
+    assert link.count("\n") <= 50
+    (apart / "lift/lift/link.py").write_text(link)  # that of the page is run
     run(
         sys.executable,
         "-m",
