@@ -43,7 +43,17 @@ for folder in SOURCES:
 setup(
     packages=packages,
     package_dir=places,
-    package_data={"": ["py.typed", "**/*.pyi", "**/*.json", "**/*.yaml", "**/*.xml", "static/*"]},
+    package_data={
+        "": [
+            "py.typed",
+            "**/*.pyi",
+            "**/*.json",
+            "**/*.yaml",
+            "**/*.xml",
+            "static/*",
+            "templates/**/*",
+        ]
+    },
     data_files=data,
     entry_points=entry_points,
 )

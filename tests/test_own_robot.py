@@ -1,8 +1,6 @@
 """A robot of one's own, examples/diff_drive: trained by topics, and safe when something fails."""
 
-import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -199,32 +197,3 @@ def test_a_mistake_in_a_domain_is_told_by_file_and_line_and_the_agent_lives_on(h
         desk.agents.begin(ROBOT, "Wander", features=["Bumped"])
         desk.await_value("Bumped")
         assert desk.agents.command(ROBOT, "Stop").examples == 2
-
-
-def test_the_commands_of_the_page_make_a_copy_under_another_name(tmp_path):
-    page = (ROOT / "docs/your-own-robot.md").read_text(encoding="utf-8")
-    section = page.partition("## A copy of your own\n")[2].partition("\n## ")[0]
-    commands = re.findall(r"^    (.*)", section, re.MULTILINE)
-    assert len(commands) == 7
-    assert commands.pop().startswith("pip install ")  # it would change what all tests run in
-    checkout, copy = tmp_path / "checkout", tmp_path / "my_robot"
-    shutil.copytree(EXAMPLE, checkout / "examples/diff_drive")
-    (checkout / "examples/diff_drive/diff_drive.egg-info").mkdir(exist_ok=True)
-    environment = {**os.environ, "HOME": str(tmp_path)}
-    script = "\n".join(["set -e", *commands])
-    subprocess.run(["bash", "-c", script], cwd=checkout, env=environment, check=True)
-    left = [path for path in copy.rglob("*") if "diff_drive" in path.name]
-    assert not [path for path in left if path.suffix != ".pyc"]
-    texts = [
-        path.read_text() for path in copy.rglob("*") if path.suffix in (".py", ".xml", ".cfg")
-    ]
-    assert not [text for text in texts if "diff_drive" in text]
-    loads = "from my_robot.domain import DOMAIN; print(DOMAIN.name)"
-    done = subprocess.run(
-        [sys.executable, "-c", f"import sys; sys.path[:0] = ['{copy}']; {loads}"],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert done.stdout == "my_robot\n"

@@ -30,6 +30,7 @@ from hitab_bringup.verbs import (
     lesson,
     library,
     logs,
+    new,
     perceiving,
     questions,
     reaction,
@@ -113,6 +114,7 @@ PANELS: dict[str, tuple[Callable[..., None], ...]] = {
         emergency.arm,
     ),
     "Command": (hierarchy.tree, hierarchy.order),
+    "Domains": (new.new,),
 }
 """The verbs, by panel of the help: those without one would come before "Begin here"."""
 

@@ -1,0 +1,78 @@
+"""A robot and a world of one's own, as `hitab new` writes them."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from mentions import ROOT
+
+
+@pytest.fixture
+def run(apart):
+    """Return a function that runs a command where what it installs is apart too."""
+    environment = {
+        **os.environ,
+        "COLUMNS": "200",
+        "PYTHONPATH": os.pathsep.join(
+            [str(apart / "installed"), *filter(None, [os.environ.get("PYTHONPATH")])]
+        ),
+    }
+
+    def do(*command: str, fails: bool = False) -> str:
+        done = subprocess.run(
+            command, env=environment, capture_output=True, text=True, timeout=120.0
+        )
+        assert (done.returncode != 0) == fails, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+    return do
+
+
+def test_a_new_robot_is_tested_installed_started_and_trained(run, apart):
+    assert "pip install" in run("hitab", "new", "lift")
+    page = (ROOT / "docs/your-own-robot.md").read_text(encoding="utf-8")
+    (link,) = re.findall(r"```python\n(.*class Link.*?)```", page, re.DOTALL)
+    assert link.count("\n") <= 50
+    (apart / "lift/lift/link.py").write_text(link)  # that of the page is run
+    run(
+        sys.executable,
+        "-m",
+        "pip",
+        "install",
+        "--no-build-isolation",
+        "--no-deps",
+        "--target",
+        "installed",
+        "./lift",
+    )
+    assert "1 passed" in run(sys.executable, "-m", "pytest", "lift")
+    run("hitab", "up", "lift/swarm.yaml")
+    run("hitab", "arm", "robot_1")
+    run("hitab", "train", "robot_1", "Shuttle", "-f", "Position")
+    run("hitab", "demonstrate", "robot_1", "Right")
+    run("hitab", "demonstrate", "robot_1", "Left")
+    assert "with 4 examples" in run("hitab", "save", "robot_1")
+    run("hitab", "down")
+
+
+def test_a_new_world_is_tested_started_and_trained(run):
+    run("hitab", "new", "pond", "--world")
+    assert "1 passed" in run(sys.executable, "-m", "pytest", "pond.py")
+    run("hitab", "up", "pond.py")
+    run("hitab", "train", "agent_1", "Shuttle", "-f", "Position")
+    run("hitab", "demonstrate", "agent_1", "Right")
+    assert "with 2 examples" in run("hitab", "save", "agent_1")
+    run("hitab", "down")
+
+
+def test_what_exists_is_kept_and_a_name_that_cannot_be_used_is_refused(run, apart):
+    (apart / "lift").mkdir()
+    assert "lift exists already; choose another name" in run("hitab", "new", "lift", fails=True)
+    for name in ("My-Robot", "../up", "class", "x__y"):
+        assert "is not a name for a package" in run("hitab", "new", name, fails=True)
+    for name in ("json", "keepaway"):
+        assert "that is installed; choose another" in run("hitab", "new", name, fails=True)
+    assert [path.name for path in Path().iterdir()] == ["lift"]
