@@ -6,8 +6,9 @@ mean direction. So they never leave what was shown, however far the situation is
 shown is answered exactly, and an answer is explained by three moments. Learning is sorting them
 into arrays, which an agent does while it runs.
 
-Two situations differ in a feature as in `hitab_core.advice.nearness`, by its usual difference; the
-distance is Euclidean. A value that one of them lacks counts as one usual difference.
+A situation is a point: a feature is a line in units of its usual difference, see
+`hitab_core.spread`, a circle on which a short way has this length, or, with categories, corners
+that are 1 apart. The distance is Euclidean; a missing value counts as 1.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hitab_core.arrays import Floats
-from hitab_core.domain import FeatureKind, Scale
+from hitab_core.domain import Scale
 from hitab_core.number import Number
 from hitab_core.spread import spreads
 
@@ -27,7 +28,7 @@ NEAREST = 3
 MOMENTS_MAX = 1000
 """More moments than this are thinned out to those that are farthest from one another."""
 
-SPREAD_ROWS = 1000
+SPREAD_ROWS = 300
 """Usual differences are taken from so many moments, since they need all pairs."""
 
 OPPOSED = 1e-6
@@ -74,48 +75,48 @@ class Neighbors:
             wanted: the k numbers.
         """
         rows = np.array(values, dtype=np.float64).reshape(len(values), len(scales))
-        measured = [s.kind.is_measured for s in scales]
-        circles = [s.period if s.kind is FeatureKind.TOROIDAL else math.inf for s in scales]
         step = -(-len(rows) // SPREAD_ROWS)
-        self._usual = spreads(rows[::step], scales)
-        self._most = np.where(measured, math.inf, 1.0)[:, None]
-        self._round = (np.array(circles) / self._usual)[:, None]
-        self._wraps = bool(np.isfinite(self._round).any())
-        self._places = np.ascontiguousarray((rows / self._usual).T)
-        if self._wraps:
-            turns = np.isfinite(self._round[:, 0])
-            self._places[turns] %= self._round[turns]
-        self._kept = np.arange(len(rows))
-        if len(rows) > MOMENTS_MAX:
-            self._thin_out()
-        self._numbers = np.array(numbers, dtype=np.float64).reshape(len(rows), -1)[self._kept]
+        self._axes = _axes(scales, spreads(rows[::step], scales).tolist())
+        places = np.array([self._place(row) for row in rows.tolist()]).reshape(len(rows), -1)
+        self._kept = _apart(places) if len(rows) > MOMENTS_MAX else range(len(rows))
+        self._places = np.ascontiguousarray(places[self._kept].T)
+        self._complete = not np.isnan(places).any()
+        found = np.array(numbers, dtype=np.float64).reshape(len(rows), -1)
+        self._numbers = found[self._kept].tolist()
         self._wanted = tuple(wanted)
 
-    def _thin_out(self) -> None:
-        """Keep the moments that are farthest from those kept before, beginning with the first."""
-        kept = [0]
-        nearest = self._away(self._places[:, 0])
-        for _ in range(MOMENTS_MAX - 1):
-            kept.append(int(nearest.argmax()))
-            np.minimum(nearest, self._away(self._places[:, kept[-1]]), out=nearest)
-        self._kept = np.unique(kept)
-        self._places = np.ascontiguousarray(self._places[:, self._kept])
+    def _place(self, values: Sequence[float]) -> list[float]:
+        """Return a situation as a point."""
+        return [x for axis, value in zip(self._axes, values, strict=True) for x in axis(value)]
 
-    def _away(self, place: Floats) -> Floats:
-        """Return the squared distance of each moment from a place, in usual differences."""
-        away = np.abs(self._places - place[:, None])
-        if self._wraps:
-            np.minimum(away, self._round - away, out=away)
-        np.minimum(away, self._most, out=away)
-        away[np.isnan(away)] = 1.0
+    def _squared(self, values: Sequence[float]) -> Floats | None:
+        """Return the squared distance of each moment; None if there is no value."""
+        lacking = sum(value != value for value in values)
+        if lacking and lacking == len(values):
+            return None
+        away = self._places - np.array(self._place(values))[:, None]
+        if lacking or not self._complete:
+            for axis in self._axes:
+                own = away[axis.columns]
+                own[np.isnan(own)] = len(own) ** -0.5
         squared: Floats = np.einsum("ij,ij->j", away, away)
         return squared
 
-    def _place(self, values: Sequence[float]) -> Floats:
-        place = np.asarray(values, dtype=np.float64) / self._usual
-        if self._wraps:
-            np.mod(place, self._round[:, 0], out=place, where=np.isfinite(self._round[:, 0]))
-        return place
+    def _nearest(self, values: Sequence[float]) -> list[Moment]:
+        """Return the nearest moments, by their index among those kept."""
+        squared = self._squared(values)
+        if squared is None:
+            return []
+        count = min(NEAREST, len(squared))
+        rows = squared.argpartition(count - 1)[:count]
+        found = sorted(zip(np.sqrt(squared[rows]).tolist(), rows.tolist(), strict=True))
+        least = found[0][0]
+        shares = [least / d if least else float(not d) for d, _ in found]
+        total = sum(shares)
+        return [
+            Moment(row, distance, share / total)
+            for (distance, row), share in zip(found, shares, strict=True)
+        ]
 
     def nearest(self, values: Sequence[float]) -> list[Moment]:
         """Return the moments that the numbers are taken from here, the nearest first.
@@ -123,35 +124,19 @@ class Neighbors:
         Args:
             values: of the m features; NaN where one has no value. None has one: no moments.
         """
-        place = self._place(values)
-        if len(place) and np.isnan(place).all():
-            return []
-        squared = self._away(place)
-        count = min(NEAREST, len(squared))
-        rows = squared.argpartition(count - 1)[:count]
-        found = sorted((math.sqrt(squared[row]), int(row)) for row in rows)
-        least = found[0][0]
-        shares = [least / d if least else float(not d) for d, _ in found]
-        total = sum(shares)
-        return [
-            Moment(int(self._kept[row]), distance, share / total)
-            for (distance, row), share in zip(found, shares, strict=True)
-        ]
+        return [m._replace(row=int(self._kept[m.row])) for m in self._nearest(values)]
 
     def distance(self, values: Sequence[float]) -> float:
         """Return how far a situation is from the nearest moment; infinite if none compares."""
-        place = self._place(values)
-        if len(place) and np.isnan(place).all():
-            return math.inf
-        return math.sqrt(self._away(place).min())
+        squared = self._squared(values)
+        return math.inf if squared is None else math.sqrt(squared.min())
 
     def __call__(self, values: Sequence[float]) -> tuple[float, ...]:
         """Return the numbers for a situation; nothing if it has no values."""
-        moments = self.nearest(values)
+        moments = self._nearest(values)
         if not moments:
             return ()
-        at = np.searchsorted(self._kept, [m.row for m in moments])
-        shown = self._numbers[at].tolist()
+        shown = [self._numbers[m.row] for m in moments]
         weights = [m.weight for m in moments]
         return tuple(
             mean([row[k] for row in shown], weights, number)
@@ -177,3 +162,46 @@ def mean(values: Sequence[float], weights: Sequence[float], number: Number) -> f
         return values[0]
     angle = math.atan2(y, x) / turn
     return number.low + (angle - number.low) % (number.high - number.low)
+
+
+class _Axis:
+    """One feature in the space of situations: a line, a circle in a plane, or one-hot."""
+
+    def __init__(self, scale: Scale, usual: float, first: int) -> None:
+        self._scale, self._usual = scale, usual
+        self._turn = 2.0 * math.pi / scale.period if scale.period else 0.0
+        size = 2 if self._turn else max(1, len(scale.categories))
+        self.columns = slice(first, first + size)
+        self._radius = 1.0 / (self._turn * usual) if self._turn else 0.0
+
+    def __call__(self, value: float) -> Sequence[float]:
+        """Return the coordinates of a value; NaN: it is missing."""
+        if self._turn:
+            angle = value * self._turn
+            return self._radius * math.cos(angle), self._radius * math.sin(angle)
+        if self._scale.categories:
+            known = value == value
+            return [
+                math.sqrt(0.5) * (value == i) if known else value
+                for i in range(len(self._scale.categories))
+            ]
+        return (value / self._usual,)
+
+
+def _axes(scales: Sequence[Scale], usual: Sequence[float]) -> list[_Axis]:
+    axes: list[_Axis] = []
+    for scale, difference in zip(scales, usual, strict=True):
+        axes.append(_Axis(scale, difference, axes[-1].columns.stop if axes else 0))
+    return axes
+
+
+def _apart(places: Floats) -> list[int]:
+    """Return the moments that are farthest from those chosen before, from the first one on."""
+    places = np.nan_to_num(places)
+    chosen = [0]
+    nearest = np.full(len(places), math.inf)
+    while len(chosen) < MOMENTS_MAX:
+        away = places - places[chosen[-1]]
+        np.minimum(nearest, np.einsum("ij,ij->i", away, away), out=nearest)
+        chosen.append(int(nearest.argmax()))
+    return sorted(chosen)
