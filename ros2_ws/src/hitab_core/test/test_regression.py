@@ -153,7 +153,7 @@ def test_it_knows_how_far_it_is_from_what_was_shown():
     shown = Neighbors([[0.0], [1.0], [2.0]], [[0.0], [0.5], [1.0]], [Scale()], [SPEED])
     assert shown.distance([1.0]) == 0.0
     assert shown.distance([9.0]) == pytest.approx(7.0)
-    assert [moment.row for moment in shown.nearest([1.9])] == [2, 1, 0]
+    assert [moment.example for moment in shown.nearest([1.9])] == [2, 1, 0]
     assert 0.5 < shown([1e9])[0] <= 1.0
 
 
@@ -197,7 +197,25 @@ def test_thirty_thousand_moments_are_thinned_out_and_stay_right():
     rows = random.uniform(-1.0, 1.0, (30_000, 2))
     numbers = (rows[:, :1] + 1.0) / 2.0
     shown = Neighbors(rows, numbers, [Scale()] * 2, [SPEED])
-    assert {moment.row for moment in shown.nearest([0.1, 0.1])} <= set(range(30_000))
+    assert {moment.example for moment in shown.nearest([0.1, 0.1])} <= set(range(30_000))
     off = [abs(shown(row)[0] - (row[0] + 1.0) / 2.0) for row in rows[:200]]
     assert np.mean(off) < 0.02
-    assert len({moment.row for row in rows[::10] for moment in shown.nearest(row)}) <= MOMENTS_MAX
+    assert (
+        len({moment.example for row in rows[::10] for moment in shown.nearest(row)}) <= MOMENTS_MAX
+    )
+
+
+def test_an_answer_is_explained_by_the_examples_that_it_comes_from():
+    agent = trained()
+    numbers = agent.learn().numbers["Sail"]
+    nearest = numbers.nearest([0.9, 9.0])
+    assert [moment.example for moment in nearest] == [3, 1]
+    assert sum(moment.weight for moment in nearest) == pytest.approx(1.0)
+
+
+def test_what_takes_numbers_is_composed_like_any_behavior(tmp_path):
+    agent = trained(tmp_path)
+    agent.save()
+    agent.train("Voyage").step([0.0, 9.0], command="Cruise")
+    agent.learn()
+    assert agent.step([0.0, 9.0]) == pytest.approx((170.0, 1.0))

@@ -39,12 +39,12 @@ class Moment(NamedTuple):
     """One of the moments that numbers were taken from.
 
     Attributes:
-        row: its index among the moments shown.
+        example: its number, as among the examples of the automaton.
         distance: from the situation, in usual differences.
         weight: its share in the numbers, from 0 to 1.
     """
 
-    row: int
+    example: int
     distance: float
     weight: float
 
@@ -65,6 +65,7 @@ class Neighbors:
         numbers: Sequence[Sequence[float]] | Floats,
         scales: Sequence[Scale],
         wanted: Sequence[Number],
+        examples: Sequence[int] = (),
     ) -> None:
         """Learn from moments.
 
@@ -73,16 +74,18 @@ class Neighbors:
             numbers: shape (n, k), what was shown there, within the bounds.
             scales: how the values of each of the m features compare.
             wanted: the k numbers.
+            examples: the number of each moment; empty: from 0.
         """
         rows = np.array(values, dtype=np.float64).reshape(len(values), len(scales))
         step = -(-len(rows) // SPREAD_ROWS)
         self._axes = _axes(scales, spreads(rows[::step], scales).tolist())
         places = np.array([self._place(row) for row in rows.tolist()]).reshape(len(rows), -1)
-        self._kept = _apart(places) if len(rows) > MOMENTS_MAX else range(len(rows))
-        self._places = np.ascontiguousarray(places[self._kept].T)
+        kept = _apart(places) if len(rows) > MOMENTS_MAX else list(range(len(rows)))
+        self._places = np.ascontiguousarray(places[kept].T)
         self._complete = not np.isnan(places).any()
+        self._examples = [examples[i] if examples else i for i in kept]
         found = np.array(numbers, dtype=np.float64).reshape(len(rows), -1)
-        self._numbers = found[self._kept].tolist()
+        self._numbers = found[kept].tolist()
         self._wanted = tuple(wanted)
 
     def _place(self, values: Sequence[float]) -> list[float]:
@@ -124,7 +127,7 @@ class Neighbors:
         Args:
             values: of the m features; NaN where one has no value. None has one: no moments.
         """
-        return [m._replace(row=int(self._kept[m.row])) for m in self._nearest(values)]
+        return [m._replace(example=self._examples[m.example]) for m in self._nearest(values)]
 
     def distance(self, values: Sequence[float]) -> float:
         """Return how far a situation is from the nearest moment; infinite if none compares."""
@@ -136,7 +139,7 @@ class Neighbors:
         moments = self._nearest(values)
         if not moments:
             return ()
-        shown = [self._numbers[m.row] for m in moments]
+        shown = [self._numbers[m.example] for m in moments]
         weights = [m.weight for m in moments]
         return tuple(
             mean([row[k] for row in shown], weights, number)

@@ -32,5 +32,7 @@ def learn_numbers(
             if own:
                 values = [example.features for example in own]
                 numbers = [example.numbers for example in own]
-                learned[str(state)] = Neighbors(values, numbers, scales, wanted)
+                learned[str(state)] = Neighbors(
+                    values, numbers, scales, wanted, [e.number for e in own]
+                )
     return learned
