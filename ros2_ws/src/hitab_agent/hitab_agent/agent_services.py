@@ -296,7 +296,7 @@ class AgentServices:
         response.behaviors = [
             msg.Behavior(
                 name=str(Use(b.name, b.parameters)),
-                description=b.description,
+                description="; ".join([b.description, *map(str, domain.numbers_of(Use(b.name)))]),
                 trained=b.name in agent.edition.files,
                 one_shot=isinstance(b, BasicBehavior) and b.one_shot,
             )

@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
-from hitab_core.transition_function import TransitionFunction
+from hitab_core.transition_function import NumberFunction, TransitionFunction
 from hitab_core.use import Use
 
 START = "Start"
@@ -71,6 +71,8 @@ class Automaton:
         examples: what the transition functions were learned from; none for a hand-written one.
         readable: names of the examples' readings.
         chosen: the features that were chosen for its training, if some of them were trimmed.
+        numbers: what gives the numbers of each state whose behavior takes some, by label. Without
+            it, such a behavior does nothing.
 
     Raises:
         VocabularyError: if it has a state twice or a transition function for none of its states.
@@ -99,6 +101,7 @@ class Automaton:
     description: str = ""
     readable: tuple[Use, ...] = ()
     chosen: tuple[Use, ...] = ()
+    numbers: Mapping[str, NumberFunction] = field(default_factory=dict, compare=False)
     _labels: tuple[str, ...] = field(init=False, repr=False, compare=False, default=())
 
     def __post_init__(self) -> None:

@@ -148,7 +148,13 @@ class CautionMonitor:
             else value_or_nan(context.senses.look, use.bound(running.bindings))
             for use in features
         ]
-        return rated[1](values).doubts(self.caution.support, self.caution.distance)
+        doubt = rated[1](values).doubts(self.caution.support, self.caution.distance)
+        numbers, farthest = running.numbers, self.caution.distance
+        if doubt or numbers is None or not farthest:
+            return doubt
+        away = numbers.distance(values)
+        why = f"it is {away:.2g} spreads from the nearest moment whose numbers were shown"
+        return why if away > farthest else ""
 
     def halt(self, running: Running | None) -> None:
         """Stop the basic behavior that is performed, until `release`."""

@@ -24,6 +24,7 @@ def default_example(taught: Example, entered: tuple[float, ...]) -> Example:
         features=entered,
         number=taught.number + 1,
         kind=ExampleKind.DEFAULT,
+        numbers=(),
     )
 
 

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, OWN_NAMES, SECONDS_IN_STATE, SECONDS_SINCE
 from hitab_core.errors import VocabularyError
+from hitab_core.number import Number
 from hitab_core.plain_body import PlainBody
 from hitab_core.source_file import load_file, loaded_file
 from hitab_core.use import NAME, NAME_RULE, Use, wrong_number
@@ -140,7 +141,8 @@ class BasicBehavior:
     when its state is entered, pulse once per tick, stop when the state is left. Keep state between
     pulses in the body, never in the behavior, which all agents share. A ``one_shot`` behavior is
     pulsed once per entry and records no default example. One that ``stands_still`` never moves
-    the robot: it is obeyed even when no example of it can be recorded.
+    the robot: it is obeyed even when no example of it can be recorded. ``pulse`` gets the
+    ``numbers`` that the behavior is performed with after the targets.
     """
 
     name: str
@@ -151,6 +153,7 @@ class BasicBehavior:
     one_shot: bool = False
     description: str = ""
     stands_still: bool = False
+    numbers: tuple[Number, ...] = ()
 
 
 class Body(Protocol):
@@ -302,7 +305,7 @@ class Domain:
         described = {
             "name": self.name,
             "behaviors": sorted(
-                (b.name, list(b.parameters), b.one_shot)
+                (b.name, list(b.parameters), b.one_shot, *([str(b.numbers)] if b.numbers else []))
                 for b in self.behaviors.values()
                 if b.name in behaviors
             ),
@@ -314,6 +317,11 @@ class Domain:
             "targets": sorted(target for target in self.targets if target in targets),
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
+
+    def numbers_of(self, state: Use) -> tuple[Number, ...]:
+        """Return the numbers of a state's behavior; none unless it is a basic one with numbers."""
+        behavior = self.behaviors.get(state.name)
+        return () if behavior is None else behavior.numbers
 
     def feature(self, name: str) -> Feature:
         """Return a feature by name, of the domain or of the engine itself."""

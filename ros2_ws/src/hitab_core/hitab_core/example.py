@@ -34,6 +34,7 @@ class Example:
         ago: seconds of simulated time from the situation to the command.
         readings: everything that could be read in that situation, in the order of the training's
             or automaton's ``readable``; NaN where there was no value. Empty: not kept.
+        numbers: with which ``next_state`` was commanded; empty: it takes none.
     """
 
     state: str
@@ -45,6 +46,7 @@ class Example:
     cycle: int = 0
     ago: float = 0.0
     readings: tuple[float, ...] = ()
+    numbers: tuple[float, ...] = ()
 
     @property
     def is_default(self) -> bool:

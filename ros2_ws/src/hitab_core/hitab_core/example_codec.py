@@ -21,7 +21,8 @@ def values_of(records: Iterable[float | None]) -> tuple[float, ...]:
 
 def example_record(example: Example) -> dict[str, Any]:
     """Return an example as the journal spells it."""
-    return {**_record(example), "readings": value_records(example.readings)}
+    numbers = {"numbers": list(example.numbers)} if example.numbers else {}
+    return {**_record(example), "readings": value_records(example.readings), **numbers}
 
 
 def _record(example: Example) -> dict[str, Any]:
@@ -38,7 +39,7 @@ def _record(example: Example) -> dict[str, Any]:
 
 
 def file_record(example: Example, counted: Sequence[bool]) -> dict[str, Any]:
-    """Return an example as a behavior file spells it, without its readings.
+    """Return an example as a behavior file spells it, without its readings and numbers.
 
     Args:
         example: with one value per feature.
@@ -63,4 +64,5 @@ def example_of(record: Mapping[str, Any]) -> Example:
         int(record["cycle"]),
         float(record["ago"]),
         values_of(record["readings"]),
+        tuple(map(float, record.get("numbers", ()))),
     )

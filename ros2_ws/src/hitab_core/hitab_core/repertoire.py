@@ -9,6 +9,7 @@ from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
 from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
+from hitab_core.number import numbers_of, without_numbers
 from hitab_core.remedies import Do, Remedy
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
@@ -137,7 +138,17 @@ class Repertoire:
                 raise VocabularyError(f'flag state "{use.name}" takes no targets')
             return
         self._refuse_lost(use.name)
-        self.domain.check_use(use, self._parameters, parameters, what="behavior")
+        if (targets := without_numbers(use)) != use:
+            numbers_of(use, self.domain.numbers_of(use))
+        self.domain.check_use(targets, self._parameters, parameters, what="behavior")
+
+    def commanded(self, use: Use) -> tuple[Use, tuple[float, ...]]:
+        """Return what to perform, with its targets alone, and the numbers to perform it with.
+
+        Raises:
+            VocabularyError: if a number is unknown, missing, or not within its bounds.
+        """
+        return without_numbers(use), numbers_of(use, self.domain.numbers_of(use))
 
     def check_performable(self, use: Use) -> None:
         """Check that a behavior can be the top-level one.
@@ -147,6 +158,7 @@ class Repertoire:
         """
         self.get(use.name)
         self.check_state(use)
+        self.commanded(use)
 
     def check_new(self, automaton: Automaton) -> None:
         """Check an automaton, including its name, before training it.

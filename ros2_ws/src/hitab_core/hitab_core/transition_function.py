@@ -67,6 +67,19 @@ class TransitionFunction(Protocol):
         """
 
 
+class NumberFunction(Protocol):
+    """Gives the numbers with which a state's behavior is performed."""
+
+    def __call__(self, values: Sequence[float]) -> tuple[float, ...]:
+        """Return the numbers, given the automaton's features, NaN where one has no value.
+
+        Nothing if no moment shown has any of these values.
+        """
+
+    def distance(self, values: Sequence[float]) -> float:
+        """Return how far a situation is from the nearest moment shown, in usual differences."""
+
+
 class LearnedTransition(TransitionFunction, Protocol):
     """A transition function that was learned from examples."""
 

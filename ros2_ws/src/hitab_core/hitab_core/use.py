@@ -29,7 +29,7 @@ class Use:
 
     @classmethod
     def parse(cls, text: str) -> Use:
-        """Read ``Name`` or ``Name(argument, ...)``.
+        """Read ``Name`` or ``Name(argument, ...)``; an argument may be a number, ``name=value``.
 
         Raises:
             VocabularyError: if the text has another form.
@@ -46,7 +46,7 @@ class Use:
         inner = match.group(2)
         arguments = tuple(part.strip() for part in inner.split(",")) if inner else ()
         for argument in arguments:
-            if NAME.match(argument) is None:
+            if NAME.match(argument.partition("=")[0].rstrip()) is None:
                 raise VocabularyError(f'"{argument}" in "{text}" is not a target or parameter')
         return cls(match.group(1), arguments)
 

@@ -16,7 +16,10 @@ from hitab_core import Do, quantity
 
 Targets = Annotated[
     list[str] | None,
-    typer.Argument(help="Targets for its parameters, such as ball.", show_default=False),
+    typer.Argument(
+        help="Targets for its parameters, such as ball; its numbers, such as direction=40.",
+        show_default=False,
+    ),
 ]
 
 
@@ -44,6 +47,8 @@ def demonstrate(
       hitab demonstrate keeper_1 GoFast
 
       hitab demonstrate keeper_1 GoTo ball
+
+      hitab demonstrate keeper_1 RunTowards direction=40
 
       hitab demonstrate keeper_1 GoFast --ago 0.5
 

@@ -20,9 +20,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hitab_core.advice.spread import spreads
 from hitab_core.arrays import Floats
 from hitab_core.domain import FeatureKind, Scale
+from hitab_core.spread import spreads
 
 UNKNOWN = math.inf
 """The distance where no example has any of the values."""

@@ -24,7 +24,6 @@ import numpy as np
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.proposals import Correction, Proposal, ProposalKind
-from hitab_core.advice.spread import distances, spreads
 from hitab_core.advice.support import situation_in_words
 from hitab_core.arrays import Floats
 from hitab_core.default_example import superseding
@@ -32,6 +31,7 @@ from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.spread import distances, spreads
 from hitab_core.wording import quantity
 
 LIKELY = 0.3

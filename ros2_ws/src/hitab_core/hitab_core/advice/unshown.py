@@ -29,10 +29,10 @@ import numpy as np
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import apart
-from hitab_core.advice.spread import spreads
 from hitab_core.advice.support import SupportedTree
 from hitab_core.arrays import Booleans, Floats
 from hitab_core.automaton import START
+from hitab_core.spread import spreads
 
 ASSUMED = 0.2
 """The least distance of a default example of an entry, in usual distances."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.drawing.graph import UNKNOWN, Arrow, arrows
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.wording import quantity
 
 
 def automaton_as_text(automaton: Automaton, *, trees: bool = True) -> str:
@@ -45,6 +46,8 @@ def automaton_as_text(automaton: Automaton, *, trees: bool = True) -> str:
     for state in (START, *automaton.labels):
         lines += ["", f"  {state}"]
         lines += [f"    {line}" for line in _transitions(state, found, automaton)]
+        if shown := sum(bool(e.numbers) and e.next_state == state for e in automaton.examples):
+            lines.append(f"    numbers: as in the nearest of {quantity(shown, 'moment')}")
     if trees:
         lines += _trees(automaton)
     return "\n".join(lines)

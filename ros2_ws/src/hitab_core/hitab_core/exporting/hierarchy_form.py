@@ -178,6 +178,12 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
         if state.name in FLAGS:
             states.append(StateForm(label, None, False, False, None))
             continue
+        if repertoire.domain.numbers_of(state):
+            raise VocabularyError(
+                f'"{use.name}" cannot be exported: "{state.name}" in it takes numbers, and '
+                "regression is not exported; export a behavior that does without, or have HiTAB "
+                "perform this one"
+            )
         if isinstance(repertoire.get(state.name), ActionBehavior):
             raise VocabularyError(
                 f'"{use.name}" cannot be exported: "{state.name}" in it is an action, whose goals '

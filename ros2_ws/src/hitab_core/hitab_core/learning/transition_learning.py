@@ -17,6 +17,7 @@ from hitab_core.learning.classifier_replacement import classifier_maker, learn_r
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_values import feature_values
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.regression import learn_numbers
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.vocabulary import has
 from hitab_core.wording import quantity
@@ -70,7 +71,8 @@ def relearned(automaton: Automaton, domain: Domain, classifier: str = TREE) -> A
     scales = [domain.scale_of(use) for use in automaton.features]
     names = [str(use) for use in automaton.features]
     transitions = learn_transitions(automaton.examples, scales, classifier, names)
-    return replace(automaton, transitions=transitions)
+    numbers = learn_numbers(automaton.states, scales, automaton.examples, domain)
+    return replace(automaton, transitions=transitions, numbers=numbers)
 
 
 def learn_transitions(

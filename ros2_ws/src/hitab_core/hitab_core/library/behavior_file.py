@@ -140,6 +140,11 @@ def text_of(
     optional = {
         KEY: [one.record() for one in expectations],
         "chosen": [str(use) for use in automaton.chosen],
+        "numbers": [
+            {"example": e.number, "values": list(e.numbers)}
+            for e in automaton.examples
+            if e.numbers
+        ],
     }
     if any(optional.values()):
         content["optional"] = {key: entries for key, entries in optional.items() if entries}

@@ -60,11 +60,19 @@ class ExpectationRecord(Record):
     blocks: bool = False
 
 
+class NumbersRecord(Record):
+    """The numbers that the next state of an example was commanded with."""
+
+    example: Number
+    values: list[Annotated[float, Field(allow_inf_nan=False)]]
+
+
 class OptionalRecord(Record, extra="allow"):
     """Sections by name that may be missing. A later HiTAB may add others."""
 
     expectations: list[ExpectationRecord] = Field(default_factory=list)
     chosen: list[Used] = Field(default_factory=list)
+    numbers: list[NumbersRecord] = Field(default_factory=list)
 
 
 class DomainRecord(Record):

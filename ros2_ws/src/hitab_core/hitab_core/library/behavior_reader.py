@@ -25,6 +25,8 @@ from hitab_core.library.digests import checksum, learned_digest
 from hitab_core.library.expectation import KEY, Expectation
 from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, Place, read_yaml
+from hitab_core.number import wrong_with
+from hitab_core.regression import learn_numbers
 from hitab_core.remedies import Do, Remedy
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
@@ -103,7 +105,7 @@ class _Reader:
         self._check_meaning(states, features)
         self._stop_if_wrong()  # examples make no sense without these
         readable, readings = self._readings()
-        examples = self._examples([str(state) for state in states], scales, readings)
+        examples = self._examples(states, scales, readings)
         expectations = self._expectations()
         self._stop_if_wrong()
         functions = self._learn(examples, features, scales)
@@ -122,6 +124,7 @@ class _Reader:
             content["description"],
             tuple(readable),
             tuple(dict.fromkeys(self._record.optional.chosen)),
+            learn_numbers(states, scales, examples, self._domain),
         )
         return BehaviorFile(
             automaton,
@@ -263,27 +266,36 @@ class _Reader:
 
     def _examples(
         self,
-        labels: Sequence[str],
+        states: Sequence[Use],
         scales: Sequence[Scale],
         readings: Mapping[int, Sequence[float | None]],
     ) -> list[Example]:
         examples = []
-        numbers: dict[int, int] = {}
+        labels = [str(state) for state in states]
+        given = {record.example: record.values for record in self._record.optional.numbers}
+        wanted = {str(state): self._domain.numbers_of(state) for state in states}
+        first_at: dict[int, int] = {}
         for i, record in enumerate(self._content["examples"]):
             values = readings.get(int(record["command"]), ())
-            example = example_of({**record, "readings": values})
+            numbers = given.pop(int(record["number"]), ())
+            example = example_of({**record, "readings": values, "numbers": numbers})
+            for wrong in wrong_with(numbers, wanted.get(example.next_state, ())):
+                self._complain(f"example {example.number} {wrong}", "optional", "numbers")
             for wrong in _wrong_with(example, labels, scales):
                 self._complain(f"example {example.number} {wrong}", "examples", i)
-            if example.number in numbers:
-                first = self._document.line(("examples", numbers[example.number]))
+            if example.number in first_at:
+                first = self._document.line(("examples", first_at[example.number]))
                 self._complain(
                     f"example number {example.number} is already used at line {first}; "
                     "give each example its own number",
                     "examples",
                     i,
                 )
-            numbers.setdefault(example.number, i)
+            first_at.setdefault(example.number, i)
             examples.append(example)
+        for number in given:
+            wrong = f"example {number} has numbers, but is not listed; remove them"
+            self._complain(wrong, "optional", "numbers")
         return examples
 
     def _expectations(self) -> tuple[Expectation, ...]:

@@ -35,6 +35,10 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
         content: in the form of `hitab_core.library.behavior_model.BehaviorRecord`.
         trees: digest of each state's transition function.
     """
+    numbers = {
+        record["example"]: [float(value) + 0.0 for value in record["values"]]
+        for record in content.get("optional", {}).get("numbers", ())
+    }
     examples = [
         [
             example["state"],
@@ -43,6 +47,7 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
             example["next_state"],
             # All other kinds are learned from alike.
             example["kind"] == ExampleKind.DEFAULT.value,
+            *([given] if (given := numbers.get(example["number"])) else []),
         ]
         for example in content["examples"]
         if example["kind"] != ExampleKind.SUPERSEDED.value

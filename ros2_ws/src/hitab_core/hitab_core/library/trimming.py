@@ -190,6 +190,8 @@ def _distinct(uses: Sequence[Use], bound: Any, what: str) -> tuple[Use, ...]:
 
 
 def _columns_used(automaton: Automaton) -> set[int]:
+    if automaton.numbers:  # a moment is near in all features
+        return {*range(len(automaton.features))}
     return {i for function in automaton.transitions.values() for i in function.features_used}
 
 

@@ -13,9 +13,13 @@ from hitab_core.domain import BasicBehavior
 from hitab_core.errors import NoValueError
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.observing import Change, Observe, guest
-from hitab_core.running.running_basic import RunningAction, RunningBasicBehavior
+from hitab_core.running.running_basic import (
+    RunningAction,
+    RunningBasicBehavior,
+    RunningWithNumbers,
+)
 from hitab_core.running.senses import Senses
-from hitab_core.transition_function import Decide, TransitionFunction
+from hitab_core.transition_function import Decide, NumberFunction, TransitionFunction
 from hitab_core.use import Use
 
 
@@ -80,6 +84,8 @@ class RunContext:
         behavior = self.repertoire.get(use.name)
         if isinstance(behavior, ActionBehavior):
             return RunningAction(self.repertoire.domain, self.body, behavior, use)
+        if isinstance(behavior, BasicBehavior) and behavior.numbers:
+            return RunningWithNumbers(self.repertoire.domain, self.body, behavior, use)
         if isinstance(behavior, BasicBehavior):
             return RunningBasicBehavior(self.repertoire.domain, self.body, behavior, use)
         bindings = dict(zip(behavior.parameters, use.arguments, strict=True))
@@ -120,6 +126,7 @@ class RunningAutomaton:
         self._decide: list[Decide | None] = [None]
         self._functions: dict[str, TransitionFunction] = {}
         self._index: dict[str, int] = {START: 0}
+        self._numbers: dict[int, NumberFunction] = {}
         self._active = 0
         for state in automaton.states:
             self.add_state(state)
@@ -127,7 +134,7 @@ class RunningAutomaton:
         self._flag_slots: list[tuple[int, str]] = []
         self._timer_slots: list[tuple[int, str]] = []
         self._bind(automaton.features)
-        self.set_transitions(automaton.transitions)
+        self.set_transitions(automaton.transitions, automaton.numbers)
 
     def _bind(self, features: Sequence[Use]) -> None:
         """Find the slots of the features."""
@@ -163,8 +170,13 @@ class RunningAutomaton:
         self._children.append(child)
         self._decide.append(None)
 
-    def set_transitions(self, transitions: Mapping[str, TransitionFunction]) -> None:
-        """Use these transition functions from now on; keep the active state."""
+    def set_transitions(
+        self,
+        transitions: Mapping[str, TransitionFunction],
+        numbers: Mapping[str, NumberFunction] | None = None,
+    ) -> None:
+        """Use these functions from now on; keep the active state."""
+        self._numbers = {self._index[label]: give for label, give in (numbers or {}).items()}
         self._functions = dict(transitions)
         self._decide = [None] * len(self._labels)
         for label, function in transitions.items():
@@ -181,6 +193,11 @@ class RunningAutomaton:
     def function(self) -> TransitionFunction | None:
         """The transition function of the active state; None if it has none."""
         return self._functions.get(self.active)
+
+    @property
+    def numbers(self) -> NumberFunction | None:
+        """What gives the numbers of the active state; None if it takes none."""
+        return self._numbers.get(self._active)
 
     @property
     def child(self) -> Running | None:
@@ -221,6 +238,8 @@ class RunningAutomaton:
             chosen = decide(self._values, self._read, self.context.draw)
             if chosen != active:
                 child = self._enter(chosen)
+        if self._numbers and (give := self.numbers) is not None:
+            self.set_numbers(give([self._value_or_nan(slot) for slot in self._slots]))
         if child is not None:
             child.tick()
 
@@ -237,6 +256,12 @@ class RunningAutomaton:
         index = self._index[label]
         if index != self._active:
             self._enter(index, commanded=True)
+
+    def set_numbers(self, numbers: tuple[float, ...]) -> None:
+        """Perform the active state with these numbers, if its behavior takes any."""
+        child = self.child
+        if isinstance(child, RunningWithNumbers):
+            child.numbers = numbers
 
     def entered_at(self, time: float) -> None:
         """Count the time in the active state from another time on, s."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from hitab_core.action_behavior import ActionBehavior, ActionCall, calls_of, goal_of
 from hitab_core.domain import BasicBehavior, Domain
+from hitab_core.number import numbers_of, without_numbers
 from hitab_core.running.senses import resolved
 from hitab_core.use import Use
 
@@ -44,6 +46,30 @@ class RunningBasicBehavior:
     def stop(self) -> None:
         """Stop performing."""
         self._stop()
+
+
+class RunningWithNumbers(RunningBasicBehavior):
+    """A basic behavior that takes numbers; it does nothing while it has none.
+
+    Attributes:
+        numbers: for its next pulse; empty: none.
+    """
+
+    __slots__ = ("numbers",)
+
+    def __init__(self, domain: Domain, body: Any, behavior: BasicBehavior, use: Use) -> None:
+        targets = without_numbers(use)
+        self.numbers = () if targets == use else numbers_of(use, behavior.numbers)
+
+        def pulse(body: Any, *targets: Any) -> None:
+            behavior.pulse(body, *targets, *self.numbers)
+
+        super().__init__(domain, body, replace(behavior, pulse=pulse), targets)
+
+    def tick(self) -> None:
+        """Pulse once, if there are numbers."""
+        if self.numbers:
+            super().tick()
 
 
 class RunningAction(RunningBasicBehavior):

@@ -78,15 +78,18 @@ class ExampleLog:
         cycle: int = 0,
         ago: float = 0.0,
         readings: tuple[float, ...] = (),
+        numbers: tuple[float, ...] = (),
     ) -> list[Example]:
         """Return the numbered examples that a command teaches, without adding them.
 
         Args:
-            state, features, next_state, kind, cycle, ago, readings: of the command's example.
+            state, features, next_state, kind, cycle, ago, readings, numbers: of the command's
+                example.
             entered: the values of the default example; None: there is none.
         """
         command, number = self._next_command, self._next_number
-        taught = Example(state, features, next_state, kind, number, command, cycle, ago, readings)
+        found = (kind, number, command, cycle, ago, readings, numbers)
+        taught = Example(state, features, next_state, *found)
         return [taught] if entered is None else [taught, default_example(taught, entered)]
 
     # -- preparing --------------------------------------------------------------------------
@@ -128,17 +131,23 @@ class ExampleLog:
                 example = Example(state, values, to, kind, number, self._next_command)
                 return self.replacement([example], f"answered {state} → {to}")
             case "relabel":
-                return self._relabeling(record["numbers"], record["next_state"])
+                given = tuple(map(float, record.get("with", ())))
+                return self._relabeling(record["numbers"], record["next_state"], given)
         return None
 
-    def _relabeling(self, numbers: Iterable[int], next_state: str) -> Edit:
+    def _relabeling(
+        self, numbers: Iterable[int], next_state: str, given: tuple[float, ...]
+    ) -> Edit:
         """Prepare to change next states; a default example becomes an ordinary one."""
         changed = [
             replace(
-                e, next_state=next_state, kind=ExampleKind.CORRECTION if e.is_default else e.kind
+                e,
+                next_state=next_state,
+                kind=ExampleKind.CORRECTION if e.is_default else e.kind,
+                numbers=given,
             )
             for e in (self._by_number[number] for number in self._known(numbers))
-            if e.next_state != next_state
+            if (e.next_state, e.numbers) != (next_state, given)
         ]
         words = f"changed {these(e.number for e in changed)} to {next_state}" if changed else ""
         return self.replacement(changed, words)

@@ -256,7 +256,8 @@ class TrainingSession:
         self.context = context
         self.running = self._perform(())
         if self.testing:
-            self.running.set_transitions(self.automaton().transitions)
+            automaton = self.automaton()
+            self.running.set_transitions(automaton.transitions, automaton.numbers)
 
     def command(
         self,
@@ -271,7 +272,7 @@ class TrainingSession:
         """Perform a behavior now and record the resulting examples.
 
         Args:
-            state: the behavior with its arguments, or a flag.
+            state: the behavior with its targets and numbers, or a flag.
             cycle: of the world, stored with the examples.
             ago: how long before what the demonstrator saw the command was due, s of simulated
                 time, as far as a person knows. The examples are of what happened about then
@@ -298,8 +299,9 @@ class TrainingSession:
                 f'"{self.curriculum.name}" is being tested; go to training mode to take over '
                 "before commanding"
             )
+        state, numbers = self.context.repertoire.commanded(state)
         try:
-            taught = self._record(state, cycle, ago, seen, pace, request)
+            taught = self._record(state, numbers, cycle, ago, seen, pace, request)
             self.note = ""
         except (FeatureValueError, TrainingError, LibraryError) as error:
             if not self.context.repertoire.stands_still(state):
@@ -314,6 +316,7 @@ class TrainingSession:
     def _record(
         self,
         state: Use,
+        numbers: tuple[float, ...],
         cycle: int,
         ago: float,
         seen: int,
@@ -355,6 +358,7 @@ class TrainingSession:
             cycle=due.cycle,
             ago=max(0.0, perception.time - due.time),
             readings=due.readings,
+            numbers=numbers,
         )
         edit = self.log.addition(taught, settled)
         # On disk first: acknowledged examples must survive a crash.
@@ -373,6 +377,7 @@ class TrainingSession:
         running.take_down_flags()
         running.add_state(state)
         running.go_to(label)
+        running.set_numbers(numbers)
         if not again:
             running.entered_at(due.time)
         return taught
@@ -390,7 +395,7 @@ class TrainingSession:
         automaton = self.automaton()
         self._write({"do": "test"})
         self.note = ""
-        self.running.set_transitions(automaton.transitions)
+        self.running.set_transitions(automaton.transitions, automaton.numbers)
         self.testing = self._tested = True
         self._trial.interrupt(self.running.active)
         if restart:
@@ -500,12 +505,12 @@ class TrainingSession:
 
         Raises:
             TrainingError: if one of the numbers is unknown.
-            VocabularyError: if there is no such behavior.
+            VocabularyError: if there is no such behavior, or a number of its own is wrong.
         """
         self._check_state(next_state)
-        self._edit(
-            {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(next_state)}
-        )
+        state, given = self.context.repertoire.commanded(next_state)
+        record = {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(state)}
+        self._edit({**record, "with": list(given)} if given else record)
 
     def retime(self, numbers: Iterable[int], ago: float) -> None:
         """Have commands been due at another time.
@@ -595,7 +600,7 @@ class TrainingSession:
         if edit.features is not None:
             self.running.set_features(self.curriculum.features)
         if learned is not None:
-            self.running.set_transitions(learned.transitions)
+            self.running.set_transitions(learned.transitions, learned.numbers)
         self._perform_again(edit)
 
     def _perform_again(self, edit: Edit) -> None:
@@ -605,6 +610,8 @@ class TrainingSession:
         self.note = ""
         self.running.raised.discard(str(edit.left))
         self.running.go_to(edit.entered)
+        numbers = [e.numbers for e in self.examples if e.next_state == edit.entered and e.numbers]
+        self.running.set_numbers(numbers[-1] if numbers else ())
         if edit.direction is Direction.UNDO:
             self.perception.reenter(str(edit.left), edit.entered)
 

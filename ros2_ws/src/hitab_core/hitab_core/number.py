@@ -1,0 +1,98 @@
+"""The numbers of a basic behavior, such as the direction of ``RunTowards(direction=40)``.
+
+They are written after the targets, ``name=value``. A state of an automaton has none: what they are
+is learned from those that were commanded (`hitab_core.regression`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hitab_core.errors import VocabularyError
+from hitab_core.use import Use
+from hitab_core.vocabulary import unknown
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A number that a basic behavior is performed with.
+
+    Attributes:
+        name: as in ``direction=40``.
+        low, high: its bounds, in ``unit``, both allowed.
+        circular: ``high`` is where ``low`` is, as for directions from -180 to 180 degrees.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: str = ""
+    circular: bool = False
+
+    def __str__(self) -> str:
+        """Return it with its bounds, for errors."""
+        return f"{self.name} from {self.low:g} to {self.high:g}{self.unit and ' ' + self.unit}"
+
+
+def wrong_with(values: Sequence[float], wanted: Sequence[Number]) -> list[str]:
+    """Return what is wrong with the stored numbers of an example, worded to follow its number."""
+    if not values:
+        return []
+    if len(values) != len(wanted):
+        return [f"has {len(values)} numbers for a behavior that takes {len(wanted)}; correct it"]
+    return [
+        f"has {value:g} as {number.name}; give {number}"
+        for value, number in zip(values, wanted, strict=True)
+        if not number.low <= value <= number.high
+    ]
+
+
+def without_numbers(use: Use) -> Use:
+    """Return a use with its targets alone.
+
+    Examples:
+        >>> str(without_numbers(Use.parse("RunTowards(direction=40)")))
+        'RunTowards'
+    """
+    return Use(use.name, tuple(a for a in use.arguments if "=" not in a))
+
+
+def numbers_of(use: Use, wanted: Sequence[Number]) -> tuple[float, ...]:
+    """Return the numbers that a use gives, in the order of the behavior's own.
+
+    Raises:
+        VocabularyError: if one is unknown, missing, there twice, no number or out of its bounds.
+
+    Examples:
+        >>> numbers_of(Use.parse("RunTowards(direction=40)"), [Number("direction", -180, 180)])
+        (40.0,)
+    """
+    names = [number.name for number in wanted]
+    given: dict[str, str] = {}
+    for argument in use.arguments:
+        name, is_number, text = (part.strip() for part in argument.partition("="))
+        if not is_number:
+            continue
+        if name not in names:
+            what = f' in "{use}"'
+            raise VocabularyError(unknown("number", name, names, what))
+        if name in given:
+            raise VocabularyError(f'"{use}" gives {name} twice; give it once')
+        given[name] = text
+    return tuple(_checked(use, number, given.get(number.name, "")) for number in wanted)
+
+
+def _checked(use: Use, number: Number, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not number.low <= value <= number.high:
+        where = f'{number.name} of "{use}" is {text}' if text else f'"{use.name}" needs {number}'
+        middle = (number.low + number.high) / 2.0
+        example = ", ".join([*without_numbers(use).arguments, f"{number.name}={middle:g}"])
+        bounds = f"; give {number}" if text else ""
+        raise VocabularyError(f"{where}{bounds}, for example {use.name}({example})")
+    return value

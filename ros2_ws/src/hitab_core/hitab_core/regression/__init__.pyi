@@ -1,0 +1,4 @@
+from .neighbors import MOMENTS_MAX as MOMENTS_MAX
+from .neighbors import Moment as Moment
+from .neighbors import Neighbors as Neighbors
+from .number_learning import learn_numbers as learn_numbers
