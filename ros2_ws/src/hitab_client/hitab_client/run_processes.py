@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
+from xml.parsers.expat import ExpatError
 from xmlrpc.client import Fault, ProtocolError, ServerProxy, Transport
 
 import psutil  # type: ignore[import-untyped]
@@ -62,7 +63,7 @@ def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[di
     try:
         found: Any = proxy.supervisor.getAllProcessInfo()
         return list(found)
-    except (OSError, Fault, ProtocolError, http.client.HTTPException) as error:
+    except (OSError, Fault, ProtocolError, http.client.HTTPException, ExpatError) as error:
         raise SwarmError(
             f'the supervisor of swarm "{record.swarm}" does not answer ({error})',
             Do.DOWN(swarm=record.swarm),
