@@ -27,7 +27,7 @@ def questions(
     It asks when commands contradict each other, when an example made it do what you corrected,
     when it was shown too little somewhere, and when several explanations fit what it was shown.
     `hitab undo` takes an answer back. Above the questions it says where what it learned goes round
-    in a circle, and what did not happen in ten episodes of a test.
+    in a circle, and what did not happen in fifty episodes of a test.
 
     Args:
         answer: Answer this question, as proposed or with --choice.
