@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from traceback import extract_tb
@@ -151,12 +152,19 @@ class SimulationWorld:
         Raises:
             WorldError: naming the line of the file that raised.
         """
-        try:
+        with self._naming_the_line():
             simulation = self._kind()
             simulation.agents, simulation.names = len(self.agents), self.agents
             percepts = self._checked(simulation.reset(world_seed(seed, episode)), "reset")
             for actions in done:
                 percepts = self._stepped(simulation, actions)
+        return simulation, percepts, list(done)
+
+    @contextmanager
+    def _naming_the_line(self) -> Iterator[None]:
+        """Raise what the file raises as a `WorldError` that names its line."""
+        try:
+            yield
         except HitabError:
             raise
         except Exception as error:
@@ -166,7 +174,6 @@ class SimulationWorld:
             raise WorldError(
                 f"{place}: {type(error).__name__}: {error}; correct the file"
             ) from error
-        return simulation, percepts, list(done)
 
     def _stepped(
         self, simulation: Simulation, actions: Mapping[str, list[float]]
@@ -225,7 +232,11 @@ class SimulationWorld:
         return list(self._percepts[agent]), []
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
-        """Play one cycle; return why the episode ended with it, or None."""
+        """Play one cycle; return why the episode ended with it, or None.
+
+        Raises:
+            WorldError: naming the line of the file that raised; then nothing has changed.
+        """
         if self.ended:
             raise WorldError(f'the episode has ended ("{self.ended}"); reset() begins the next')
         done: dict[str, list[float]] = {name: [] for name in self.agents}
@@ -240,8 +251,14 @@ class SimulationWorld:
                 done[name] = values
             except (LookupError, TypeError, ValueError) as error:
                 refused[name] = f"{name}: {error}; treated as no action"
+        try:
+            with self._naming_the_line():
+                self._percepts = self._stepped(self._simulation, done)
+        except WorldError:  # maybe half-way through the step
+            again = self._played(self._done, self.seed, self.episode)
+            self._simulation, self._percepts, self._done = again
+            raise
         self.refused = refused
-        self._percepts = self._stepped(self._simulation, done)
         self._done.append(done)
         self.cycle += 1
         self.episode_cycle += 1
@@ -252,7 +269,8 @@ class SimulationWorld:
 
     def entities(self) -> list[Entity]:
         """Return what the simulation draws."""
-        return list(self._simulation.draw())
+        with self._naming_the_line():
+            return list(self._simulation.draw())
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
         """Begin an episode, if wanted; nothing can be moved."""
@@ -296,4 +314,5 @@ class SimulationWorld:
 
     def result(self) -> EpisodeResult:
         """Return how the present episode has gone so far."""
-        return EpisodeResult.of(self, dict(self._simulation.measured()))
+        with self._naming_the_line():
+            return EpisodeResult.of(self, dict(self._simulation.measured()))

@@ -119,6 +119,18 @@ def test_an_ending_that_is_no_text_is_refused(tmp_path):
         world.step({})
 
 
+def test_a_step_that_raises_changes_nothing_and_names_its_line(tmp_path):
+    text = CORRIDOR.replace(
+        "if self.gone > 4.0:", "if 1 / (self.gone < 0.15) and self.gone > 4.0:"
+    )
+    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "half"))))
+    world.step({"agent_1": ([1.0], "")})
+    before = world.entities(), world.result(), world.snapshot(), world.percept("agent_1")
+    with pytest.raises(WorldError, match=r"half\.py:23: ZeroDivisionError: .*; correct the file"):
+        world.step({"agent_1": ([1.0], ""), "agent_2": ([1.0], "")})
+    assert (world.entities(), world.result(), world.snapshot(), world.percept("agent_1")) == before
+
+
 def test_an_episode_ends_at_its_longest_and_is_restored_there(tmp_path):
     text = CORRIDOR.replace("    agents = 2\n", "    agents = 2\n    longest = 3\n")
     world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "short"))))
