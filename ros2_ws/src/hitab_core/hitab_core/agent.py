@@ -40,8 +40,8 @@ from hitab_core.running.senses import Senses
 from hitab_core.saving import Saved, edition_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.lateness import Lateness
 from hitab_core.training.moments import KEPT_SECONDS
+from hitab_core.training.people_file import read_people, write_people
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import TrainingJournal
 from hitab_core.training.training_session import Request, TrainingSession
@@ -122,7 +122,8 @@ class Agent:
             observe,
         )
         self.journal = TrainingJournal(journal_folder, domain.name)
-        self.people: dict[str, Lateness] = {}
+        self._folder = journal_folder
+        self.people = read_people(journal_folder)
         self.session = self._resumed()
         if self.session is not None:
             self.mode = Mode.TRAINING
@@ -130,10 +131,7 @@ class Agent:
     # -- what it knows ----------------------------------------------------------------------
 
     def _resumed(self) -> TrainingSession | None:
-        session = self.journal.resume(self.context, self.library.has_saved)
-        if session is not None:
-            session.late.people = self.people
-        return session
+        return self.journal.resume(self.context, self.library.has_saved, self.people)
 
     @property
     def repertoire(self) -> Repertoire:
@@ -487,6 +485,7 @@ class Agent:
             self.journal.saved(saved.name, saved.checksum)
             change.commit()
         self.journal.archive()
+        write_people(self._folder, self.people)
         self._latest_saved = saved.name
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
@@ -502,6 +501,7 @@ class Agent:
         if self.session is None and not self.journal.damage:
             raise TrainingError(f"{self.name} has no training to discard")
         self.journal.discard()
+        write_people(self._folder, self.people)
         self._stop()
         self.session = self.top = self._performance = None
         self.mode = Mode.IDLE

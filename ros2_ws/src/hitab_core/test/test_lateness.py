@@ -146,6 +146,22 @@ def test_people_are_known_by_name_and_from_one_training_to_the_next(tmp_path: Pa
     assert course.run(1.2).ago == pytest.approx(course.estimate, abs=0.3)
 
 
+@pytest.mark.parametrize("kept", ["", "{", '{"version": 1, "people": {"": [[1]]}}', "[]"])
+def test_people_are_known_after_a_restart_unless_the_file_is_broken(
+    tmp_path: Path, kept: str
+) -> None:
+    course = Course(tmp_path)
+    for _ in range(8):
+        course.run(1.2)
+    course.agent.save()
+    estimate = course.estimate
+    if kept:
+        (tmp_path / "journal" / "lateness.json").write_text(kept)
+    again = course.made()
+    assert (again.people == {}) == bool(kept)
+    assert kept or again.people[""].median == pytest.approx(estimate, rel=0.01)
+
+
 @pytest.mark.parametrize("pace", [-1.0, 1e6, math.nan])
 def test_a_pace_that_no_world_has_is_refused(tmp_path: Path, pace: float) -> None:
     course = Course(tmp_path)

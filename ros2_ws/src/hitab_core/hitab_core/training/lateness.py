@@ -100,6 +100,10 @@ class Lateness:
         """The delay, s, that half of the commands are expected to exceed."""
         return float(np.exp(np.sum(self.odds * np.log(MEDIANS)[:, None])))
 
+    def patience(self, seconds: float) -> float:
+        """Return how probable it is that a delay is longer."""
+        return float((_patience(np.array(seconds)) * self.odds).sum())
+
     def density(self, delays: Floats) -> Floats:
         """Return how probable delays are, shape (n,), per second."""
         return np.asarray((_density(delays) * self.odds).sum(axis=(1, 2)))
@@ -130,7 +134,10 @@ _erfc = np.vectorize(math.erfc, otypes=[np.float64])
 
 
 def settled(
-    commands: Sequence[LateCommand], scales: Sequence[Scale], before: Lateness
+    commands: Sequence[LateCommand],
+    scales: Sequence[Scale],
+    before: Lateness,
+    silent: Sequence[LateCommand] = (),
 ) -> tuple[list[int], Lateness]:
     """Return for which of its moments each command was meant, and how late the person is.
 
@@ -138,6 +145,7 @@ def settled(
         commands: of one person.
         scales: of the features.
         before: what was known of the person before these commands.
+        silent: times in which the person did not command.
 
     Returns:
         Indices of moments, -1 for the change of state that a command corrects; and the lateness.
@@ -148,7 +156,7 @@ def settled(
     log_odds = np.log(before.odds + TINY)
     found = {}
     for kind, members in kinds.items():
-        others = [c for c in commands if c.state == kind[0] and c.label != kind[1]]
+        others = [c for c in (*commands, *silent) if c.state == kind[0] and c.label != kind[1]]
         found[kind] = _explanations([commands[i] for i in members], others, scales)
         log_odds += _log_sum(found[kind].log_likelihood)
     odds = np.exp(log_odds - log_odds.max())
@@ -212,7 +220,8 @@ def _explanations(
     commands: Sequence[LateCommand], others: Sequence[LateCommand], scales: Sequence[Scale]
 ) -> _Explanations:
     guesses = _guesses(commands, scales)
-    first = np.array([[_first(g(c.values)) for c in commands] for g, _ in guesses])
+    firsts = _firsts([*commands, *others], [guess for guess, _ in guesses])
+    first = firsts[:, : len(commands)]
     grid = (len(MEDIANS), len(SPREADS))
     fitting = np.empty((len(guesses), len(commands), *grid))
     changing = np.empty_like(fitting)
@@ -228,19 +237,24 @@ def _explanations(
         fitting[:, i] = answered / likelihood
         changing[:, i] = corrected / likelihood
         log_likelihood += np.log(likelihood)
-    for other in others:
+    for other, held in zip(others, firsts.T[len(commands) :], strict=True):
         patience = np.concatenate(
             [_patience(other.delays), np.ones((1, len(MEDIANS), len(SPREADS)))]
         )
-        held = np.array([_first(g(other.values)) for g, _ in guesses])
         log_likelihood += np.log((1.0 - OTHERWISE) * patience[held] + OTHERWISE)
     return _Explanations(commands, first, fitting, changing, log_likelihood)
 
 
-def _first(holds: Booleans) -> int:
-    """Return the first place that holds; -1: none does."""
-    place = int(holds.argmax())
-    return place if holds[place] else -1
+def _firsts(commands: Sequence[LateCommand], guesses: Sequence[Holds]) -> Integers:
+    """Return the first moment of each command in which each guess holds; -1: none."""
+    values = np.concatenate([command.values for command in commands])
+    lengths = [len(command.values) for command in commands]
+    begins = np.cumsum([0, *lengths[:-1]])
+    places = np.arange(len(values)) - np.repeat(begins, lengths)
+    never = len(values)
+    rows = [np.where(guess(values), places, never) for guess in guesses]
+    first = np.minimum.reduceat(np.array(rows), begins, axis=1)
+    return np.where(first == never, -1, first)
 
 
 def _guesses(commands: Sequence[LateCommand], scales: Sequence[Scale]) -> list[_Guess]:

@@ -31,6 +31,7 @@ from hitab_core.training.moments import (
     state_of,
 )
 from hitab_core.training.responses import responded
+from hitab_core.training.silence import Silence, Stretch
 from hitab_core.training.situations import Situations
 from hitab_core.use import Use
 
@@ -70,6 +71,7 @@ class Perceived:
         self.readable = (*found, *(use for use in chosen if use not in found))
         self.moments = Moments()
         self.situations = Situations()
+        self.silence = Silence()
         self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
         self._column = {use: i for i, use in enumerate(self.readable)}
         self._discrete = [
@@ -124,6 +126,7 @@ class Perceived:
         moment = Moment(cycle, time, state_of(running.active), self._read(running))
         self.moments.add(moment)
         self._meet(moment)
+        self.silence.see(moment)
 
     def _meet(self, moment: Moment) -> None:
         values = (moment.readings[i] for i in self._discrete)
@@ -155,6 +158,7 @@ class Perceived:
     def begin(self) -> None:
         """Forget what was, since it has nothing to do with what follows."""
         self.moments.begin()
+        self.silence.end()
         self._entered = None
 
     def restart(self) -> None:
@@ -393,6 +397,11 @@ class Perceived:
             return late, among
         late = replace(late, changed=float(delays[changed]), corrects=corrects)
         return late, (*among, moments[changed])
+
+    def silent(self, stretch: Stretch, features: Sequence[Use]) -> LateCommand:
+        """Return a silent time, as a command of which is known only that it did not come."""
+        values = np.array([self.in_moment(one, features) for one in stretch.moments])
+        return LateCommand(stretch.state, "", np.array(stretch.waits), values)
 
     def window(self, command: int) -> tuple[float, tuple[Moment, ...]] | None:
         """Return when a command was given, s, and the moments that are kept around it."""

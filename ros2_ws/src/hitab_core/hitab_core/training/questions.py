@@ -119,7 +119,10 @@ class Questions:
             if self._about is not examples:
                 return
         found.sort(key=lambda ranked: ranked[0])
-        self._known = [*self._contradicting, *(question for _, question in found)]
+        # What is asked already stays: somebody may be reading it, or about to answer it.
+        asked = [q for q in self.known(log) if q not in self._contradicting]
+        others = [question for _, question in found if question not in asked]
+        self._known = [*self._contradicting, *asked, *others]
         self._searched = news
 
     def get(self, number: int, found: Sequence[Question]) -> Question:

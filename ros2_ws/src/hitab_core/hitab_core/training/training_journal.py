@@ -15,6 +15,7 @@ from hitab_core.running.running_automaton import RunContext
 from hitab_core.training.cost import RESUMED, TrainingCost, has_steps, training_cost
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.example_journal import ExampleJournal, archive, records_in
+from hitab_core.training.lateness import Lateness
 from hitab_core.training.training_session import TrainingSession
 from hitab_core.use import Use
 
@@ -151,20 +152,24 @@ class TrainingJournal:
             self._file = None
 
     def resume(
-        self, context: RunContext, has_saved: Callable[[str, str], bool]
+        self,
+        context: RunContext,
+        has_saved: Callable[[str, str], bool],
+        people: dict[str, Lateness],
     ) -> TrainingSession | None:
         """Return the interrupted training; None if there is none, or `damage` says why not.
 
         Args:
             context: of the agent.
             has_saved: whether the library has a behavior of this name and checksum.
+            people: see `TrainingSession`.
 
         Raises:
             FolderInUseError: if another process uses it.
         """
         self.damage = ""
         try:
-            return self._resumed(context, has_saved)
+            return self._resumed(context, has_saved, people)
         except FolderInUseError:
             raise
         except LibraryError as error:
@@ -172,7 +177,10 @@ class TrainingJournal:
             return None
 
     def _resumed(
-        self, context: RunContext, has_saved: Callable[[str, str], bool]
+        self,
+        context: RunContext,
+        has_saved: Callable[[str, str], bool],
+        people: dict[str, Lateness],
     ) -> TrainingSession | None:
         path = self._path
         if path is None or not path.exists():
@@ -191,7 +199,7 @@ class TrainingJournal:
             self.archive()
             return None
         try:
-            session = self._replayed(records, context)
+            session = self._replayed(records, context, people)
         except (HitabError, KeyError, TypeError, ValueError) as error:
             file.close()
             raise LibraryError(
@@ -204,7 +212,10 @@ class TrainingJournal:
         return session
 
     def _replayed(
-        self, records: Iterable[Mapping[str, Any]], context: RunContext
+        self,
+        records: Iterable[Mapping[str, Any]],
+        context: RunContext,
+        people: dict[str, Lateness],
     ) -> TrainingSession:
         begin, *rest = (record for record in records if record.get("do") != RESUMED)
         if begin["domain"] != self._domain:
@@ -218,6 +229,7 @@ class TrainingJournal:
             map(example_of, begin["examples"]),
             self.write,
             tuple(map(Use.parse, begin["readable"])),
+            people,
         )
         session.replay(rest)
         return session

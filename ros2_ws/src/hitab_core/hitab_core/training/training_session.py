@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from hitab_core.advice.remarks import Remark, loops
 from hitab_core.automaton import FLAGS, START, Automaton, as_entered
+from hitab_core.domain import Scale
 from hitab_core.errors import (
     FeatureValueError,
     HitabError,
@@ -35,6 +36,7 @@ from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
+from hitab_core.training.silence import Stretch, let_pass
 from hitab_core.training.trial import Trial
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
@@ -241,6 +243,9 @@ class TrainingSession:
             if record["do"] == "command":
                 self.perception.keep_around(int(record["examples"][0]["command"]), record)
                 self.late.keep(record)
+                self.perception.silence.keep(
+                    list(map(Stretch.from_record, record.get("silent", ())))
+                )
                 if "request" in record:
                     demonstrator, number = record["request"]
                     self.requests.append(Request(str(demonstrator), int(number)))
@@ -341,8 +346,10 @@ class TrainingSession:
             due = perception.due(running, chosen, cycle, ago, seen, corrects)
         around = perception.around(due, running.active if self._taken_over else "", label, pace)
         settled: list[Example] = []
+        silent = perception.silence.broken(perception.time, pace)
+        perception.silence.keep(silent)
+        scales = list(map(self.context.repertoire.domain.scale_of, chosen))
         if pace:
-            scales = list(map(self.context.repertoire.domain.scale_of, chosen))
             due, settled = self.late.settle(
                 perception, self.log, chosen, scales, label=label, around=around, who=who, due=due
             )
@@ -361,10 +368,14 @@ class TrainingSession:
             numbers=numbers,
         )
         edit = self.log.addition(taught, settled)
+        if pace and (let := self._let_pass(edit, scales, who)):
+            taught += let
+            edit = self.log.addition(taught, settled)
         # On disk first: acknowledged examples must survive a crash.
         record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
         if pace:
             record |= {"settled": [example_record(e) for e in settled], "who": who}
+            record["silent"] = [stretch.to_record() for stretch in silent]
         if request is not None:
             record["request"] = list(request)
         self._write(record)
@@ -381,6 +392,23 @@ class TrainingSession:
         if not again:
             running.entered_at(due.time)
         return taught
+
+    def _let_pass(self, edit: Edit, scales: Sequence[Scale], who: str) -> list[Example]:
+        """Return default examples for what the person let pass; see `silence`."""
+        examples, chosen = self.log.after(edit), self.curriculum.features
+        if not any(example.state == START for example in examples):
+            return []
+        with suppress(HitabError):  # testing says what cannot be learned from
+            return let_pass(
+                self.perception.silence.kept,
+                lambda more: self._learned((*examples, *more)),
+                scales,
+                lambda moment: self.perception.in_moment(moment, chosen),
+                self.late.people[who].patience,
+                examples[-1].number + 1,
+                self.log.next_command + 1,
+            )
+        return []
 
     def _write(self, record: Mapping[str, Any]) -> None:
         """Write a step to the journal, with its time; it is on disk when this returns."""
