@@ -335,3 +335,16 @@ def test_one_question_besides_contradictions_is_asked_at_a_time(shown: Driven) -
         numbers.add(question.number)
         shown.session.answer(question.number, dismiss=True)
     assert len(numbers) > 1
+
+
+def test_a_question_stays_until_it_is_answered_whatever_is_met_meanwhile(shown: Driven) -> None:
+    shown.agent.test(restart=True)
+    shown.at(0.0)
+    shown.at(1.0)
+    (asked,) = shown.session.questions()
+    for bump in range(2, 40):  # each is met for the first time, and tells more
+        shown.at(3.0, bump=float(bump))
+    assert shown.session.questions() == [asked]
+    shown.session.answer(asked.number, dismiss=True)
+    (other,) = shown.session.questions()
+    assert other.number != asked.number

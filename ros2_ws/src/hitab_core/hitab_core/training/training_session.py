@@ -368,8 +368,8 @@ class TrainingSession:
             numbers=numbers,
         )
         edit = self.log.addition(taught, settled)
-        if pace and (let := self._let_pass(edit, scales, who)):
-            taught += let
+        if pace and (passed := self._let_pass(edit, scales, who)):
+            taught += passed
             edit = self.log.addition(taught, settled)
         # On disk first: acknowledged examples must survive a crash.
         record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
