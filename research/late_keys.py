@@ -139,7 +139,8 @@ class PagePupil(RealTimePupil):
         deadline = time.monotonic() + SECONDS
         while not (taught := [e for e in self.examples() if e.command > before]):
             if time.monotonic() > deadline:
-                raise HitabError(f"the key for {state} was not recorded")
+                shown = self.page.inner_text("body")
+                raise HitabError(f"the key for {state} was not recorded; the page shows: {shown}")
         self._path = [state]
         self.given += len(taught)
         return taught
