@@ -66,7 +66,7 @@ def taught(arc: Arc, questions: int, random: Random, classifier: str) -> list[An
         question = unshown(evidence, met, [GO], assumed)
         if question is not None:
             place = question.situation
-            evidence = evidence.with_answer(place, meant(arc, place[0]))
+            evidence = evidence.with_answer(place, meant(arc, place[0]), bisects=question.bisects)
         found.append(right(arc, evidence))
     return found
 

@@ -209,9 +209,11 @@ def split_toroidal(
         values, is_default = groups.values, groups.is_default
         side = math.nan
         if is_default[after] and not all_around:
-            side = side_from(values[other_before], values[other_after], values[before], period)
+            shown = values[other_before], values[other_after], values[before]
+            side = side_from(*shown, values[after], period)
         elif is_default[before] and not all_around:
-            side = side_from(values[other_after], values[other_before], values[after], -period)
+            shown = values[other_after], values[other_before], values[after]
+            side = side_from(*shown, values[before], -period)
         return end_between(
             values[before],
             values[after],
