@@ -78,15 +78,19 @@ def anything(random: Random) -> Arc:
     return first - direction * gap, first, first + direction * width
 
 
+def _always(arc: Arc) -> Callable[[Random], Arc]:
+    return lambda _: arc
+
+
 def main(
     questions: Annotated[int, typer.Option(help="How many are answered.")] = 3,
-    arcs: Annotated[int, typer.Option(help="How many arcs are drawn.")] = 200,
-    seed: Annotated[int, typer.Option(help="Of arcs and situations.")] = 31,
+    arcs: Annotated[int, typer.Option(help="How many arcs are drawn.")] = 100,
+    seed: Annotated[int, typer.Option(help="Of arcs and situations.")] = 57,
 ) -> None:
     """Tell what was learned right of an arc after the first two examples, and after questions."""
     table = Table("task", "classifier", *(f"{n} questions" for n in range(questions + 1)))
     drawn: dict[str, Callable[[Random], Arc]] = {
-        **{name: (lambda _, arc=arc: arc) for name, arc in TASKS.items()},
+        **{name: _always(arc) for name, arc in TASKS.items()},
         "any arc": anything,
     }
     for name, draw in drawn.items():

@@ -117,8 +117,8 @@ def unshown(
     half = float(parts[taken].sum()) / 2  # what the answer settles
     bisects = half >= LEAST
     if bisects:
-        order = np.flatnonzero(taken)[np.argsort(nearest[taken], kind="stable")]
-        place, most = int(order[len(order) // 2]), half
+        there = np.flatnonzero(taken)[np.argsort(nearest[taken], kind="stable")]
+        place, most = int(there[len(there) // 2]), half
     if most < LEAST:
         return None
     situation = tuple(situations[place].tolist())
