@@ -11,6 +11,7 @@ from hitab_core import (
     BehaviorLibrary,
     Domain,
     Feature,
+    FeatureKind,
     Target,
     TrainingError,
     Use,
@@ -28,15 +29,16 @@ CART = plain_domain(
 class Driven:
     """A cart that gets its position as a percept."""
 
-    def __init__(self, folder: Path, *features: str) -> None:
+    def __init__(self, folder: Path, *features: str, domain: Domain = CART) -> None:
         self.folder = folder
+        self.domain = domain
         self.cycle = 0
         self.agent = self.made()
         self.agent.begin(Curriculum("Shuttle", tuple(map(Use, features or ("Position",)))))
 
     def made(self) -> Agent:
-        library = BehaviorLibrary(self.folder / "library", CART)
-        return Agent("cart", CART, library, self.folder / "journal")
+        library = BehaviorLibrary(self.folder / "library", self.domain)
+        return Agent("cart", self.domain, library, self.folder / "journal")
 
     @property
     def session(self):
@@ -322,6 +324,35 @@ def test_a_state_that_no_example_leaves_is_asked_about(shown: Driven) -> None:
         states.append(question.state)
         shown.session.answer(question.number, dismiss=True)
     assert "Stop" in states
+
+
+@pytest.mark.parametrize(("before", "last"), [(10.0, 180.0), (30.0, -20.0)])
+def test_one_question_tells_how_far_a_side_of_a_circle_goes(
+    tmp_path: Path, before: float, last: float
+) -> None:
+    bearing = Feature("Bearing", lambda body: body.percept[0], FeatureKind.TOROIDAL, period=360.0)
+    turret = plain_domain("turret", {"Wait": [0.0], "Fire": [1.0]}, [bearing])
+    driven = Driven(tmp_path, "Bearing", domain=turret)
+
+    def meant(place: float) -> str:
+        return "Fire" if min(20, last) <= (place + 90) % 360 - 90 <= max(20, last) else "Wait"
+
+    driven.show(before, "Wait")
+    driven.show(20.0, "Fire")
+    driven.show(before, "Wait")
+    driven.agent.test(restart=True)
+    for place in range(0, 360, 5):
+        driven.at(place)
+        driven.at(before)
+    while (question := never_shown(driven)) is not None and question.state != "Wait":
+        driven.session.answer(question.number, dismiss=True)
+    assert question is not None
+    driven.session.answer(question.number, meant(question.situation[0]))
+    function = driven.session.automaton().transitions["Wait"]
+    places = range(-89, 270, 2)
+    learned = function.predict([[place] for place in places])
+    right = sum(label == meant(place) for label, place in zip(learned, places, strict=True))
+    assert right >= 0.9 * len(places)
 
 
 def test_one_question_besides_contradictions_is_asked_at_a_time(shown: Driven) -> None:

@@ -79,10 +79,12 @@ class Evidence:
         """Return the values of a situation, toroidal ones in [0, period)."""
         return tuple(on_circles(np.array([values], np.float64), self.scales)[0].tolist())
 
-    def with_answer(self, values: Sequence[float], next_state: str) -> Evidence:
-        """Return the evidence with one more example, see `answer_kind`."""
+    def with_answer(
+        self, values: Sequence[float], next_state: str, *, bisects: bool = False
+    ) -> Evidence:
+        """Return the evidence with one more example; the arguments are those of `answer_kind`."""
         row = on_circles(np.array([values], np.float64), self.scales)
-        kind = answer_kind(self.state, next_state)
+        kind = answer_kind(self.state, next_state, bisects=bisects)
         return replace(
             self,
             values=np.vstack([self.values, row]),
@@ -106,14 +108,16 @@ class Evidence:
         return tree.fit(self.values, list(self.next_states), self.default, choose=choose)
 
 
-def answer_kind(state: str, next_state: str) -> ExampleKind:
+def answer_kind(state: str, next_state: str, *, bisects: bool = False) -> ExampleKind:
     """Return the kind of example that records what to do in a situation that was asked about.
 
     To go elsewhere is a correction. To stay is what default examples say: keep doing this, up to
     where something else was demonstrated. As an ordinary example it would move the boundary to
-    the demonstrated ones half-way towards a situation that was chosen for another reason.
+    the demonstrated ones half-way towards a situation that was chosen for another reason; where it
+    was chosen to find a boundary (``bisects``), that is right.
     """
-    return ExampleKind.DEFAULT if next_state == state else ExampleKind.CORRECTION
+    stays = next_state == state and not bisects
+    return ExampleKind.DEFAULT if stays else ExampleKind.CORRECTION
 
 
 def on_circles(values: Floats, scales: Sequence[Scale]) -> Floats:

@@ -10,6 +10,10 @@ the share of the weights that does not stand behind the heaviest next state, tim
 way by which the situation asked about is nearer than the nearest example. Each kind of situation,
 by what is so or not so, counts 1 in all, however often it was met.
 
+Before all that, an agent asks about sides of circles that it takes for granted: where a tree that
+learns nothing but what was shown on a circle decides otherwise (`hitab_core.learning.boundaries`).
+It asks in the middle, so that an answer halves what is open, as long as that is much.
+
 Default examples from the entry of a state say *stay* where nobody has decided that, so they are
 taken for `ASSUMED` away even where they are.
 
@@ -23,7 +27,7 @@ Source:
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -32,6 +36,8 @@ from hitab_core.advice.nearness import apart
 from hitab_core.advice.support import SupportedTree
 from hitab_core.arrays import Booleans, Floats
 from hitab_core.automaton import START
+from hitab_core.learning.classifier_spec import ClassifierSpec
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.spread import spreads
 
 ASSUMED = 0.2
@@ -57,6 +63,8 @@ class Unshown:
         decided: what the learned tree decides there; empty: nothing was learned.
         next_states: what may be right, the most probable first.
         told: what an answer tells.
+        bisects: whether it is in the middle of a side of a circle of which only the beginning was
+            shown.
     """
 
     state: str
@@ -64,6 +72,7 @@ class Unshown:
     decided: str
     next_states: tuple[str, ...]
     told: float
+    bisects: bool = False
 
 
 def unshown(
@@ -84,6 +93,7 @@ def unshown(
         return None
     shown = evidence.next_states
     situations = np.unique([evidence.placed(values) for values in met], axis=0, equal_nan=True)
+    parts = _each_kind_once(situations, evidence)
     spread = _spread(evidence, situations)
     away = apart(situations, evidence.values, evidence.scales, spread)
     away = np.maximum(away, np.where(assumed, ASSUMED, TOUCHING))
@@ -100,20 +110,36 @@ def unshown(
     open_part = 1.0 - weights.max(axis=0) / weights.sum(axis=0)
     nearest = away.min(axis=1, initial=FAR)
     near = np.maximum(apart(situations, situations, evidence.scales, spread), TOUCHING)
-    told = (nearest[:, None] / (nearest[:, None] + near)).T @ (
-        open_part * _each_kind_once(situations, evidence)
-    )
-    place = int(told.argmax())
-    if told[place] < LEAST:
+    told = (nearest[:, None] / (nearest[:, None] + near)).T @ (open_part * parts)
+    place, most = int(told.argmax()), float(told.max())
+    tree = evidence.learn()
+    taken = _taken_for_granted(tree, evidence, situations)
+    half = float(parts[taken].sum()) / 2  # what the answer settles
+    bisects = half >= LEAST
+    if bisects:
+        there = np.flatnonzero(taken)[np.argsort(nearest[taken], kind="stable")]
+        place, most = int(there[len(there) // 2]), half
+    if most < LEAST:
         return None
     situation = tuple(situations[place].tolist())
-    tree = evidence.learn()
     decision = None if tree is None else SupportedTree(tree, evidence).decide(situation)
     # Without examples a state stays as it is.
     decided = decision.next_state if decision is not None else "" if shown else evidence.state
     order = [likely[i] for i in np.argsort(-weights[:, place], kind="stable").tolist()]
     next_states = tuple(dict.fromkeys(label for label in (decided, *order) if label))
-    return Unshown(evidence.state, situation, decided, next_states, float(told[place]))
+    return Unshown(evidence.state, situation, decided, next_states, most, bisects)
+
+
+def _taken_for_granted(
+    tree: TransitionTree | None, evidence: Evidence, situations: Floats
+) -> Booleans:
+    """Return where a tree decides what it does only since a side of a circle is taken for one."""
+    spec = ClassifierSpec.parse(evidence.classifier)
+    shown = replace(spec, arguments={**spec.arguments, "all_around": True})
+    tight = None if tree is None else replace(evidence, classifier=str(shown)).learn()
+    if tree is None or tight is None:
+        return np.zeros(len(situations), np.bool_)
+    return np.asarray(tree.predict(situations) != tight.predict(situations))
 
 
 def _spread(evidence: Evidence, situations: Floats) -> Floats:

@@ -105,10 +105,15 @@ class Material:
         )
 
 
-def added(state: str, situation: Sequence[float], next_state: str) -> Mapping[str, Any]:
-    """Return the step of a training that adds an example, as the journal records it."""
+def added(
+    state: str, situation: Sequence[float], next_state: str, *, bisects: bool = False
+) -> Mapping[str, Any]:
+    """Return the step of a training that adds an example, as the journal records it.
+
+    The arguments are those of `answer_kind`.
+    """
     values = [None if math.isnan(value) else value for value in situation]
-    kind = answer_kind(state, next_state).value
+    kind = answer_kind(state, next_state, bisects=bisects).value
     return {
         "do": "add",
         "state": state,

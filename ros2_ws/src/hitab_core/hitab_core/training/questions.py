@@ -260,7 +260,7 @@ class Questions:
             question_texts.never_shown(found, evidence),
             found.state,
             (),
-            _commands(found.state, found.situation, found.next_states),
+            _commands(found.state, found.situation, found.next_states, bisects=found.bisects),
             found.situation,
             key,
         )
@@ -296,10 +296,16 @@ def _about(
     return met, given.goals, np.array(assumed, np.bool_)
 
 
-def _commands(state: str, situation: Sequence[float], labels: Sequence[str]) -> tuple[Choice, ...]:
+def _commands(
+    state: str, situation: Sequence[float], labels: Sequence[str], *, bisects: bool = False
+) -> tuple[Choice, ...]:
     """Return the answers that say what to do in a situation, one for each different label."""
     return tuple(
-        Choice(label, question_texts.answered(state, label), added(state, situation, label))
+        Choice(
+            label,
+            question_texts.answered(state, label),
+            added(state, situation, label, bisects=bisects),
+        )
         for label in dict.fromkeys(labels)
         if label != START
     )
