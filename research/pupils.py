@@ -29,6 +29,7 @@ from hitab_core.training import (
 from hitab_core.training.moments import Moment
 from hitab_core.training.question import QuestionKind
 from hitab_core.training.responses import responded
+from hitab_core.training.silence import Silence, Stretch
 from hitab_world import Placement
 from keepaway_world.domain import DOMAIN
 from keepaway_world.parameters import PAPER, KeepawayParameters
@@ -141,6 +142,14 @@ def _unmarked(example: Example, contradicted: bool) -> Example:
     return example
 
 
+class _Inattentive(Silence):
+    """Learns nothing from silence."""
+
+    def broken(self, time: float, pace: float) -> list[Stretch]:
+        """Return no silent times."""
+        return []
+
+
 class InProcessPupil:
     """A team in this process: the engine's agents in a simulated world, without ROS.
 
@@ -149,6 +158,7 @@ class InProcessPupil:
         parameters: of the game.
         events: record late commands with the events that they responded to.
         supersede: let commands outrank the default examples that they contradict.
+        silence: learn from what people let pass.
         sides: let a command among default examples hold for a side of the circle.
         ahead: let trees look one step ahead.
     """
@@ -160,6 +170,7 @@ class InProcessPupil:
         *,
         events: bool = True,
         supersede: bool = True,
+        silence: bool = True,
         sides: bool = True,
         ahead: bool = True,
     ) -> None:
@@ -169,6 +180,7 @@ class InProcessPupil:
         # The engine has no such switches, since nobody should want them.
         setattr(example_log, "marked", marked if supersede else _unmarked)  # noqa: B010
         setattr(perceived, "responded", responded if events else _when_due)  # noqa: B010
+        setattr(perceived, "Silence", Silence if silence else _Inattentive)  # noqa: B010
         self._classifier = learner(sides=sides, ahead=ahead)
         self._folder = tempfile.TemporaryDirectory(prefix="hitab-teachers-")
         self._world = KeepawayWorld(parameters, seed)

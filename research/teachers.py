@@ -54,6 +54,7 @@ AIDS = (
     "reaction",
     "supersede",
     "events",
+    "silence",
     "sides",
     "ahead",
     "review",
@@ -62,7 +63,7 @@ AIDS = (
     "pace",
 )
 """Aids of the engine: commands are recorded for when they were due; they outrank default examples;
-they were due when what they respond to happened; one among default examples holds for a side of a
+they were due when what they respond to happened; what people let pass counts; one among default examples holds for a side of a
 circle; trees look one step ahead; people look through what was recorded, move and delete commands;
 they answer the agent's questions; among these are those whether an example was a mistake; people
 slow the world down where they come too late."""
@@ -172,6 +173,7 @@ def pupil_of(number: int, setting: Setting) -> InProcessPupil | TopicPupil:
         setting.seed_of(number),
         events="events" in setting.aids,
         supersede="supersede" in setting.aids,
+        silence="silence" in setting.aids,
         sides="sides" in setting.aids,
         ahead="ahead" in setting.aids,
     )
