@@ -63,10 +63,10 @@ AIDS = (
     "pace",
 )
 """Aids of the engine: commands are recorded for when they were due; they outrank default examples;
-they were due when what they respond to happened; what people let pass counts; one among default examples holds for a side of a
-circle; trees look one step ahead; people look through what was recorded, move and delete commands;
-they answer the agent's questions; among these are those whether an example was a mistake; people
-slow the world down where they come too late."""
+they were due when what they respond to happened; what people let pass counts; one among default
+examples holds for a side of a circle; trees look one step ahead; people look through what was
+recorded, move and delete commands; they answer the agent's questions; among these are those
+whether an example was a mistake; people slow the world down where they come too late."""
 
 NOTHING = Habits(reaction=(0.0, 0.0), waver=0.0, inattention=0.0, wrong=0.0)
 
