@@ -293,9 +293,9 @@ def main(
                 seen.setdefault(title, []).append(rewards(team, episodes, PLAYED_SEED))
     if demonstrations == 1:
         print("\n| team | moments | reward | trained minus this |\n| --- | ---: | ---: | ---: |")
-        for title, ((found,), count) in zip(seen, zip(seen.values(), moments.values())):
+        for title, (found,) in seen.items():
             less = [a - b for a, b in zip(seen["trained"][0], found, strict=True)]
-            print(f"| {title} | {count} | {_with_error(found)} | {_with_error(less)} |")
+            print(f"| {title} | {moments[title]} | {_with_error(found)} | {_with_error(less)} |")
     else:
         print("\n| team | worst | median | best |\n| --- | ---: | ---: | ---: |")
         for title, runs in seen.items():

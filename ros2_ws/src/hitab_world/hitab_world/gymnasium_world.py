@@ -1,7 +1,4 @@
-"""A Gymnasium environment, or a PettingZoo parallel environment, as a world in one file.
-
-Neither package is imported here: the user's file makes the environment.
-"""
+"""Gymnasium environments and PettingZoo parallel ones as worlds; only the user imports these."""
 
 from __future__ import annotations
 
@@ -16,8 +13,8 @@ class GymnasiumWorld(Simulation):
     """Base of a world whose steps are those of an environment.
 
     agent_1 is the first of the environment's ``possible_agents``, agent_2 the second and so on; a
-    Gymnasium environment has one agent. An agent that the episode is over for perceives what it
-    perceived last, and does nothing. One that has not begun perceives zeros.
+    Gymnasium environment has one agent. An agent that has left the episode perceives what it
+    perceived last, and its actions are ignored. One that has not joined it perceives zeros.
 
     Attributes:
         idle: the action of an agent that does nothing; None: the first number of a Discrete space,
@@ -36,17 +33,13 @@ class GymnasiumWorld(Simulation):
         raise NotImplementedError("define environment(self)")
 
     def reset(self, seed: int) -> Mapping[str, Values]:
-        """Begin an episode.
-
-        Raises:
-            ValueError: if the environment cannot be a world, with the way out.
-        """
+        """Begin an episode; an environment that cannot be a world is a `ValueError`."""
         env = self.env = self.environment()
         if hasattr(env, "agent_iter"):
             raise ValueError("its agents take turns; return its parallel_env instead of its env")
         self._all = env if hasattr(env, "possible_agents") else _Alone(env)
         if (count := len(self._all.possible_agents)) != self.agents:
-            raise ValueError(f"the environment has {count} agents, not {self.agents}")
+            raise ValueError(f"set agents = {count}, as the environment has")
         self._theirs = dict(zip(self.names, self._all.possible_agents, strict=True))
         self._percepts: dict[str, Values] = {}
         for name, their in self._theirs.items():
@@ -65,11 +58,7 @@ class GymnasiumWorld(Simulation):
         return self._perceived(self._all.reset(seed=seed % 2**31)[0])
 
     def step(self, actions: Mapping[str, Values]) -> Mapping[str, Values]:
-        """Advance by one step.
-
-        Raises:
-            ValueError: if an action is not in its space, naming both.
-        """
+        """Advance by one step; an action that is not in its space is a `ValueError`."""
         given = {
             their: self._action(name, self._all.action_space(their), actions[name])
             for name, their in self._theirs.items()
@@ -98,10 +87,8 @@ class GymnasiumWorld(Simulation):
                 action.flat = values
         elif not (hasattr(space, "n") and hasattr(space, "start")):
             raise ValueError(f"{name} acts in {space}; wrap it so that this is Discrete or a Box")
-        elif not values:
-            action = space.start
-        elif int(values[0]) == values[0]:
-            action = int(values[0])
+        elif (number := values[0] if values else space.start) == int(number):
+            action = int(number)
         if len(values) not in (0, size) or not space.contains(action):
             raise ValueError(
                 f"{name} does {[*values]}, which is not in {space}; have its behaviors return "
