@@ -5,33 +5,27 @@ demonstrates with one of them, as a person would who goes to the nearest landmar
 is nearer to; it takes over where what was learned does something else for two steps. What that
 agent has learned is given to all three. All teams then play the same episodes in one process.
 
-    scripts/python research/mpe2_team.py --json mpe2.json
+    scripts/python research/mpe2_team.py --json mpe2.json --library spread
     scripts/python research/mpe2_team.py --demonstrations 10 --episodes 50
 
-Learners with settings get those that score best in episodes of another seed than that of the
-figures; demonstrations are of a third one.
+Learners with settings get those that score best in episodes of another seed than the figures'.
 """
 
 from __future__ import annotations
 
 import json as js
-import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from itertools import chain
 from math import sqrt
 from pathlib import Path
 from random import Random
 from statistics import fmean, median, stdev
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
 import typer
-from sklearn.base import ClassifierMixin
-from sklearn.exceptions import ConvergenceWarning
-from sklearn.neighbors import KNeighborsClassifier
-from sklearn.neural_network import MLPClassifier
-from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import StandardScaler
+from peers import OPTIONS, TITLES, Command, Options, learn
 
 from hitab_core import (
     START,
@@ -39,6 +33,7 @@ from hitab_core import (
     HandWritten,
     LearningAgent,
     Repertoire,
+    Scale,
     Use,
     automaton_as_text,
     load_domain,
@@ -124,13 +119,14 @@ class Pupil:
         self._wrong = self._wrong + 1 if self._state != meant else 0
 
 
-def taught(seed: int) -> tuple[Automaton, Pupil, int]:
+def taught(seed: int, library: str = "") -> tuple[Automaton, Pupil, int]:
     """Return what was learned, who learned it, and with how many examples.
 
     Half of them are shown while teammates go to what is nearest to them, half in corrections while
     these do what has been learned so far.
     """
-    world, pupil = world_of(seed), Pupil(LearningAgent(DOMAIN).train(NAME, FEATURES))
+    world, pupil = world_of(seed), Pupil(LearningAgent(DOMAIN, library or None))
+    pupil.agent.train(NAME, FEATURES)
 
     def episode(repertoire: Repertoire, behavior: str) -> None:
         play(world, {**perform(world, repertoire, behavior), "agent_1": pupil})
@@ -143,7 +139,9 @@ def taught(seed: int) -> tuple[Automaton, Pupil, int]:
         episode(Repertoire(DOMAIN, {NAME: automaton}), NAME)
         calm = 0 if pupil.took_over else calm + 1
         automaton = pupil.agent.learn()
-    return automaton, pupil, len(pupil.agent.examples)
+    examples = len(pupil.agent.examples)
+    pupil.agent.save()
+    return automaton, pupil, examples
 
 
 def random_automaton(random: Random) -> Automaton:
@@ -186,42 +184,34 @@ def rewards(team: Play, episodes: int, seed: int) -> list[float]:
     return found
 
 
-def learners(name: str) -> list[ClassifierMixin]:
-    """Return a learner with each of its settings."""
-    if name == "nearest":
-        return [KNeighborsClassifier(count) for count in (1, 3)]
-    layers = (((32,), 1e-2), ((32, 32), 1.0), ((64, 64), 1e-3))
-    return [MLPClassifier(size, alpha=a, max_iter=500, random_state=0) for size, a in layers]
-
-
 def cloned(name: str, moments: Sequence[Moment], *, words: bool = False) -> Play:
     """Return a team that imitates moments, with the settings that do best in tried episodes.
 
     Args:
-        name: of the learner.
+        name: of a learner, see `peers.OPTIONS`.
         moments: that it learns from.
-        words: what the features say leads to a behavior, instead of percepts to an action.
+        words: it learns which behavior the features call for, not which action the percept does.
     """
 
     def read(percept: Percept) -> Percept:
         return [WORDS.lead(percept, rank) for rank in range(2)] if words else percept
 
-    X = np.array([read(moment.percept) for moment in moments])
-    y = [m.rank if words else action_of(m.rank, m.percept) for m in moments]
-    teams = []
-    for learner in learners(name):
-        model = make_pipeline(StandardScaler(), learner)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ConvergenceWarning)
-            model.fit(X, y)
+    def team(options: Options) -> Play:
+        shown = [m.rank if words else action_of(m.rank, m.percept) for m in moments]
+        commands = [
+            Command(tuple(read(moment.percept)), START, str(label))
+            for moment, label in zip(moments, shown, strict=True)
+        ]
+        policy = learn(name, commands, [Scale()] * len(commands[0].readings), options=options)
 
-        def choose(percept: Percept, model: Any = model) -> int:
-            found = int(model.predict([read(percept)])[0])
+        def choose(percept: Percept) -> int:
+            found = int(policy(read(percept), START))
             return action_of(found, percept) if words else found
 
-        teams.append(choosing(choose))
-    tried = [fmean(rewards(team, TRIES, TRIED_SEED)) for team in teams]
-    return teams[int(np.argmax(tried))]
+        return choosing(choose)
+
+    made = [team(options) for options in OPTIONS[name]]
+    return max(made, key=lambda team: fmean(rewards(team, TRIES, TRIED_SEED)))
 
 
 def shown_by_all(episodes: int) -> list[Moment]:
@@ -236,37 +226,34 @@ def shown_by_all(episodes: int) -> list[Moment]:
     return moments
 
 
-def teams(automaton: Automaton, pupil: Pupil, many: int) -> dict[str, tuple[int, Play]]:
-    """Return what is compared: how many moments each has learned from, and the team."""
+def teams(automaton: Automaton, pupil: Pupil, many: int) -> Iterator[tuple[str, int, Play]]:
+    """Yield what is compared: its title, how many moments it has learned from, and the team."""
     given, steps = pupil.commands, pupil.steps
-    found: dict[str, tuple[int, Play]] = {
-        "trained": (len(given), performing(NAME, automaton)),
-        "the demonstrator's rule, hard-coded": (
-            0,
-            choosing(lambda percept: action_of(intention(percept), percept)),
-        ),
-        **{f"zero examples: {goal} alone": (0, performing(goal)) for goal in GOALS},
-        "zero examples: random automata of the words": (
-            0,
-            lambda world: drawn(world, lambda r: performing(NAME, random_automaton(r))),
-        ),
-        "zero examples: random actions": (
-            0,
-            lambda world: drawn(world, lambda r: choosing(lambda _: r.randrange(5))),
-        ),
-        "zero examples: no action": (0, choosing(lambda _: 0)),
-    }
-    for name, title in (("nearest", "nearest neighbors"), ("mlp", "MLP")):
-        found |= {
-            f"{title}, features to behavior": (len(given), cloned(name, given, words=True)),
-            f"{title}, percept to action": (len(given), cloned(name, given)),
-            f"{title}, percept to action, all steps": (len(steps), cloned(name, steps)),
-        }
+    yield "trained", len(given), performing(NAME, automaton)
+    for name in ("nearest", "mlp"):
+        title = TITLES[name]
+        yield f"{title}, features to behavior", len(given), cloned(name, given, words=True)
+        yield f"{title}, percept to action", len(given), cloned(name, given)
+        yield f"{title}, percept to action, all steps", len(steps), cloned(name, steps)
     if many:
         moments = shown_by_all(many)
-        title = f"MLP, percept to action, {many} episodes of three demonstrators"
-        found[title] = len(moments), cloned("mlp", moments)
-    return found
+        title = f"{TITLES['mlp']}, percept to action, {many} episodes of three demonstrators"
+        yield title, len(moments), cloned("mlp", moments)
+
+
+def unlearned() -> Iterator[tuple[str, int, Play]]:
+    """Yield teams that have learned from nothing, as `teams` does."""
+    rule = choosing(lambda percept: action_of(intention(percept), percept))
+    yield "zero examples: the demonstrator's rule, hard-coded", 0, rule
+    for goal in GOALS:
+        yield f"zero examples: {goal} alone", 0, performing(goal)
+    drawings: dict[str, Callable[[Random], Play]] = {
+        "automata of the words": lambda random: performing(NAME, random_automaton(random)),
+        "actions": lambda random: choosing(lambda _: random.randrange(5)),
+    }
+    for what, make in drawings.items():
+        yield f"zero examples: random {what}", 0, partial(drawn, make=make)
+    yield "zero examples: no action", 0, choosing(lambda _: 0)
 
 
 def _with_error(values: Sequence[float]) -> str:
@@ -276,33 +263,34 @@ def _with_error(values: Sequence[float]) -> str:
 def main(
     episodes: Annotated[int, typer.Option(help="Episodes of each team.", min=2)] = 200,
     demonstrations: Annotated[int, typer.Option(help="How many to learn from.", min=1)] = 1,
-    many: Annotated[int, typer.Option(help="Episodes of three demonstrators to clone.")] = 300,
+    many: Annotated[int, typer.Option(help="Episodes of three demonstrators to clone.")] = 100,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
+    library: Annotated[str, typer.Option(help="Folder for the behavior of one.")] = "",
 ) -> None:
     """Compare a trained team with others; of several demonstrations, how far they differ."""
-    seen: dict[str, list[list[float]]] = {}
-    moments: dict[str, int] = {}
+    found: dict[str, list[list[float]]] = {}
     for number in range(demonstrations):
-        automaton, pupil, examples = taught(SHOWN_SEED + number)
+        automaton, pupil, examples = taught(SHOWN_SEED + number, library)
         print(f"{examples} examples from {len(pupil.commands)} commands", flush=True)
+        compared = teams(automaton, pupil, many * (demonstrations == 1))
         if demonstrations == 1:
-            print(automaton_as_text(automaton), flush=True)
-        for title, (count, team) in teams(automaton, pupil, many * (demonstrations == 1)).items():
-            if demonstrations == 1 or count:
-                moments[title] = count
-                seen.setdefault(title, []).append(rewards(team, episodes, PLAYED_SEED))
-    if demonstrations == 1:
-        print("\n| team | moments | reward | trained minus this |\n| --- | ---: | ---: | ---: |")
-        for title, (found,) in seen.items():
-            less = [a - b for a, b in zip(seen["trained"][0], found, strict=True)]
-            print(f"| {title} | {moments[title]} | {_with_error(found)} | {_with_error(less)} |")
-    else:
-        print("\n| team | worst | median | best |\n| --- | ---: | ---: | ---: |")
-        for title, runs in seen.items():
+            print(automaton_as_text(automaton, trees=False))
+            print("| team | moments | reward | trained minus this |\n| --- | ---: | ---: | ---: |")
+            compared = chain(compared, unlearned())
+        for title, moments, team in compared:
+            got = rewards(team, episodes, PLAYED_SEED)
+            found.setdefault(title, []).append(got)
+            if demonstrations == 1:
+                less = [a - b for a, b in zip(found["trained"][0], got, strict=True)]
+                row = f"| {title} | {moments} | {_with_error(got)} | {_with_error(less)} |"
+                print(row, flush=True)
+    if demonstrations > 1:
+        print("| team | worst | median | best |\n| --- | ---: | ---: | ---: |")
+        for title, runs in found.items():
             means = sorted(map(fmean, runs))
             print(f"| {title} | {means[0]:.1f} | {median(means):.1f} | {means[-1]:.1f} |")
     if json:
-        Path(json).write_text(js.dumps({"moments": moments, "rewards": seen}, indent=1) + "\n")
+        Path(json).write_text(js.dumps(found, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
