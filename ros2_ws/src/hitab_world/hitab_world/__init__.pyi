@@ -4,6 +4,7 @@ from . import inprocess as inprocess
 from . import parameters as parameters
 from . import snapshots as snapshots
 from . import testing as testing
+from .gymnasium_world import GymnasiumWorld as GymnasiumWorld
 from .simulation import Simulation as Simulation
 from .simulation import SimulationWorld as SimulationWorld
 from .simulation import simulation_in as simulation_in
