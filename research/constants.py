@@ -31,12 +31,14 @@ from agreement import decisions, objections
 from finished_runs import FinishedRuns, Resume
 from habits import Habits
 from novices import NOVICE
+from pupils import InProcessPupil
 from teachers import Setting, intention_of, person_of, pupil_of
 
 import foraging_world
 import keepaway_world
 from hitab_core.advice.evidence import Evidence
 from hitab_core.domain import load_domain
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_reader import read_behavior
 
 NOVICES = Setting(NOVICE, novices=True)
@@ -86,7 +88,7 @@ CONSTANTS = [
     *_of(NOVICES, "advice.ambiguity", "NEARLY POINT"),
     *_of(ENGINEERS, "training.questions", "CORRECTED"),
     *_of(ENGINEERS, "advice.unlearning", "LIKELY CLEARLY WAVERING MANY LIKELY_OF_MANY MISTAKEN"),
-    *_of(ENGINEERS, "advice.unlearning", "BOUNDARIES LOUDNESS SHARPNESS TOUCHING"),
+    *_of(ENGINEERS, "advice.unlearning", "BOUNDARIES ALONE EVEN LOUDNESS SHARPNESS TOUCHING"),
     *_of(NOVICES, "training.moments", "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"),
 ]
 
@@ -144,6 +146,7 @@ def trained(number: int, setting: Setting) -> dict[str, Any]:
     """Have a person train a team; return what was learned and how much of it is otherwise."""
     intention = intention_of(number)
     person, pupil = person_of(number, setting), pupil_of(number, setting)
+    assert isinstance(pupil, InProcessPupil)
     try:
         diary = person.train(pupil)
         automata = pupil.repertoire.automata
@@ -158,7 +161,8 @@ def trained(number: int, setting: Setting) -> dict[str, Any]:
             continue
         otherwise += objections(plan, automaton, records[plan.name]).values()
         for state, function in automaton.transitions.items():
-            trees[f"{plan.name} {state}"] = function.digest()
+            if isinstance(function, TransitionTree):
+                trees[f"{plan.name} {state}"] = function.digest()
     return {
         "trees": trees,
         "otherwise": fmean(otherwise),

@@ -56,6 +56,12 @@ MISTAKEN = 0.1
 BOUNDARIES = 5.0
 """How many there usually are per unit of distance, for one feature; more features, more."""
 
+ALONE = 8.0
+"""As many, where a feature predicts alone what was said."""
+
+EVEN = 0.1
+"""Two examples whose probabilities of a mistake differ by less are about even."""
+
 LOUDNESS = (1.0, 100.0)
 """Weight of all votes against none; above 1 even far examples outvote ignorance."""
 
@@ -162,7 +168,7 @@ class _Shown:
         return [
             row
             for row, other in against.items()
-            if against.get(other) != row or chance[row] > chance[other] + 0.1
+            if against.get(other) != row or chance[row] > chance[other] + EVEN
         ]
 
     def may_waver(self, row: int) -> bool:
@@ -356,7 +362,7 @@ def _relevance(apart: Floats, one_hot: Floats) -> Floats:
     blind = np.maximum(one_hot.sum(axis=0)[own] - 1, 0.5) / max(1, n - 1)
     gains = np.zeros(len(apart))
     for f, one in enumerate(apart):
-        votes = np.exp(-8.0 * one)
+        votes = np.exp(-ALONE * one)
         np.fill_diagonal(votes, 0.0)
         ballots = votes @ one_hot + 0.5 * one_hot.mean(axis=0)
         p = (ballots / ballots.sum(axis=1, keepdims=True))[np.arange(n), own]
