@@ -100,10 +100,6 @@ class Lateness:
         """The delay, s, that half of the commands are expected to exceed."""
         return float(np.exp(np.sum(self.odds * np.log(MEDIANS)[:, None])))
 
-    def patience(self, seconds: float) -> float:
-        """Return how probable it is that a delay is longer."""
-        return float((_patience(np.array(seconds)) * self.odds).sum())
-
     def density(self, delays: Floats) -> Floats:
         """Return how probable delays are, shape (n,), per second."""
         return np.asarray((_density(delays) * self.odds).sum(axis=(1, 2)))

@@ -1,30 +1,19 @@
 """What a person let pass: times in which a state went on and nobody commanded.
 
 Somebody who watches and does not object agrees, as far as there was time to object: a second of
-silence says little of a person who needs a second to react (`hitab_core.training.lateness`).
+silence says little of a person who needs a second to react. What a late command was meant for was
+not so in silent times, or the person would have commanded (`hitab_core.training.lateness`).
 Nobody can tell who is watching, so only what was silent shortly before a command counts: the
-person was there then. It is used twice:
-
-- What a command was meant for was not so in silent times, or the person would have commanded.
-- Where what was learned would leave a state though the person let it go on, a default example says
-  to stay, unless a command is nearer. It ends where something else was demonstrated, like those of
-  entering a state, so it moves no boundary between commands.
+person was there then. Commands that were not late stay where they are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.nearness import apart
-from hitab_core.automaton import START, Automaton
-from hitab_core.domain import Scale
-from hitab_core.example import Example, ExampleKind
-from hitab_core.spread import spreads
+from hitab_core.automaton import START
 from hitab_core.training.moments import Moment
 
 PRESENT_SECONDS = 30.0
@@ -38,12 +27,6 @@ AT_ONCE = 5
 
 KEPT = 40
 """The most silent times that are kept, the latest ones."""
-
-SURE = 0.9
-"""A person would have objected by now with this probability."""
-
-LEARNED_MAX = 3
-"""The most default examples that come with one command; the next one may bring others."""
 
 
 @dataclass(frozen=True)
@@ -128,63 +111,3 @@ class Silence:
         """Keep silent times in which the person was there."""
         self.kept += silent
         del self.kept[:-KEPT]
-
-
-def let_pass(
-    silent: Sequence[Stretch],
-    learn: Callable[[Sequence[Example]], Automaton],
-    scales: Sequence[Scale],
-    values: Callable[[Moment], tuple[float, ...]],
-    patience: Callable[[float], float],
-    number: int,
-    command: int,
-) -> list[Example]:
-    """Return default examples of silent moments in which what was learned would leave the state.
-
-    Args:
-        silent: times.
-        learn: returns what is learned from the examples there are, and from some more.
-        scales: of the features.
-        values: returns the features' values in a moment.
-        patience: returns how probable it is that the person needs longer than some seconds.
-        number, command: of the first example, and of all of them.
-    """
-    found: list[Example] = []
-    while len(found) < LEARNED_MAX:
-        automaton = learn(found)
-        names = list(map(str, automaton.features))
-        for stretch, moment in _certain(silent, patience):
-            function, there = automaton.transitions.get(stretch.state), values(moment)
-            if function is None or np.isnan(there).any():
-                continue
-            if function.explain(there, names).distribution.get(stretch.state, 0.0) > 0.0:
-                continue
-            evidence = Evidence.of(stretch.state, automaton.examples, scales, names)
-            if _commanded_nearby(evidence, there):
-                continue
-            kind, next_number = ExampleKind.DEFAULT, number + len(found)
-            of_moment = (kind, next_number, command, moment.cycle, 0.0, moment.readings)
-            found.append(Example(stretch.state, there, stretch.state, *of_moment))
-            break
-        else:
-            break
-    return found
-
-
-def _certain(
-    silent: Sequence[Stretch], patience: Callable[[float], float]
-) -> Iterator[tuple[Stretch, Moment]]:
-    """Yield the moments to which the person would have objected, the latest times first."""
-    for stretch in reversed(silent):
-        for moment, waited in zip(stretch.moments, stretch.waits, strict=True):
-            if patience(waited) > 1.0 - SURE:
-                break
-            yield stretch, moment
-
-
-def _commanded_nearby(evidence: Evidence, there: Sequence[float]) -> bool:
-    """Return whether a command is nearer to a situation than what says to stay."""
-    spread = spreads(evidence.values, evidence.scales)
-    away = apart(np.array([evidence.placed(there)]), evidence.values, evidence.scales, spread)[0]
-    assumed = evidence.default
-    return bool(away[~assumed].min(initial=np.inf) < away[assumed].min(initial=np.inf))

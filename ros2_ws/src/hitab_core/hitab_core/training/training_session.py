@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 from hitab_core.advice.remarks import Remark, loops
 from hitab_core.automaton import FLAGS, START, Automaton, as_entered
-from hitab_core.domain import Scale
 from hitab_core.errors import (
     FeatureValueError,
     HitabError,
@@ -36,7 +35,7 @@ from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
-from hitab_core.training.silence import Stretch, let_pass
+from hitab_core.training.silence import Stretch
 from hitab_core.training.trial import Trial
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
@@ -348,8 +347,8 @@ class TrainingSession:
         settled: list[Example] = []
         silent = perception.silence.broken(perception.time, pace)
         perception.silence.keep(silent)
-        scales = list(map(self.context.repertoire.domain.scale_of, chosen))
         if pace:
+            scales = list(map(self.context.repertoire.domain.scale_of, chosen))
             due, settled = self.late.settle(
                 perception, self.log, chosen, scales, label=label, around=around, who=who, due=due
             )
@@ -368,9 +367,6 @@ class TrainingSession:
             numbers=numbers,
         )
         edit = self.log.addition(taught, settled)
-        if pace and (passed := self._let_pass(edit, scales, who)):
-            taught += passed
-            edit = self.log.addition(taught, settled)
         # On disk first: acknowledged examples must survive a crash.
         record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
         if pace:
@@ -392,23 +388,6 @@ class TrainingSession:
         if not again:
             running.entered_at(due.time)
         return taught
-
-    def _let_pass(self, edit: Edit, scales: Sequence[Scale], who: str) -> list[Example]:
-        """Return default examples for what the person let pass; see `silence`."""
-        examples, chosen = self.log.after(edit), self.curriculum.features
-        if not any(example.state == START for example in examples):
-            return []
-        with suppress(HitabError):  # testing says what cannot be learned from
-            return let_pass(
-                self.perception.silence.kept,
-                lambda more: self._learned((*examples, *more)),
-                scales,
-                lambda moment: self.perception.in_moment(moment, chosen),
-                self.late.people[who].patience,
-                examples[-1].number + 1,
-                self.log.next_command + 1,
-            )
-        return []
 
     def _write(self, record: Mapping[str, Any]) -> None:
         """Write a step to the journal, with its time; it is on disk when this returns."""
