@@ -190,7 +190,7 @@ def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
     top = str(hierarchy.top.use)
     space = f"hitab_{identifiers([top])[top]}"
     members = "".join(
-        f"\n  double {names[feature.label]} = NAN;  // {feature.label}"
+        f"\n  double {names[feature.label]} = NAN;  // {feature.label}{feature.unit and f', {feature.unit}'}"
         for feature in hierarchy.features
     )
     features = [
