@@ -12,6 +12,7 @@ they draw twice a second, which leaves the time to the studio.
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -31,7 +32,6 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from rich.console import Console
 from rich.table import Table
 
-ROOT = Path(__file__).resolve().parents[1]
 PORT = 8399
 URL = f"http://127.0.0.1:{PORT}/"
 HITAB = (sys.executable, "-m", "hitab_bringup.main")
@@ -90,23 +90,26 @@ class Figures:
     browser_cpu: float
 
 
+SWARM = """\
+swarm: hall
+domain: foraging
+world:
+  kind: foraging
+  pace: realtime
+  parameters: {{foragers: {0}, obstacles: 0, width: 40.0, height: 40.0, duration: 100000.0}}
+agents:
+  forager: {{count: {0}, per_process: 10}}
+"""
+
+
 @contextmanager
 def swarm(agents: int, folder: Path) -> Iterator[psutil.Process]:
     """Run a world with so many agents; yields the process above all of them."""
-    world = ROOT / "examples/corridor.py"
-    text = world.read_text().replace("self.gone > 4.0", "False")  # one episode, which does not end
-    (folder / "hall.py").write_text(text)
-    subprocess.run([*HITAB, "up", "hall.py", "--agents", str(agents)], cwd=folder, check=True)
+    (folder / "hall.yaml").write_text(SWARM.format(agents))
+    subprocess.run([*HITAB, "up", "hall.yaml"], cwd=folder, check=True)
     try:
-        yield next(
-            process
-            for process in psutil.process_iter()
-            if os.environ["HITAB_HOME"] in " ".join(process.cmdline())
-            and not any(
-                psutil.pid_exists(p.pid) and "hitab" in " ".join(p.cmdline())
-                for p in process.parents()
-            )
-        )
+        record = json.loads((folder / "home/hall/run.json").read_text())
+        yield psutil.Process(record["supervisor"])
     finally:
         subprocess.run([*HITAB, "down"], cwd=folder, check=True)
 
@@ -133,12 +136,12 @@ def person(browser: Browser, number: int, still: bool) -> Iterator[Page]:
     if still:
         context.add_init_script(STILL)
     page = context.new_page()
-    page.set_default_timeout(120_000)
+    page.set_default_timeout(90_000)
     page.goto(URL)
-    page.click(f'[data-test="agent-agent_{number}"]')
+    page.click(f'[data-test="agent-forager_{number}"]')
     page.click('[data-test="new"]')
     page.fill('[data-test="new-name"]', "Shuttle")
-    page.check('[data-test="feature-Position"]', force=True)
+    page.check('[data-test="feature-HoldsABox"]', force=True)
     page.uncheck('[data-test="new-pause"]', force=True)
     page.click('[data-test="begin"]')
     page.wait_for_selector('[data-test="counts"]')
@@ -156,7 +159,10 @@ def measure(browser: Browser, pages: int, seconds: float, still: bool) -> Figure
         runner = stack.enter_context(swarm(pages, folder))
         server = stack.enter_context(studio(folder))
         wait_for_studio()
-        people = [stack.enter_context(person(browser, 1 + i, still)) for i in range(pages)]
+        people = []
+        for number in range(1, pages + 1):
+            people.append(stack.enter_context(person(browser, number, still)))
+            Console(stderr=True).print(f"page {number} is open")
         time.sleep(3.0)
 
         def used() -> list[Used]:
@@ -170,7 +176,7 @@ def measure(browser: Browser, pages: int, seconds: float, still: bool) -> Figure
             due = 2.0 * turn + 2.0 * who / pages
             if due > now:
                 people[who].wait_for_timeout(1000 * (due - now))
-            people[who].keyboard.press("2" if turn % 2 else "1")
+            people[who].keyboard.press("3" if turn % 2 else "1")
             keys += 1
         took, after = time.monotonic() - begun, used()
         people[0].wait_for_timeout(3000)

@@ -190,7 +190,8 @@ def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
     top = str(hierarchy.top.use)
     space = f"hitab_{identifiers([top])[top]}"
     members = "".join(
-        f"\n  double {names[feature.label]} = NAN;  // {feature.label}{feature.unit and f', {feature.unit}'}"
+        f"\n  double {names[feature.label]} = NAN;  // {feature.label}"
+        + (f", {feature.unit}" if feature.unit else "")
         for feature in hierarchy.features
     )
     features = [
