@@ -286,6 +286,13 @@ def states_of(form: Hierarchy, board: Any, count: int) -> list[str]:
     return found
 
 
+@pytest.mark.parametrize("language", ["python", "cpp", "bt.xml"])
+def test_a_file_names_the_unit_of_each_feature(language):
+    text = exported(library("keepaway"), "Keepaway", language)
+    line = next(line for line in text.splitlines() if "DirectionTo(ball)" in line)
+    assert re.search(r"\brad\b", line)
+
+
 def test_the_page_shows_what_its_code_prints(tmp_path, monkeypatch, capsys):
     page = (Path(__file__).parents[1] / "docs" / "export.md").read_text()
     (tmp_path / "Keepaway.py").write_text(exported(library("keepaway"), "Keepaway", "python"))

@@ -32,7 +32,9 @@ def run(apart):
 
 
 def test_a_new_robot_is_tested_installed_started_and_trained(run, apart):
-    assert "pip install" in run("hitab", "new", "lift")
+    told = run("hitab", "new", "lift")
+    assert "pip install" in told
+    assert "hitab arm robot_1" in told
     page = (ROOT / "docs/your-own-robot.md").read_text(encoding="utf-8")
     (link,) = re.findall(r"```python\n(.*class Link.*?)```", page, re.DOTALL)
     assert link.count("\n") <= 50

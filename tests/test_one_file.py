@@ -36,10 +36,12 @@ def test_agents_of_a_world_in_one_file_are_trained_saved_and_there_again(run, ap
     run("down")
     run("up", path, "--agents", "2")
     run("perform", "agent_1", "Shuttle")
-    assert "Shuttle" in run("library", "--file", path, "list", "-a", "agent_1")
+    assert "Shuttle" in run("library", "list", "-a", "agent_1")
     told = json.loads(run("status", "--json", "-"))
     assert told["agents"][0]["behavior"] == "Shuttle"
     run("down")
+    assert "-> Left" in run("library", "show", "Shuttle", "-l", "corridor/agent_1")
+    run("export", "Shuttle", "-l", "corridor/agent_1", "--to", "python")
     evaluated = ("evaluate", path, "-b", "Right", "-n", "3", "--longest", "60", "--json", "-")
     first = json.loads(run(*evaluated))
     assert first["ended"]["evaluated"] == {"far": 3}

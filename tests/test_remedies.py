@@ -7,7 +7,7 @@ import pytest
 from mentions import ROOT, SOURCES
 from test_mentions import complaint
 
-from hitab_client.commands import CALLED_AS, COMMANDS, as_command, with_commands
+from hitab_client.commands import CALLED_AS, COMMANDS, THEN, as_command, with_commands
 from hitab_core import Do, HitabError
 from hitab_ros.conversions import remedies_of, remedy_messages
 from hitab_studio.remedy_words import BUTTONS, in_studio
@@ -31,8 +31,8 @@ def made():
 def test_the_command_for_a_remedy_is_there(code):
     numbers = {"version": "1", "number": "1", "generation": "1", "seconds": "0.3"}
     known = {name: numbers.get(name, "X") for name in arguments(COMMANDS[code])}
-    words = COMMANDS[code].format_map(known).split()
-    assert complaint(words, in_passing=False) == ""
+    for command in COMMANDS[code].format_map(known).split(THEN):
+        assert complaint(command.split(), in_passing=False) == ""
 
 
 def test_every_argument_of_a_remedy_is_told_by_some_face():
@@ -54,6 +54,10 @@ def test_a_remedy_survives_the_way_to_each_face(monkeypatch):
     monkeypatch.setenv(CALLED_AS, "scripts/hitab")
     assert with_commands(error.problem, remedies) == told.format("scripts/hitab")
     assert BUTTONS[Do.RESUME] in in_studio(remedies[0])
+    corrected = as_command(Do.CORRECT(agent="ann", behavior="Go(a b)"))
+    assert corrected.endswith(
+        "`scripts/hitab train ann`, then `scripts/hitab demonstrate ann 'Go(a b)'`"
+    )
     assert as_command(Do.ACCEPT(file="a b.yaml")).endswith("library accept 'a b.yaml'`")
 
 

@@ -7,7 +7,7 @@ import getpass
 from typing import Any
 
 import pytest
-from browsing import ONE, Person, away_from_everybody, begin, needs_browser
+from browsing import ONE, TWO, Person, away_from_everybody, begin, needs_browser, visitor
 
 from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
@@ -60,6 +60,34 @@ def test_the_history_shows_what_undo_undoes_and_redo_redoes(swarm, person):
     person.page.keyboard.press("y")
     person.page.wait_for_selector('[data-test="history"] .undone', state="detached")
     person.sees("counts", "4 examples")
+
+
+@needs_browser
+def test_the_world_is_not_paused_by_itself_while_somebody_else_trains(swarm, person, chrome, url):
+    swarm.world.shown(swarm.world.control("resume"))
+    with visitor(chrome, url) as other:
+        other.click(f"agent-{TWO}")
+        other.click("do-Stop")
+        person.sees(f"agent-{TWO}", "Stop")
+        person.click(f"agent-{ONE}")
+        person.click("new")
+        person.sees("new-pause")
+        assert not person.page.is_checked('[data-test="new-pause"]')
+        assert ", also for " in person.page.inner_text('[data-key="pause"]')
+        person.page.keyboard.press("Escape")
+
+
+@needs_browser
+def test_long_names_of_states_do_not_make_the_panel_scroll_sideways(swarm, person):
+    away_from_everybody(swarm, 5.0)
+    begin(person, "Around")
+    for target in ("bottom_left_corner", "bottom_right_corner"):
+        person.click("do-TurnTo(X)")
+        person.page.get_by_role("button", name=target).click()
+        person.sees("recorded", target)
+    person.page.set_viewport_size({"width": 1280, "height": 800})
+    wide = "e => e.scrollWidth > e.clientWidth"
+    assert not person.page.locator(".pane").evaluate(wide)
 
 
 # -- for when a command counts ----------------------------------------------------------------

@@ -11,7 +11,7 @@ from pathlib import Path
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import kind_file, library_of, write_rosters
 from hitab_bringup.unsaved_trainings import bring_back, set_aside
-from hitab_client.run_folder import LIBRARIES, libraries_of
+from hitab_client.run_folder import LIBRARIES, WORLD_FILES, libraries_of
 from hitab_commander import KIND_FILE, kind_text
 from hitab_core import each_once
 
@@ -45,6 +45,8 @@ def prepare(swarm: SwarmDescription, folder: Path) -> None:
     libraries = {agent: Path(library) for agent, library in used.items()}
     set_aside(libraries_of(folder), libraries, folder)
     (folder / LIBRARIES).write_text(json.dumps(used, indent=1) + "\n", encoding="utf-8")
+    files = sorted({agent.domain for agent in swarm.agents if agent.domain.endswith(".py")})
+    (folder / WORLD_FILES).write_text(json.dumps(files) + "\n", encoding="utf-8")
     bring_back(libraries, folder)
     for commander in swarm.commanders:
         text = kind_text(commander.kind)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,10 +12,10 @@ from hitab_bringup.opened_library import domain_in
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_client import DescriptionError, SwarmError, console
 from hitab_client.domain_ids import chosen_by_user
-from hitab_client.run_folder import libraries_of, running_swarms, state_home
+from hitab_client.run_folder import WORLD_FILES, libraries_of, running_swarms, state_home
 from hitab_client.shipped import shipped_folders
 from hitab_client.swarm_choice import find_meant, name_to_choose
-from hitab_core import LibraryError, has
+from hitab_core import HitabError, LibraryError, has, load_domain
 from hitab_core.library import SUFFIX
 
 
@@ -63,6 +65,7 @@ def libraries_meant(
             f"no swarm is up; choose a library, for example with -l {example} {has(known)}"
         )
     folder, record = found
+    _load_worlds(folder.path)
     used = libraries_of(folder.path)
     if agent is not None and agent not in used:
         raise SwarmError(f'no agent "{agent}" in swarm {record.swarm} {has(used, agent)}')
@@ -82,7 +85,18 @@ def named_library(text: str) -> Path:
     known = known_libraries()
     if not path.is_dir() and text not in known:
         raise LibraryError(f'"{text}" is neither a folder nor a library {has(known, text)}')
-    return path if path.is_dir() else known[text]
+    if path.is_dir():
+        return path
+    if known[text].is_relative_to(state_home()):
+        _load_worlds(known[text].parents[1])
+    return known[text]
+
+
+def _load_worlds(folder: Path) -> None:
+    """Load the worlds in one file of a swarm, by its run folder: libraries find them by name."""
+    with suppress(OSError, ValueError, HitabError):  # opening the library says what is missing
+        for file in json.loads((folder / WORLD_FILES).read_text(encoding="utf-8")):
+            load_domain(file)
 
 
 def library_meant(

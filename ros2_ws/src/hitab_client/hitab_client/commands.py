@@ -16,6 +16,7 @@ COMMANDS = {
     Do.TRAIN_FURTHER: "train {agent} {behavior} --resume",
     Do.RESUME: "train {agent}",
     Do.DEMONSTRATE: "demonstrate {agent} {behavior}",
+    Do.CORRECT: "train {agent}, then demonstrate {agent} {behavior}",
     Do.CHOOSE_FEATURES: "examples features {agent} -f {feature}",
     Do.VOCABULARY: "vocabulary {agent}",
     Do.QUESTIONS: "questions {agent}",
@@ -56,6 +57,9 @@ COMMANDS = {
 }
 """What is typed after the name of the command. Some remedies are not done with it."""
 
+THEN = ", then "
+"""Between two commands of one remedy."""
+
 
 def called() -> str:
     """Return the name of the command, as the user calls it."""
@@ -66,9 +70,10 @@ def as_command(remedy: Remedy) -> str:
     """Return a remedy with the command for it, named as the user calls it."""
     if remedy.code not in COMMANDS:
         return str(remedy)
-    quoted = tuple((name, shlex.quote(value)) for name, value in remedy.arguments)
-    command = Remedy(remedy.code, quoted).worded(COMMANDS)
-    return f"{remedy}: `{called()} {command}`"
+    code = remedy.code
+    quoted = Remedy(code, tuple((name, shlex.quote(value)) for name, value in remedy.arguments))
+    commands = [quoted.worded({code: words}) for words in COMMANDS[code].split(THEN)]
+    return f"{remedy}: {THEN.join(f'`{called()} {command}`' for command in commands)}"
 
 
 def with_commands(problem: str, remedies: Iterable[Remedy]) -> str:

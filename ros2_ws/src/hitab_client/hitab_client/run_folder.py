@@ -39,6 +39,9 @@ LONGEST_SOCKET = 90
 LIBRARIES = "libraries.json"
 """File in a run folder: the library of each agent, by name."""
 
+WORLD_FILES = "world_files.json"
+"""File in a run folder: the Python files that the agents' domains are in, if there are any."""
+
 
 @dataclass(frozen=True)
 class RunRecord:

@@ -499,7 +499,7 @@ class Agent:
             LibraryError: if its journal cannot be archived; nothing has changed.
         """
         if self.session is None and not self.journal.damage:
-            raise TrainingError(f"{self.name} has no training to discard")
+            raise TrainingError("it has no training to discard")
         self.journal.discard()
         write_people(self._folder, self.people)
         self._stop()

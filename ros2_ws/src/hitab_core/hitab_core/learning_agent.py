@@ -224,6 +224,8 @@ class LearningAgent:
     def save(self, name: str = "", description: str = "") -> Path:
         """Trim what was learned and add it to the library; this ends the training.
 
+        Signs that it does not play are warnings.
+
         Args:
             name: what to call it; empty: as it was begun.
             description: for people who browse the library.
@@ -235,7 +237,11 @@ class LearningAgent:
             TrainingError: if nothing is being trained, or nothing was commanded.
             LibraryError, VocabularyError: if it cannot be written, or does not fit.
         """
-        return self.agent.save(name, description=description).path
+        remarks = self.agent.remarks(look=True)
+        path = self.agent.save(name, description=description).path
+        for remark in remarks:
+            warnings.warn(str(HitabError(str(remark), remark.remedy)), stacklevel=2)
+        return path
 
     @property
     def examples(self) -> tuple[Example, ...]:

@@ -20,6 +20,7 @@ class Do(Enum):
     TRAIN_FURTHER = 'train "{behavior}" of {agent} further, from its examples'
     RESUME = "go on with the training of {agent}"
     DEMONSTRATE = "command {agent} a behavior"
+    CORRECT = "take over from {agent}, and command {behavior} where it is right"
     CHOOSE_FEATURES = "choose features for {agent} by what it decides"
     VOCABULARY = "list what {agent} can do and perceive"
     QUESTIONS = "see what {agent} asks"

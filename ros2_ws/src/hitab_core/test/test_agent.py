@@ -112,7 +112,7 @@ def test_a_discarded_training_is_over_and_its_journal_kept(make, tmp_path):
     agent.discard()
     assert (agent.mode, agent.training, agent.unsaved) == (Mode.IDLE, "", 0)
     assert agent.active_path == []
-    with pytest.raises(TrainingError, match="ann has no training to discard"):
+    with pytest.raises(TrainingError, match="it has no training to discard"):
         agent.discard()
     again = make()
     assert (again.mode, again.training) == (Mode.IDLE, "")

@@ -59,6 +59,14 @@ def test_a_command_after_learning_is_a_correction():
     assert agent.decide([3.0]) == "Left"
 
 
+def test_saving_warns_of_what_does_not_play_with_what_would_mend_it():
+    agent = LearningAgent(cart()).train("Stuck")
+    for command in ("Right", "Left", "Right"):
+        agent.step([3.0], command=command)
+    with pytest.warns(UserWarning, match=r"it changes between .* forever; have example . of"):
+        agent.save()
+
+
 def test_a_damaged_library_is_a_warning_and_what_is_lost_is_refused_with_the_reason(tmp_path):
     file = shuttle(LearningAgent(cart(), tmp_path / "library")).save()
     file.write_text("nothing")

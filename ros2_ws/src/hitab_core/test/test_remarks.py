@@ -108,8 +108,8 @@ def test_a_state_and_a_flag_that_no_test_reaches_are_remarked_on_after_some_epis
     assert cart.codes() == []
     cart.tested(0.0, 1.0)
     assert cart.codes() == [Sign.NOT_ENTERED, Sign.NOT_RAISED]
-    assert cart.remarks[0].remedy == Do.DEMONSTRATE(agent="cart", behavior="Stop")
-    assert cart.remarks[1].remedy == Do.DEMONSTRATE(agent="cart", behavior="Done")
+    assert cart.remarks[0].remedy == Do.CORRECT(agent="cart", behavior="Stop")
+    assert cart.remarks[1].remedy == Do.CORRECT(agent="cart", behavior="Done")
     cart.tested(0.0, 5.0, 8.0, episodes=1)
     assert cart.codes() == []
 
@@ -121,7 +121,7 @@ def test_a_state_that_no_test_leaves_is_remarked_on_until_the_examples_change(
     cart.tested(0.0, 5.0, 4.0)
     assert cart.codes() == [Sign.NOT_LEFT]
     assert dict(cart.remarks[0].arguments)["state"] == "Left"
-    assert cart.remarks[0].remedy == Do.DEMONSTRATE(agent="cart", behavior="Right")
+    assert cart.remarks[0].remedy == Do.CORRECT(agent="cart", behavior="Right")
     assert cart.agent.session is not None
     cart.agent.session.undo()
     assert cart.codes() == []

@@ -32,6 +32,9 @@ from hitab_studio.scene import scene_of
 from hitab_studio.swarm_finder import Choice
 from hitab_studio.viewing import Viewing
 
+STOPS_S = 0.5
+"""Between two looks for who can be stopped, s: each lists all topics."""
+
 ARM_S = 3.0
 """How long a robot may take to be found that is to act again, s."""
 
@@ -80,6 +83,7 @@ class Observer:
         if known.emergency is not None:
             self._switch.take(known.emergency)
         self._stops = Stops(link, switch=self._switch)
+        self._next_stops = 0.0
         self._signs = SignsOfLife(
             link,
             (*target.agents, *([names.WORLD] if target.world else [])) if target else (),
@@ -120,7 +124,9 @@ class Observer:
         known = self.known
         if self._switch.state is not known.emergency:
             self._know(emergency=self._switch.state)
-        self._stops.look()
+        if (now := time.monotonic()) >= self._next_stops:
+            self._next_stops = now + STOPS_S
+            self._stops.look()
         if self._world.status is not known.world:
             self._know(world=self._world.status)
         statuses = self._agents.statuses

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,10 @@ STATIC = Path(__file__).parent / "static"
 REFRESH_SECONDS = 0.15
 ALSO_EVERY = 2
 """Refreshes between two drawings of what changes all the time, such as curves."""
+
+REST = 2.0
+"""Times as long as a page took to draw, for each open page, it waits until it draws again what its
+own person has not caused: a class leaves half of the server's time to commands."""
 
 CANVAS = (
     'role="application" aria-label="The things in the field. < and > choose one, the '
@@ -128,6 +133,7 @@ class Page:
         self._seen: tuple[int, int] = (-1, -1)
         self._training: Training | None = None
         self._count = 0
+        self._rests_until = 0.0
         self._requests = RequestQueue()
         self._urgent: set[asyncio.Task[None]] = set()
         self._broken: dict[str, str] = {}
@@ -179,9 +185,11 @@ class Page:
         self._count += 1
         seen = (self._studio.store.version, session.version)
         training = session.training
-        is_same = seen == self._seen and training is self._training
-        if is_same and self._count % ALSO_EVERY:
-            return
+        begun = time.monotonic()
+        if session.version == self._seen[1] and training is self._training:
+            is_same = seen == self._seen and self._count % ALSO_EVERY
+            if is_same or begun < self._rests_until:
+                return
         self._seen, self._training = seen, training
         for panel in self._panels:
             try:
@@ -193,3 +201,5 @@ class Page:
                     self._broken[panel.name] = why
                     logging.getLogger(__name__).exception("panel %s", panel.name)
                     session.tell(f"A part of the page cannot be shown: {why}", "bad")
+        took = time.monotonic() - begun
+        self._rests_until = begun + REST * took * len(self._studio.sessions)

@@ -12,6 +12,7 @@ BUTTONS = {
     Do.TRAIN_FURTHER: "Train further… in Library",
     Do.RESUME: "Back to training (T)",
     Do.DEMONSTRATE: "the buttons below the field",
+    Do.CORRECT: "Take over (T), and its button below the field",
     Do.CHOOSE_FEATURES: "Features… in Teach",
     Do.RELABEL: "Relabel in Examples",
     Do.QUESTIONS: "Teach",

@@ -49,11 +49,15 @@ def new(name: str, world: Annotated[bool, typer.Option("--world")] = False) -> N
         file.write_text(template.read_text("utf-8").replace(placeholder, name), "utf-8")
     hitab = called()
     if world:
-        console.say(f"wrote {to}; start it: {hitab} up {to}; test it: pytest {to}")
+        console.say(
+            f"wrote {to}; start it: {hitab} up {to}; test it (pip install pytest): pytest {to}"
+        )
         return
     console.say(f"wrote {to}/; its words are in {name}/domain.py, its driver in {name}/link.py")
     console.say(f"install it: pip install --no-build-isolation --no-deps -e ./{to}")
-    console.say(f"start it: {hitab} up {to}/swarm.yaml; test it: pytest {to}")
+    console.say(f"start it: {hitab} up {to}/swarm.yaml")
+    console.say(f"let it act, after each start and each stop: {hitab} arm robot_1")
+    console.say(f"test it (pip install pytest): pytest {to}")
 
 
 def _refuse_taken(name: str, example: str) -> None:

@@ -102,7 +102,9 @@ class _Writer:
         for feature in self._hierarchy.features:
             inside = f", in [-2p, 2p) with p = {feature.period!r}" if feature.period else ""
             required = ", required" * feature.required
-            entries.append(f"  {self.values[feature.label]} = {feature.label}{inside}{required}")
+            unit = feature.unit and f", {feature.unit}"
+            name = self.values[feature.label]
+            entries.append(f"  {name} = {feature.label}{unit}{inside}{required}")
         head = HEAD.format(
             actions="\n".join(actions),
             entries="\n".join(entries),

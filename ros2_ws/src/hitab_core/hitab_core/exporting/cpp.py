@@ -191,6 +191,7 @@ def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
     space = f"hitab_{identifiers([top])[top]}"
     members = "".join(
         f"\n  double {names[feature.label]} = NAN;  // {feature.label}"
+        + (f", {feature.unit}" if feature.unit else "")
         for feature in hierarchy.features
     )
     features = [

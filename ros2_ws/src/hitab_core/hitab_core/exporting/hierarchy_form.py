@@ -62,12 +62,14 @@ class FeatureForm:
         label: its name with its targets.
         categories, required: as in `hitab_core.running.senses.checked`.
         period: of a toroidal feature, else 0.
+        unit: of its values; empty: none.
     """
 
     label: str
     categories: int
     required: bool
     period: float
+    unit: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +155,7 @@ def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
     for label in list(slots)[len(OWN) :]:
         feature = repertoire.domain.features[Use.parse(label).name]
         checks = checks_of(Use.parse(label), feature)
-        features.append(FeatureForm(*checks, period=feature.scale.period))
+        features.append(FeatureForm(*checks, feature.scale.period, feature.unit))
     return Hierarchy(tuple(forms), tuple(features))
 
 

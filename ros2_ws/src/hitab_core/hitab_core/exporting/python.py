@@ -14,8 +14,8 @@ USE = """\
     robot = {name}()
     action = robot.tick(percept, time.monotonic(), random.random)  # once per cycle
 
-`percept` maps the names in FEATURES to numbers: booleans to 0 or 1, a category to its index, and
-a value that is missing to None."""
+`percept` maps the names in FEATURES to numbers, each in its unit there: booleans to 0 or 1, a
+category to its index, and a value that is missing to None."""
 
 
 def as_python(hierarchy: Hierarchy, origin: str) -> str:
@@ -31,6 +31,7 @@ def as_python(hierarchy: Hierarchy, origin: str) -> str:
     lines += ["", "", "FEATURES += ["]
     lines += [
         f"    ({feature.label!r}, {feature.categories}, {feature.required}),"
+        + (f"  # {feature.unit}" if feature.unit else "")
         for feature in hierarchy.features
     ]
     lines.append("]")

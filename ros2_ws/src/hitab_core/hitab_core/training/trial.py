@@ -92,4 +92,4 @@ class Trial:
 
 def _remark(sign: Sign, state: str, episodes: int, behavior: str) -> Remark:
     arguments = (("state", state), ("episodes", str(episodes)))
-    return Remark(sign, arguments, Do.DEMONSTRATE(behavior=behavior))
+    return Remark(sign, arguments, Do.CORRECT(behavior=behavior))

@@ -47,6 +47,7 @@ def context(session: Session) -> dict[str, Any]:
                 for text, use in uses(vocabulary.behaviors, arguments)
             ],
             "running": world is not None and world.mode != "paused",
+            "others": sorted({p.name for p in session.shared.held.values() if p is not session}),
             "agent_off": unavailable.agent(session),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
@@ -80,7 +81,7 @@ def context(session: Session) -> dict[str, Any]:
     if kind == "save":
         training = dialog["training"]
         used = {a for f in (*training.features, *training.states) for a in Use.parse(f).arguments}
-        found["bindable"] = sorted(used)
+        found["bindable"] = sorted(used - set(training.parameters))
     return found
 
 
