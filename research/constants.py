@@ -1,7 +1,8 @@
 """Measures what each number of the engine is worth: what changes if it is half, and double.
 
 A number of the learner is tried on the shipped examples: how many of their trees change. One of
-what is asked, or of when late commands were due, is tried on simulated people (`teachers.py`), who
+what is asked is tried on them, too: how many questions change. It and one of when late commands
+were due are tried on simulated people (`teachers.py`), who
 train their teams again: how many of their trees change, and how much of what they decide is then
 otherwise than intended. The people's habits stay what they are.
 
@@ -36,8 +37,13 @@ from teachers import Setting, intention_of, person_of, pupil_of
 
 import foraging_world
 import keepaway_world
+from hitab_core.advice.ambiguity import ambiguities
 from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.proposals import Correction
+from hitab_core.advice.unlearning import propose, suspects
+from hitab_core.advice.unshown import unshown
 from hitab_core.domain import load_domain
+from hitab_core.example import Example
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_reader import read_behavior
 
@@ -80,7 +86,7 @@ CONSTANTS = [
     *_of(None, "learning.tree_growth", "LEAST_FRACTION AHEAD_MAX"),
     *_of(NOVICES, "training.lateness", "SOONEST LATEST SPREADS OTHERWISE AT_ONCE SHORTEST"),
     *_of(NOVICES, "training.lateness", "THRESHOLDS_MAX"),
-    *_of(ENGINEERS, "training.responses", "SPREAD JUMP OTHERS_MIN AROUND"),
+    *_of(ENGINEERS, "training.responses", "SPREAD JUMP AROUND"),
     *_of(NOVICES, "training.perceived", "BLAMED_SECONDS"),
     *_of(NOVICES, "training.situations", "KEPT"),
     *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING FAR LEAST"),
@@ -123,8 +129,54 @@ def patched(constant: Constant, value: Any) -> Iterator[None]:
 
 
 def shipped() -> dict[str, str]:
-    """Return the digests of the trees that shipped examples teach, by file and state."""
+    """Return what shipped examples teach, by file and state: the digests of trees."""
     found = {}
+    for name, evidences, _ in _shipped():
+        for evidence in evidences:
+            tree = evidence.learn()
+            if tree is not None:
+                found[f"{name} {evidence.state}"] = tree.digest()
+    return found
+
+
+def questions() -> dict[str, str]:
+    """Return what is asked about shipped examples, of keepers and foragers.
+
+    What was met is what the examples saw in any state. An example that the others do not imply is
+    taken for the correction of an automaton that was trained without it.
+    """
+    found = {}
+    for name, evidences, examples in _shipped():
+        if name.partition("/")[0] not in ("keepaway", "foraging"):
+            continue
+        met = [(e.state, e.features) for e in examples]
+        scales, names = evidences[0].scales, evidences[0].names
+        for evidence in evidences:
+            own = [e for e in examples if e.state == evidence.state and e.is_learned]
+            for ambiguity in ambiguities(evidence, met):
+                found[f"{name} {ambiguity.key}"] = str(ambiguity.situation)
+            assumed = np.array([e.is_default for e in own])
+            asked = unshown(evidence, [values for _, values in met], [], assumed)
+            if asked is not None:
+                found[f"{name} {asked.state} is unshown"] = str(asked.situation)
+        for one in examples:
+            rest = [e for e in examples if e.command != one.command]
+            tree = Evidence.of(one.state, rest, scales, names).learn()
+            wrong = one.state if tree is None else str(tree.predict([one.features])[0])
+            if one.is_default or wrong == one.next_state:
+                continue
+            corrected = Correction(one.state, one.features, wrong, one.next_state)
+            for proposal in propose(rest, scales, [corrected], names):
+                found[f"{name} {one.number} {proposal.kind} {proposal.examples}"] = (
+                    proposal.instead
+                )
+        for suspect in suspects(examples, scales, names):
+            found[f"{name} suspect {suspect.examples}"] = suspect.instead
+    return found
+
+
+def _shipped() -> Iterator[tuple[str, list[Evidence], tuple[Example, ...]]]:
+    """Yield the shipped automata: a name, the evidence for each state, and all examples."""
     for world in (keepaway_world, foraging_world):
         assert world.__file__ is not None
         for path in sorted(Path(world.__file__).parents[1].glob("libraries/*/*.hfa.yaml")):
@@ -135,11 +187,14 @@ def shipped() -> dict[str, str]:
             automaton = read_behavior(text, path.name, domain).automaton
             scales = [domain.scale_of(use) for use in automaton.features]
             names = [str(use) for use in automaton.features]
-            for state in automaton.transitions:
-                tree = Evidence.of(state, automaton.examples, scales, names).learn()
-                if tree is not None:
-                    found[f"{path.parent.name}/{path.name} {state}"] = tree.digest()
-    return found
+            yield (
+                f"{path.parent.name}/{path.name}",
+                [
+                    Evidence.of(state, automaton.examples, scales, names)
+                    for state in automaton.transitions
+                ],
+                automaton.examples,
+            )
 
 
 def trained(number: int, setting: Setting) -> dict[str, Any]:
@@ -212,15 +267,19 @@ def main(
         found: dict[str, Any] = runs.figures[name]
         return found
 
-    print("| number | value | tried | trees that change | otherwise | answers | delay |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: |")
-    learned = shipped()
+    print("| number | value | tried | questions | trees | otherwise | answers | delay |")
+    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    learned, asked = shipped(), questions()
     for constant in CONSTANTS:
         if only and constant.name not in only:
             continue
         for factor in (0.5, 2.0):
             value = varied(constant.value, factor)
             title = f"{constant.place} x {factor:g}"
+            others = ""
+            if constant.place.startswith("advice."):
+                with patched(constant, value):
+                    others = f"{changed(asked, questions())} of {len(asked)}"
             if constant.people is None:
                 with patched(constant, value):
                     cells = [f"{changed(learned, shipped())} of {len(learned)}", "", "", ""]
@@ -228,7 +287,7 @@ def main(
                 usual = [of(n, constant.people, "as it is") for n in range(people)]
                 with patched(constant, value):
                     cells = row(usual, [of(n, constant.people, title) for n in range(people)])
-            texts = [f"`{constant.place}`", _shown(constant.value), _shown(value), *cells]
+            texts = [f"`{constant.place}`", _shown(constant.value), _shown(value), others, *cells]
             print("| " + " | ".join(texts) + " |", flush=True)
 
 
