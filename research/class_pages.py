@@ -131,7 +131,7 @@ def studio(folder: Path) -> Iterator[psutil.Process]:
 def person(browser: Browser, number: int, still: bool) -> Iterator[Page]:
     """Open a page and begin to train an agent."""
     context = browser.new_context(viewport={"width": 1280, "height": 800})
-    cookie = {"name": "hitab_demonstrator", "value": f"Student%20{number}", "url": URL}
+    cookie: Any = {"name": "hitab_demonstrator", "value": f"Student%20{number}", "url": URL}
     context.add_cookies([cookie])
     if still:
         context.add_init_script(STILL)

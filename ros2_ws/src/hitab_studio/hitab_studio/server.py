@@ -160,7 +160,7 @@ def serve(
         show=address.url if show else False,
         show_welcome_message=False,
         tailwind=False,
-        reconnect_timeout=10.0,
+        reconnect_timeout=30.0,  # else a busy browser or bad Wi-Fi reloads the page
         uvicorn_logging_level="error",
         gzip_middleware_factory=None,
         binding_refresh_interval=None,
