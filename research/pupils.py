@@ -7,11 +7,13 @@ world has run for a cycle, and commands before the keeper acts on that.
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, Protocol
 
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
@@ -161,6 +163,8 @@ class InProcessPupil:
         silence: learn from what people let pass.
         sides: let a command among default examples hold for a side of the circle.
         ahead: let trees look one step ahead.
+        world: makes the world of its parameters and seed.
+        library: a folder with what the team has learned before; it stays as it is.
     """
 
     def __init__(
@@ -168,6 +172,8 @@ class InProcessPupil:
         seed: int,
         parameters: KeepawayParameters = PAPER,
         *,
+        world: Callable[[KeepawayParameters, int], KeepawayWorld] = KeepawayWorld,
+        library: Path | None = None,
         events: bool = True,
         supersede: bool = True,
         silence: bool = True,
@@ -183,7 +189,9 @@ class InProcessPupil:
         setattr(perceived, "Silence", Silence if silence else _Inattentive)  # noqa: B010
         self._classifier = learner(sides=sides, ahead=ahead)
         self._folder = tempfile.TemporaryDirectory(prefix="hitab-teachers-")
-        self._world = KeepawayWorld(parameters, seed)
+        if library is not None:
+            shutil.copytree(library, self._folder.name, dirs_exist_ok=True)
+        self._world = world(parameters, seed)
         self._library = BehaviorLibrary(self._folder.name, DOMAIN)
         self.cycle_seconds = self._world.cycle_seconds
         self._agents = {

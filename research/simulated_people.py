@@ -214,18 +214,18 @@ class Course:
             first = again is not None
             good = self._play(scene, guided=hand or first, first=first)
             if self.person.answers_between:
-                self._forget(self._trial(), self._second_thoughts().answer(self.allowance, 1))
+                self._forget(self.trial(), self._second_thoughts().answer(self.allowance, 1))
             clean = clean + 1 if good and not hand else 0
             if clean >= wanted:
                 self.person.diary.content.append(self.plan.name)
                 self.content = True
                 break
         if self.person.answers:
-            self._forget(self._trial(), self._second_thoughts().answer(self.allowance))
+            self._forget(self.trial(), self._second_thoughts().answer(self.allowance))
 
     def _play(self, scene: Scene, *, guided: bool, first: bool = False, **more: float) -> bool:
         """Play one situation, and look through what was recorded; see `Trial.play`."""
-        trial = self._trial()
+        trial = self.trial()
         good = trial.play(scene, guided=guided, first=first, **more)
         if self.person.reviews:
             self._forget(trial, self._second_thoughts().review(trial.given))
@@ -265,7 +265,8 @@ class Course:
         self.turn += 1
         return scenes(self.person.random, self.turn - 1)
 
-    def _trial(self) -> Trial:
+    def trial(self) -> Trial:
+        """Return a trial of this plan, to be played."""
         person = self.person
         return Trial(
             self.pupil,

@@ -204,7 +204,7 @@ def test_a_person_shows_again_what_an_answer_deleted(pupil):
     course = Course(Person(LESSONS, NOTHING, 1, answers=True), pupil, APPROACH, 60)
     pupil.command("Stop")
     pupil.place([Placement("keeper_1", -9.0, 0.0, 0.0), Placement("ball", 1.0, 0.0)])
-    trial = course._trial()
+    trial = course.trial()
     course.memory.shown = {trial.kind("Start", to, {}) for to in ("GoFast", "GoSlow")}
     pupil.command("GoSlow")
     trial.settle(trial)
