@@ -2,8 +2,8 @@
 
 A decision is unsure if it rests on few examples, or if the situation is far from all examples of
 the state (`hitab_core.advice.confidence`). That is judged before the agent decides, for each level
-of what it performs, so that nothing is done that has to be taken back. Which state takes numbers is
-known only afterwards: far from the moments that showed them, it does nothing (`Reach`).
+of what it performs, so that nothing is done that has to be taken back. Which state takes numbers
+is known only afterwards: far from the moments that showed them, it does nothing (`Reach`).
 """
 
 from __future__ import annotations
