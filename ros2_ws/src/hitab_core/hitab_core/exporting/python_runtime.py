@@ -145,13 +145,11 @@ class _Performance:
                 self.raised.add(self.states[chosen].label)
         if self.child is not None:
             return self.child.tick(percept)
-        if performs is None:
-            return None
         shown = self.states[chosen].numbers
-        if shown is None:
-            return performs._replace(started=started)
-        values = [self.value(axis[0], own, percept) for axis in shown.axes]
-        return performs._replace(started=started, numbers=shown.at(values))
+        if shown is not None:
+            values = [self.value(axis[0], own, percept) for axis in shown.axes]
+            performs = performs._replace(numbers=shown.at(values))
+        return None if performs is None else performs._replace(started=started)
 
     def value(self, feature: int, own: list[float], percept: _Percept) -> float:
         if feature < len(own):
