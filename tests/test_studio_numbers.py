@@ -34,6 +34,7 @@ def nothing_is_trained(swarm):
 
 def shown(swarm):
     """Return the numbers of the examples that have some."""
+    swarm.link.spin_until(lambda: swarm.agents.statuses[ONE].training_revision, 10.0)
     return [e.numbers for e in swarm.agents.training(ONE).examples if e.numbers]
 
 
