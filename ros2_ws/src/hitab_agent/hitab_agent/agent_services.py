@@ -31,7 +31,13 @@ from hitab_core.library import SUFFIX, broken_expectations
 from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Answered, Serve, answering
-from hitab_ros.conversions import cost_message, feature_message, remedy_messages, use_of
+from hitab_ros.conversions import (
+    cost_message,
+    feature_message,
+    number_messages,
+    remedy_messages,
+    use_of,
+)
 
 
 class AgentServices:
@@ -299,6 +305,7 @@ class AgentServices:
                 description="; ".join([b.description, *map(str, domain.numbers_of(Use(b.name)))]),
                 trained=b.name in agent.edition.files,
                 one_shot=isinstance(b, BasicBehavior) and b.one_shot,
+                numbers=number_messages(domain.numbers_of(Use(b.name))),
             )
             for b in behaviors
         ]

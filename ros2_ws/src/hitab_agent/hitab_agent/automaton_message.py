@@ -20,7 +20,7 @@ from hitab_core.learning import (
     nodes,
 )
 from hitab_core.training import Question, TrainingSession
-from hitab_ros.conversions import example_message, feature_message
+from hitab_ros.conversions import example_message, feature_message, number_messages
 
 
 def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.Automaton:
@@ -36,6 +36,11 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
         description=automaton.description,
         parameters=list(automaton.parameters),
         states=list(automaton.labels),
+        with_numbers=[
+            msg.Behavior(name=name, numbers=number_messages(numbers))
+            for name in sorted({state.name for state in automaton.states})
+            if (numbers := domain.numbers_of(Use(name)))
+        ],
         features=[
             feature_message(str(use), domain.feature(use.name), domain.scale_of(use))
             for use in automaton.features

@@ -11,10 +11,22 @@ from typing import Any
 
 from hitab_msgs.msg import Question
 
-from hitab_core import START, Automaton, Example, FeatureKind, Remark, Scale, TransitionTree, Use
+from hitab_core import (
+    START,
+    Automaton,
+    Example,
+    FeatureKind,
+    Number,
+    Remark,
+    Scale,
+    TransitionTree,
+    Use,
+    with_numbers,
+)
 from hitab_core.learning import Arc, Categories, Fork, Leaf, Node, Test, Threshold
+from hitab_core.regression import Neighbors, learn_numbers
 from hitab_core.training import TrainingCost
-from hitab_ros.conversions import cost_of, example_of, remarks_of
+from hitab_ros.conversions import cost_of, example_of, numbers_of_behaviors, remarks_of
 
 NOTHING: Mapping[str, TransitionTree] = MappingProxyType({})
 
@@ -34,6 +46,7 @@ class Learned:
         examples: all of them.
         trees: of the states that have one.
         readable: names of the examples' readings.
+        with_numbers: the numbers of behaviors that take some, by name.
     """
 
     name: str
@@ -56,6 +69,7 @@ class Learned:
     difference: str = ""
     trimmed: tuple[str, ...] = ()
     chosen: tuple[str, ...] = ()
+    with_numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=dict)
 
     @property
     def is_automaton(self) -> bool:
@@ -79,6 +93,21 @@ class Learned:
             self.examples,
             self.description,
         )
+
+    def numbers_of(self, state: Use) -> tuple[Number, ...]:
+        """Return the numbers that a state's behavior takes."""
+        return self.with_numbers.get(state.name, ())
+
+    def commanded(self, example: Example) -> str:
+        """Return where an example goes to, with its numbers: ``RunTowards(direction=40)``."""
+        state = Use.parse(example.next_state)
+        return str(with_numbers(state, example.numbers, self.numbers_of(state)))
+
+    @cached_property
+    def numbers(self) -> Mapping[str, Neighbors]:
+        """What gives the numbers of each state that takes some, by label."""
+        states = map(Use.parse, self.states)
+        return learn_numbers(states, self.scales, self.examples, self.numbers_of)
 
     def tree(self, state: str) -> TransitionTree | None:
         """Return the tree of a state, if it has one."""
@@ -162,6 +191,7 @@ def _fields(message: Any) -> dict[str, Any]:
         "units": tuple(f.unit for f in message.features),
         "scales": scales,
         "readable": tuple(message.readable),
+        "with_numbers": numbers_of_behaviors(message.with_numbers),
         "examples": tuple(map(example_of, message.examples)),
         "trees": MappingProxyType({tree.state: _tree(tree, scales) for tree in message.trees}),
     }

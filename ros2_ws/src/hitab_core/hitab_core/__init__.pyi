@@ -46,6 +46,7 @@ from .learning.transition_tree import TransitionTree as TransitionTree
 from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
 from .number import Number as Number
+from .number import with_numbers as with_numbers
 from .plain import behavior as behavior
 from .plain import feature as feature
 from .plain import plain_domain as plain_domain

@@ -120,6 +120,7 @@ class Agent:
             self._random.random,
             most_probable,
             observe,
+            reach=self.monitor.reach,
         )
         self.journal = TrainingJournal(journal_folder, domain.name)
         self._folder = journal_folder
@@ -247,23 +248,35 @@ class Agent:
                 self._performance.tick()
         elif self.mode is not Mode.IDLE and self.session is not None:
             self.session.tick()
+        if self.monitor.is_on and self._is_judged and not self.monitor.has_dared():
+            self._hand_back()
+
+    @property
+    def _is_judged(self) -> bool:
+        return self.mode in (Mode.PERFORMING, Mode.TESTING)
 
     def _dares(self) -> bool:
         """Return whether to decide; halt or hand back if it is unsure."""
-        if self.mode not in (Mode.PERFORMING, Mode.TESTING):
+        self.monitor.judge(on=self._is_judged)
+        if not self._is_judged:
             return True
-        session = self.session if self.mode is Mode.TESTING else None
-        trained = () if session is None else session.examples
+        trained = self.session.examples if self.mode is Mode.TESTING and self.session else ()
         if self.monitor.is_sure(self.running, self.context, trained):
             self.monitor.release()
             return True
         if self.monitor.caution.when_unsure is WhenUnsure.HALT:
             self.monitor.halt(self.running)
-        elif session is not None:
+        self._hand_back()
+        return False
+
+    def _hand_back(self) -> None:
+        """Hand back if the agent's caution says so."""
+        if self.monitor.caution.when_unsure is not WhenUnsure.HAND_BACK:
+            return
+        if self.mode is Mode.TESTING:
             self.take_over()
         else:
             self.perform(None)
-        return False
 
     # -- performing -------------------------------------------------------------------------
 

@@ -2,11 +2,13 @@
 
 A decision is unsure if it rests on few examples, or if the situation is far from all examples of
 the state (`hitab_core.advice.confidence`). That is judged before the agent decides, for each level
-of what it performs, so that nothing is done that has to be taken back.
+of what it performs, so that nothing is done that has to be taken back. Which state takes numbers
+is known only afterwards: far from the moments that showed them, it does nothing (`Reach`).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -17,7 +19,7 @@ from hitab_core.automaton import OWN_FEATURES
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.remedies import Do
-from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
+from hitab_core.running.running_automaton import Reach, RunContext, Running, RunningAutomaton
 from hitab_core.running.senses import value_or_nan
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.vocabulary import unknown
@@ -88,10 +90,12 @@ class CautionMonitor:
         caution: when a decision is unsure, and what is done then.
         unsure: why the next decision is unsure, for people; empty if it is sure, or if the agent
             goes on regardless.
+        reach: of the agent's context.
     """
 
     def __init__(self) -> None:
         self.caution = Caution()
+        self.reach = Reach()
         self.unsure = ""
         self._halted: Running | None = None
         self._rated: dict[tuple[int, str], tuple[TransitionFunction, Confidences]] = {}
@@ -106,6 +110,17 @@ class CautionMonitor:
         if caution.when_unsure is not WhenUnsure.HALT:
             self.release()
         self.caution, self.unsure = caution, ""
+        self.judge(on=False)
+
+    def judge(self, *, on: bool) -> None:
+        """Judge the numbers of the tick that follows, or let all pass."""
+        self.reach.farthest = (on and self.caution.distance) or math.inf
+        self.reach.beyond = ""
+
+    def has_dared(self) -> bool:
+        """Return whether the tick did all; `unsure` says why not."""
+        self.unsure = self.reach.beyond
+        return not self.unsure
 
     def is_sure(
         self, running: Running | None, context: RunContext, trained: Sequence[Example] = ()
@@ -148,13 +163,7 @@ class CautionMonitor:
             else value_or_nan(context.senses.look, use.bound(running.bindings))
             for use in features
         ]
-        doubt = rated[1](values).doubts(self.caution.support, self.caution.distance)
-        numbers, farthest = running.numbers, self.caution.distance
-        if doubt or numbers is None or not farthest:
-            return doubt
-        away = numbers.distance(values)
-        why = f"it is {away:.2g} spreads from the nearest moment whose numbers were shown"
-        return why if away > farthest else ""
+        return rated[1](values).doubts(self.caution.support, self.caution.distance)
 
     def halt(self, running: Running | None) -> None:
         """Stop the basic behavior that is performed, until `release`."""

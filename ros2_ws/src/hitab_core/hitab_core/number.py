@@ -59,6 +59,17 @@ def without_numbers(use: Use) -> Use:
     return Use(use.name, tuple(a for a in use.arguments if "=" not in a))
 
 
+def with_numbers(use: Use, values: Sequence[float], wanted: Sequence[Number]) -> Use:
+    """Return a use with numbers, as it is commanded; none: as it is.
+
+    Examples:
+        >>> str(with_numbers(Use("RunTowards"), [40.0], [Number("direction", -180, 180)]))
+        'RunTowards(direction=40)'
+    """
+    given = (f"{n.name}={value:.6g}" for n, value in zip(wanted, values, strict=bool(values)))
+    return Use(use.name, (*use.arguments, *given))
+
+
 def numbers_of(use: Use, wanted: Sequence[Number]) -> tuple[float, ...]:
     """Return the numbers that a use gives, in the order of the behavior's own.
 

@@ -168,6 +168,47 @@ def test_an_unsure_agent_does_not_steer_far_from_the_moments_shown():
     assert agent.agent.monitor.unsure
 
 
+def test_an_unsure_agent_does_nothing_in_the_tick_that_enters_a_state_far_from_its_moments():
+    from hitab_core import Caution, WhenUnsure
+
+    agent = trained()
+    agent.step([1.0, 900.0], command="Anchor")
+    agent.step([1.0, 9.0], command="Sail(direction=0, speed=1)")
+    for distance, sailed in ((0.0, 2), (3.0, 0)):
+        agent.learn()
+        agent.agent.monitor.set(Caution(WhenUnsure.HALT, 1, distance))
+        assert agent.step([0.0, 9.0])
+        assert agent.step([1.0, 1.0]) == (0.0,)
+        assert len(agent.step([1.0, 300.0])) == sailed
+        assert agent.agent.active_path == ["Sail"]
+    assert "nearest moment whose numbers were shown" in agent.agent.monitor.unsure
+    assert agent.step([1.0, 9.0])
+    assert agent.agent.monitor.unsure == ""
+
+
+def test_a_behavior_that_lacks_numbers_is_stopped_and_begins_again():
+    from hitab_core import Caution, WhenUnsure
+
+    done = []
+    sail = BasicBehavior(
+        "Sail",
+        Boat.steer,
+        start=lambda boat: done.append("start"),
+        stop=lambda boat: done.append("stop"),
+        numbers=(DIRECTION, SPEED),
+    )
+    boat = Domain.of("b", "1", Boat, behaviors=[sail], features=list(BOAT.features.values()))
+    agent = LearningAgent(boat).train("Cruise")
+    agent.step([0.0, 9.0], command="Sail(direction=170, speed=1)")
+    agent.step([1.0, 9.0], command="Sail(direction=170, speed=0.5)")
+    agent.learn()
+    agent.agent.monitor.set(Caution(WhenUnsure.HALT, 1, 3.0))
+    done.clear()
+    for depth in (9.0, 900.0, 900.0, 9.0):
+        agent.step([0.0, depth])
+    assert done == ["start", "stop", "start"]
+
+
 @given(some.integers(0, 2**32 - 1), some.integers(1, 40))
 def test_numbers_are_those_of_scikit_learns_neighbors(seed, count):
     random = np.random.default_rng(seed)

@@ -10,7 +10,18 @@ from typing import Any, TypeVar
 
 from hitab_msgs import msg
 
-from hitab_core import Do, Example, ExampleKind, Feature, Remark, Remedy, Scale, Sign, Use
+from hitab_core import (
+    Do,
+    Example,
+    ExampleKind,
+    Feature,
+    Number,
+    Remark,
+    Remedy,
+    Scale,
+    Sign,
+    Use,
+)
 from hitab_core.commanding import Order, Report
 from hitab_core.training import TrainingCost
 
@@ -96,7 +107,22 @@ def example_of(message: Any) -> Example:
         features=tuple(message.values),
         kind=ExampleKind(message.kind),
         readings=tuple(message.readings),
+        numbers=tuple(message.numbers),
     )
+
+
+def number_messages(numbers: Iterable[Number]) -> list[msg.Number]:
+    """Return the numbers of a behavior as messages."""
+    return [message_of(msg.Number, number) for number in numbers]
+
+
+def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[Number, ...]]:
+    """Return the numbers of the behaviors in messages that take some, by name."""
+    return {
+        Use.parse(behavior.name).name: tuple(data_of(Number, n) for n in behavior.numbers)
+        for behavior in messages
+        if behavior.numbers
+    }
 
 
 def use_of(name: str, arguments: Sequence[str]) -> Use:

@@ -10,7 +10,8 @@ from typing import Any
 from hitab_msgs.srv import GetBehavior
 
 from hitab_client import Learned
-from hitab_core import OWN_FEATURES, START, Example, Use
+from hitab_core import OWN_FEATURES, START, Example, Number, Use, with_numbers
+from hitab_ros.conversions import numbers_of_behaviors
 
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
@@ -25,6 +26,7 @@ class Vocabulary:
         behavior_descriptions: by the names of the behaviors, without parameters.
         units, kinds, feature_descriptions: by the names of the features, without parameters.
         trained, one_shot: names of behaviors.
+        numbers: of the behaviors that take some, by name.
     """
 
     domain: str = ""
@@ -32,6 +34,7 @@ class Vocabulary:
     behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     trained: frozenset[str] = frozenset()
     one_shot: frozenset[str] = frozenset()
+    numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=lambda: NOTHING)
     features: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     kinds: Mapping[str, str] = field(default_factory=lambda: NOTHING)
@@ -47,12 +50,19 @@ class Vocabulary:
             behavior_descriptions=_by_name(answer.behaviors, "description"),
             trained=frozenset(Use.parse(b.name).name for b in answer.behaviors if b.trained),
             one_shot=frozenset(Use.parse(b.name).name for b in answer.behaviors if b.one_shot),
+            numbers=numbers_of_behaviors(answer.behaviors),
             features=tuple(f.name for f in answer.features),
             units=_by_name(answer.features, "unit"),
             kinds=_by_name(answer.features, "kind"),
             feature_descriptions=_by_name(answer.features, "description"),
             targets=tuple(answer.targets),
         )
+
+    def commandable(self, behavior: str) -> str:
+        """Return a behavior with numbers to begin with, in the middle of their bounds."""
+        use = Use.parse(behavior)
+        numbers = self.numbers.get(use.name, ())
+        return str(with_numbers(use, [(n.low + n.high) / 2.0 for n in numbers], numbers))
 
 
 def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use]]:

@@ -51,6 +51,14 @@ class TargetsAsked:
 
 
 @dataclass
+class NumbersAsked:
+    """A behavior, with its targets, and the numbers that it is shown with, by name."""
+
+    behavior: str
+    values: dict[str, float]
+
+
+@dataclass
 class Table:
     """How the table of examples is shown; `hidden` features have no column."""
 
@@ -101,6 +109,7 @@ class Session:
         state: the state whose tree is viewed, if not the active one.
         to_start: the swarm that is chosen to be started; empty: none was chosen yet.
         folds: what was opened (true) or closed in the list of agents, by name.
+        showing: the behavior with numbers that is being shown, if one is.
         lost: the last command, if the agent has not taken it.
         dialog: the open dialog, with all that is needed to show it.
         player: the open recording, if there is one.
@@ -123,6 +132,7 @@ class Session:
         self.to_start = ""
         self.folds: dict[str, bool] = {}
         self.asked: TargetsAsked | None = None
+        self.showing: NumbersAsked | None = None
         self.lost: Lost | None = None
         self.table = Table()
         self.dialog: dict[str, Any] = {}
@@ -193,7 +203,7 @@ class Session:
         if agent != self.agent:
             self.agent = agent
             self.level = self.state = self.behavior = ""
-            self.asked = None
+            self.asked = self.showing = None
             self.compare = None
             self.table = Table()
         self.shared.link.viewing.look_at(self.id, [agent] if agent else [])

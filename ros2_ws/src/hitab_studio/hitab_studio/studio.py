@@ -137,7 +137,7 @@ class Studio:
     def _close_dialogs(self, target: Target) -> None:
         """Close what asks about a swarm that has gone."""
         for session in self.sessions.values():
-            session.asked = None
+            session.asked = session.showing = None
             if session.dialog and session.dialog["kind"] not in OF_NO_SWARM:
                 session.close_dialog()
                 session.tell(_dialog_closed(target), "note")

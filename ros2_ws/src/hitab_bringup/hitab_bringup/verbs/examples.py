@@ -94,7 +94,7 @@ def examples_list(
             str(e.number),
             e.state,
             *map(_shown, e.features, units, kinds),
-            e.next_state,
+            found.commanded(e),
             OVERRULED if e.kind == ExampleKind.SUPERSEDED else e.kind,
             str(e.command),
             str(e.cycle),
@@ -110,6 +110,7 @@ def examples_list(
         plain(e, fields)
         | {
             "values": list(e.features),
+            "numbers": list(e.numbers),
             "readings": {
                 name: None if math.isnan(value) else value
                 for name, value in zip(found.readable, e.readings, strict=False)
@@ -182,11 +183,13 @@ def examples_relabel(
     """Change which state examples go to; `hitab undo` takes that back.
 
     Args:
-        to: The correct next state.
+        to: The correct next state; its numbers too, if it takes some.
 
-    Example:
+    Examples:
 
       hitab examples relabel keeper_1 5 --to GoSlow
+
+      hitab examples relabel keeper_1 5 --to "RunTowards(direction=40)"
     """
     edit(swarm, agent, "relabel", numbers, to)
 

@@ -23,11 +23,12 @@ class Language(NamedTuple):
 
     write: Callable[[Hierarchy, str], str]
     suffix: str
+    has_numbers: bool = False
 
 
 LANGUAGES: Mapping[str, Language] = MappingProxyType(
     {
-        "python": Language(as_python, ".py"),
+        "python": Language(as_python, ".py", has_numbers=True),
         "cpp": Language(as_cpp, ".hpp"),
         "bt.xml": Language(as_behavior_tree, ".bt.xml"),
     }
@@ -51,6 +52,8 @@ def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
         raise VocabularyError(unknown("language", to, LANGUAGES))
     edition, use = library.edition(strict=False), Use.parse(behavior)
     hierarchy = hierarchy_of(edition.repertoire, use)
+    if not LANGUAGES[to].has_numbers:
+        _refuse_numbers(hierarchy, to)
     parts = [name for name in edition.repertoire.needed_by(use.name) if name in edition.files]
     digest = bundle_digest(tuple((name, edition.files[name].text) for name in parts))
     origin = (
@@ -60,3 +63,13 @@ def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
         f"Digest of {', '.join(parts)}:\n{digest}"
     )
     return LANGUAGES[to].write(hierarchy, origin)
+
+
+def _refuse_numbers(hierarchy: Hierarchy, to: str) -> None:
+    for automaton in hierarchy.automata:
+        for state in automaton.states:
+            if state.numbers is not None:
+                raise VocabularyError(
+                    f'"{automaton.use.name}" cannot be exported to {to}: "{state.label}" in it '
+                    "takes numbers; export it to python, or have HiTAB perform it"
+                )

@@ -15,6 +15,8 @@ from hitab_core.errors import VocabularyError
 from hitab_core.hierarchy import in_order
 from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_choice
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.number import Number
+from hitab_core.regression import Neighbors, Table
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.senses import checks_of
 from hitab_core.transition_function import HandWritten, TransitionFunction
@@ -73,6 +75,21 @@ class FeatureForm:
 
 
 @dataclass(frozen=True, slots=True)
+class NumbersForm:
+    """What gives the numbers of a state, see `hitab_core.regression`.
+
+    Attributes:
+        features: indices as in `Test.feature`, one for each axis of the table.
+        table: what was learned.
+        wanted: the numbers.
+    """
+
+    features: tuple[int, ...]
+    table: Table
+    wanted: tuple[Number, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class StateForm:
     """A state.
 
@@ -82,6 +99,7 @@ class StateForm:
         is_automaton: whether that is an automaton.
         one_shot: whether it is pulsed only once.
         tree: decides where to go; None: nowhere.
+        numbers: gives the numbers that the behavior takes; None: it takes none.
     """
 
     label: str
@@ -89,6 +107,7 @@ class StateForm:
     is_automaton: bool
     one_shot: bool
     tree: Tree | None
+    numbers: NumbersForm | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,12 +199,6 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
         if state.name in FLAGS:
             states.append(StateForm(label, None, False, False, None))
             continue
-        if repertoire.domain.numbers_of(state):
-            raise VocabularyError(
-                f'"{use.name}" cannot be exported: "{state.name}" in it takes numbers, and '
-                "regression is not exported; export a behavior that does without, or have HiTAB "
-                "perform this one"
-            )
         if isinstance(repertoire.get(state.name), ActionBehavior):
             raise VocabularyError(
                 f'"{use.name}" cannot be exported: "{state.name}" in it is an action, whose goals '
@@ -194,8 +207,27 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
             )
         performs = state.bound(parameters)
         is_automaton, one_shot = state.name in repertoire.automata, repertoire.is_one_shot(state)
-        states.append(StateForm(label, performs, is_automaton, one_shot, trees.get(label)))
+        numbers = _numbers(automaton, label, repertoire.domain.numbers_of(state), features, slots)
+        tree = trees.get(label)
+        states.append(StateForm(label, performs, is_automaton, one_shot, tree, numbers))
     return AutomatonForm(use, tuple(states))
+
+
+def _numbers(
+    automaton: Automaton,
+    label: str,
+    wanted: tuple[Number, ...],
+    features: list[str],
+    slots: dict[str, int],
+) -> NumbersForm | None:
+    """Return what gives the numbers of a state."""
+    if not wanted:
+        return None
+    learned = automaton.numbers.get(label)
+    if not isinstance(learned, Neighbors):  # none was shown with any: it does nothing
+        return NumbersForm((), Table(), wanted)
+    read = tuple(slots.setdefault(name, len(slots)) for name in features)
+    return NumbersForm(read, learned.table, wanted)
 
 
 def _refuse(name: str, function: TransitionFunction) -> NoReturn:

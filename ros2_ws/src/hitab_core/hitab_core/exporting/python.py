@@ -6,7 +6,7 @@ import ast
 import keyword
 from importlib.resources import files
 
-from hitab_core.exporting.hierarchy_form import Hierarchy, Leaf, StateForm, Test
+from hitab_core.exporting.hierarchy_form import Hierarchy, Leaf, NumbersForm, StateForm, Test
 from hitab_core.exporting.names import identifiers
 
 USE = """\
@@ -50,10 +50,21 @@ def _state(state: StateForm) -> list[str]:
         performs = repr(str(state.performs))
     elif state.performs is not None:
         performs = f"Action({state.performs.name!r}, {state.performs.arguments}, {state.one_shot})"
+    numbers = _numbers(state.numbers)
     if state.tree is None:
-        return [f"    State({state.label!r}, {performs}, None),"]
+        return [f"    State({state.label!r}, {performs}, None{numbers}),"]
     nodes = [f"            {_node(node)}," for node in state.tree]
-    return [f"    State({state.label!r}, {performs}, (", *nodes, "    )),"]
+    return [f"    State({state.label!r}, {performs}, (", *nodes, f"    ){numbers}),"]
+
+
+def _numbers(form: NumbersForm | None) -> str:
+    """Return the last argument of a state."""
+    if form is None:
+        return ""
+    axes = tuple((i, *axis) for i, axis in zip(form.features, form.table.axes, strict=True))
+    wanted = tuple((n.name, n.low, n.high, n.circular) for n in form.wanted)
+    moments = "".join(f"            {moment},\n" for moment in form.table.moments)
+    return f", Numbers(\n        {axes},\n        {wanted},\n        (\n{moments}        ),\n    )"
 
 
 def _node(node: Test | Leaf) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 inf = math.inf
@@ -15,13 +15,68 @@ class Action(NamedTuple):
     """A basic behavior to perform in this tick.
 
     ``started`` says that it begins now: stop the one before, even if it has the same name. If it
-    is ``one_shot``, perform it only then.
+    is ``one_shot``, perform it only then. If it takes ``numbers`` and there are none, since no
+    feature has a value, do nothing.
     """
 
     name: str
     arguments: tuple[str, ...] = ()
     one_shot: bool = False
     started: bool = False
+    numbers: Mapping[str, float] = {}
+
+
+class Numbers(NamedTuple):
+    """What gives the numbers of a state: those of the three nearest moments shown."""
+
+    axes: Any  # (feature, turn and radius of a circle, usual difference, categories)
+    wanted: Any  # (name, low, high, on a circle)
+    moments: Any  # (place, numbers)
+
+    def at(self, values: Sequence[float]) -> dict[str, float]:
+        """Return the numbers, given the values of the features."""
+        if all(value != value for value in values):
+            return {}
+        place: list[tuple[float, int]] = []  # with how many coordinates the feature has
+        for (_, turn, radius, usual, categories), value in zip(self.axes, values):  # noqa: B905
+            if turn:
+                angle = value * turn
+                place += [(radius * math.cos(angle), 2), (radius * math.sin(angle), 2)]
+            elif categories:
+                known = value == value
+                place += [
+                    (math.sqrt(0.5) * (value == i) if known else value, categories)
+                    for i in range(categories)
+                ]
+            else:
+                place.append((value / usual, 1))
+        near = sorted((_apart(place, at), number) for number, (at, _) in enumerate(self.moments))
+        least = near[0][0]
+        shown = [
+            (least / away if least else float(not away), self.moments[number][1])
+            for away, number in near[:3]
+        ]
+        whole = sum(weight for weight, _ in shown)
+        return {
+            name: _mean([(weight / whole, own[k]) for weight, own in shown], low, high, circular)
+            for k, (name, low, high, circular) in enumerate(self.wanted)
+        }
+
+
+def _apart(place: list[tuple[float, int]], moment: Sequence[float]) -> float:
+    pairs = zip(place, moment)  # noqa: B905
+    return math.sqrt(sum((a - b) ** 2 if a == a and b == b else 1.0 / n for (a, n), b in pairs))
+
+
+def _mean(shown: list[tuple[float, float]], low: float, high: float, circular: bool) -> float:
+    if not circular:
+        return min(max(sum(weight * value for weight, value in shown), low), high)
+    turn = 2.0 * math.pi / (high - low)
+    x = sum(weight * math.cos(value * turn) for weight, value in shown)
+    y = sum(weight * math.sin(value * turn) for weight, value in shown)
+    if math.hypot(x, y) < 1e-6:
+        return shown[0][1]  # opposed directions have no mean
+    return low + (math.atan2(y, x) / turn - low) % (high - low)
 
 
 class State(NamedTuple):
@@ -30,6 +85,7 @@ class State(NamedTuple):
     label: str
     performs: Any
     tree: Any
+    numbers: Any = None
 
 
 FEATURES: list[tuple[str, int, bool]] = []  # name, categories (-1: on a circle), required
@@ -89,7 +145,16 @@ class _Performance:
                 self.raised.add(self.states[chosen].label)
         if self.child is not None:
             return self.child.tick(percept)
+        shown = self.states[chosen].numbers
+        if shown is not None:
+            values = [self.value(axis[0], own, percept) for axis in shown.axes]
+            performs = performs._replace(numbers=shown.at(values))
         return None if performs is None else performs._replace(started=started)
+
+    def value(self, feature: int, own: list[float], percept: _Percept) -> float:
+        if feature < len(own):
+            return own[feature]
+        return percept.read(*FEATURES[feature - len(own)])
 
     def decide(self, own: list[float], percept: _Percept) -> int:
         tree = self.states[self.state].tree
@@ -98,8 +163,7 @@ class _Performance:
         node, drawn = tree[0], -1.0
         while len(node) == 7:
             feature, period, low, high, yes, no, share = node
-            own_feature = feature < len(own)
-            value = own[feature] if own_feature else percept.read(*FEATURES[feature - len(own)])
+            value = self.value(feature, own, percept)
             if period:
                 value %= period
             if low < value <= high:

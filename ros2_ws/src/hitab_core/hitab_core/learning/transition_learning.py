@@ -71,7 +71,7 @@ def relearned(automaton: Automaton, domain: Domain, classifier: str = TREE) -> A
     scales = [domain.scale_of(use) for use in automaton.features]
     names = [str(use) for use in automaton.features]
     transitions = learn_transitions(automaton.examples, scales, classifier, names)
-    numbers = learn_numbers(automaton.states, scales, automaton.examples, domain)
+    numbers = learn_numbers(automaton.states, scales, automaton.examples, domain.numbers_of)
     return replace(automaton, transitions=transitions, numbers=numbers)
 
 

@@ -124,7 +124,7 @@ class _Reader:
             content["description"],
             tuple(readable),
             tuple(dict.fromkeys(self._record.optional.chosen)),
-            learn_numbers(states, scales, examples, self._domain),
+            learn_numbers(states, scales, examples, self._domain.numbers_of),
         )
         return BehaviorFile(
             automaton,

@@ -49,6 +49,19 @@ class Moment(NamedTuple):
     weight: float
 
 
+class Table(NamedTuple):
+    """What was learned as plain data, for other programs.
+
+    Attributes:
+        axes: of each feature the turn and the radius of its circle, both 0 if it has none, its
+            usual difference and its number of categories.
+        moments: the place of each and its numbers.
+    """
+
+    axes: tuple[tuple[float, float, float, int], ...] = ()
+    moments: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...] = ()
+
+
 class Neighbors:
     """Numbers of a behavior as a function of features; a `hitab_core` ``NumberFunction``.
 
@@ -87,6 +100,13 @@ class Neighbors:
         found = np.array(numbers, dtype=np.float64).reshape(len(rows), -1)
         self._numbers = found[kept].tolist()
         self._wanted = tuple(wanted)
+
+    @property
+    def table(self) -> Table:
+        """What was learned, as plain data."""
+        places = map(tuple, self._places.T.tolist())
+        moments = tuple(zip(places, map(tuple, self._numbers), strict=True))
+        return Table(tuple(axis.form for axis in self._axes), moments)
 
     def _place(self, values: Sequence[float]) -> list[float]:
         """Return a situation as a point."""
@@ -176,6 +196,11 @@ class _Axis:
         size = 2 if self._turn else max(1, len(scale.categories))
         self.columns = slice(first, first + size)
         self._radius = 1.0 / (self._turn * usual) if self._turn else 0.0
+
+    @property
+    def form(self) -> tuple[float, float, float, int]:
+        """Its turn, radius, usual difference and number of categories."""
+        return self._turn, self._radius, self._usual, len(self._scale.categories)
 
     def __call__(self, value: float) -> Sequence[float]:
         """Return the coordinates of a value; NaN: it is missing."""

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
-from hitab_core.domain import Domain, Scale
+from hitab_core.domain import Scale
 from hitab_core.example import Example
+from hitab_core.number import Number
 from hitab_core.regression.neighbors import Neighbors
 from hitab_core.use import Use
 
 
 def learn_numbers(
-    states: Iterable[Use], scales: Sequence[Scale], examples: Iterable[Example], domain: Domain
+    states: Iterable[Use],
+    scales: Sequence[Scale],
+    examples: Iterable[Example],
+    numbers_of: Callable[[Use], Sequence[Number]],
 ) -> dict[str, Neighbors]:
     """Return what gives the numbers of each state whose behavior takes some, by label.
 
@@ -22,12 +26,12 @@ def learn_numbers(
         states: of the automaton.
         scales: how the values of each feature compare.
         examples: with one value per feature.
-        domain: that has the behaviors.
+        numbers_of: returns the numbers that the behavior of a state takes.
     """
     learned = {}
     shown = [example for example in examples if example.numbers]
     for state in states:
-        if wanted := domain.numbers_of(state):
+        if wanted := numbers_of(state):
             own = [example for example in shown if example.next_state == str(state)]
             if own:
                 values = [example.features for example in own]

@@ -51,6 +51,19 @@ class Clock:
     now: float = 0.0
 
 
+@dataclass(slots=True)
+class Reach:
+    """How far from the moments shown numbers are taken from them.
+
+    Attributes:
+        farthest: in usual differences; farther off, a state that takes numbers does nothing.
+        beyond: why one did nothing in this tick; empty: none.
+    """
+
+    farthest: float = math.inf
+    beyond: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class RunContext:
     """The context shared by everything that one agent performs.
@@ -64,6 +77,7 @@ class RunContext:
         observe: called at each change of state, after the decision and before the new state
             starts. Its exceptions do not propagate; see `hitab_core.running.observing`.
         clock: for the timers of its automata.
+        reach: how far from the moments shown there are numbers.
     """
 
     repertoire: Repertoire
@@ -73,6 +87,7 @@ class RunContext:
     most_probable: bool = False
     observe: Observe | None = None
     clock: Clock = field(default_factory=Clock)
+    reach: Reach = field(default_factory=Reach)
 
     def __post_init__(self) -> None:
         """Wrap the observer so that its exceptions do not propagate."""
@@ -239,7 +254,9 @@ class RunningAutomaton:
             if chosen != active:
                 child = self._enter(chosen)
         if self._numbers and (give := self.numbers) is not None:
-            self.set_numbers(give([self._value_or_nan(slot) for slot in self._slots]))
+            values = [self._value_or_nan(slot) for slot in self._slots]
+            if self._is_in_reach(give, values):
+                self.set_numbers(give(values))
         if child is not None:
             child.tick()
 
@@ -261,7 +278,20 @@ class RunningAutomaton:
         """Perform the active state with these numbers, if its behavior takes any."""
         child = self.child
         if isinstance(child, RunningWithNumbers):
-            child.numbers = numbers
+            child.give(numbers)
+
+    def _is_in_reach(self, give: NumberFunction, values: Sequence[float]) -> bool:
+        """Return whether to take numbers from the moments shown; halt what takes them if not."""
+        reach, child = self.context.reach, self.child
+        if reach.farthest == math.inf or (away := give.distance(values)) <= reach.farthest:
+            return True
+        reach.beyond = (
+            f"{self.label} in {self.active}: it is {away:.2g} spreads from the nearest moment "
+            "whose numbers were shown"
+        )
+        if isinstance(child, RunningWithNumbers):
+            child.halt()
+        return False
 
     def entered_at(self, time: float) -> None:
         """Count the time in the active state from another time on, s."""

@@ -55,21 +55,44 @@ class RunningWithNumbers(RunningBasicBehavior):
         numbers: for its next pulse; empty: none.
     """
 
-    __slots__ = ("numbers",)
+    __slots__ = ("_halted", "numbers")
 
     def __init__(self, domain: Domain, body: Any, behavior: BasicBehavior, use: Use) -> None:
         targets = without_numbers(use)
         self.numbers = () if targets == use else numbers_of(use, behavior.numbers)
+        self._halted = False
 
         def pulse(body: Any, *targets: Any) -> None:
             behavior.pulse(body, *targets, *self.numbers)
 
         super().__init__(domain, body, replace(behavior, pulse=pulse), targets)
 
+    def start(self) -> None:
+        """Start performing."""
+        self._halted = False
+        super().start()
+
+    def give(self, numbers: tuple[float, ...]) -> None:
+        """Go on with these numbers."""
+        if self._halted:
+            self._halted = False
+            self._start()  # what is one-shot does not pulse again
+        self.numbers = numbers
+
+    def halt(self) -> None:
+        """Stop until numbers are given again."""
+        self.stop()
+        self.numbers, self._halted = (), True
+
     def tick(self) -> None:
         """Pulse once, if there are numbers."""
         if self.numbers:
             super().tick()
+
+    def stop(self) -> None:
+        """Stop performing."""
+        if not self._halted:
+            super().stop()
 
 
 class RunningAction(RunningBasicBehavior):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hitab_client import SwarmClient, SwarmError
-from hitab_core import numbered
+from hitab_core import Use, numbered, with_numbers
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.session import Session
@@ -94,6 +94,25 @@ async def relabel(session: Session, data: Data) -> None:
     session.table.marked.clear()
     verb = "leads" if len(numbers) == 1 else "lead"
     session.tell(f"{numbered('example', numbers)} now {verb} to {state}")
+
+
+@action("renumber")
+async def renumber(session: Session, data: Data) -> None:
+    """Change a number with which an example was commanded."""
+    number, training = int(data["number"]), session.training
+    found = [e for e in training.examples if e.number == number] if training else []
+    if training is None or not found:
+        return
+    state = Use.parse(found[0].next_state)
+    numbers = training.numbers_of(state)
+    given = {n.name: value for n, value in zip(numbers, found[0].numbers, strict=True)}
+    try:
+        given[str(data["name"])] = float(data["value"])
+    except ValueError:
+        raise SwarmError(f"Give {data['name']} as a number.") from None
+    meant = str(with_numbers(state, [given[n.name] for n in numbers], numbers))
+    await session.request(SwarmClient.relabel, [number], meant)
+    session.tell(f"Example {number} now leads to {meant}")
 
 
 @action("situation")

@@ -122,6 +122,8 @@ async def escape(session: Session, data: Data) -> None:
         session.close_dialog()
     elif session.asked is not None:
         session.asked = None
+    elif session.showing is not None:
+        session.showing = None
     elif session.player is not None:
         session.player = None
         session.show_again()

@@ -14,13 +14,14 @@ from hitab_client import (
     is_answered,
     reaction_time,
 )
-from hitab_core import Use
+from hitab_core import Use, with_numbers
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.lost import TAKEN_SECONDS, Lost
 from hitab_studio.remedy_words import answered
 from hitab_studio.session import (
     CHOOSE_FIRST,
+    NumbersAsked,
     Session,
     TargetsAsked,
     nothing_in_training,
@@ -31,7 +32,8 @@ from hitab_studio.swarm_link import Connected
 
 @action("command")
 async def command(session: Session, data: Data) -> None:
-    """Command a behavior; if it has parameters, ask for their targets first."""
+    """Command a behavior; first ask for targets and numbers, if it takes some."""
+    session.showing = None
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = parameters_of(behavior)
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
@@ -41,7 +43,29 @@ async def command(session: Session, data: Data) -> None:
     if open_:
         session.asked = TargetsAsked(Use.parse(behavior).name, tuple(parameters), seen)
         return
+    if numbers := session.watched.vocabulary.numbers.get(Use.parse(behavior).name):
+        begin = {n.name: min(max(0.0, n.low), n.high) for n in numbers}
+        session.showing = NumbersAsked(behavior, begin)
+        return
     await _commanded(session, behavior, seen)
+
+
+@action("show", repeats=True)
+async def show(session: Session, data: Data) -> None:
+    """Command the behavior that is shown with the numbers of its form, or of an arrow."""
+    showing = session.showing
+    if showing is None:
+        return  # it was closed while the arrow was drawn
+    given = data["values"]
+    for name in showing.values:
+        try:
+            showing.values[name] = float(given[name])
+        except ValueError:
+            raise SwarmError(f"Give {name} as a number.") from None
+    use = Use.parse(showing.behavior)
+    numbers = session.watched.vocabulary.numbers.get(use.name, ())
+    meant = with_numbers(use, [showing.values[n.name] for n in numbers], numbers)
+    await _commanded(session, str(meant), int(data.get("seen") or 0))
 
 
 async def _commanded(session: Session, behavior: str, seen: int, sequence: int = 0) -> None:
@@ -231,7 +255,7 @@ async def discard_now(session: Session, data: Data) -> None:
     """Give up the training and its examples."""
     answer = await session.request(SwarmClient.discard)
     session.dialog = {}
-    session.lost = session.asked = None
+    session.lost = session.asked = session.showing = None
     session.tell(answered(answer))
 
 

@@ -1,4 +1,5 @@
 // Draws the field: the ground, what is in it, what is said, and what lies beyond the view.
+import { drawArrow } from "./arrow.js";
 
 // As in markers.py.
 export const STATE_COLORS = [
@@ -34,6 +35,7 @@ export function draw(field) {
   drawThings(field, c, screen);
   drawHandles(field, c, screen);
   drawNames(field, c, screen);
+  drawArrow(field, c, screen);
   drawCalls(field, c, screen, time);
   if (at < 1 || field.calls.length || field.orders.length) field.redraw();
 }

@@ -1,5 +1,6 @@
 // What a person does in the field, with a mouse, fingers or the keyboard: chooses things, moves and
 // turns them, and looks closer.
+import { aim, arrowOf, letGo } from "./arrow.js";
 import { KNOB } from "./drawing.js";
 
 const FINGER = 16; // px; how far beside a thing a finger still touches it
@@ -90,7 +91,7 @@ function beginDrag(field, event) {
   }
   const drag = {
     i, from, starts, turning, places: new Map(), headings: new Map(),
-    moved: false, least: finger ? 9 : 4, view: { ...field.view },
+    arrow: turning ? null : arrowOf(field, i), moved: false, least: finger ? 9 : 4, view: { ...field.view },
   };
   field.drag = drag;
   if (finger && i >= 0 && !turning) {
@@ -108,7 +109,9 @@ function moveDrag(field, event) {
   if (!drag.moved && Math.hypot(dx, dy) < drag.least) return;
   drag.moved = true;
   field.canvas.style.cursor = "grabbing";
-  if (drag.i < 0) {
+  if (drag.arrow) {
+    aim(field, drag, event);
+  } else if (drag.i < 0) {
     const { view } = drag;
     field.view = { ...view, x: view.x + dx, y: view.y + dy, fitted: false };
   } else if (drag.turning) {
@@ -130,7 +133,9 @@ function endDrag(field, event) {
   clearTimeout(drag.hold);
   field.drag = null;
   field.canvas.style.cursor = "default";
-  if (drag.i < 0) {
+  if (drag.arrow && drag.moved) {
+    letGo(field, drag);
+  } else if (drag.i < 0) {
     if (!drag.moved) window.studioTell("deselect");
   } else if (!drag.moved) {
     if (!drag.turning) window.studioTell("choose", { name: names[drag.i], more: event.shiftKey });

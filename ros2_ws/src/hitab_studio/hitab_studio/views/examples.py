@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from hitab_client import Learned
-from hitab_core import Example, Use, shown_unit
+from hitab_core import Example, Number, Use, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
 from hitab_studio.session import Session, Table
 from hitab_studio.views.numbers import measure
@@ -39,7 +39,12 @@ def context(session: Session) -> dict[str, Any]:
         "decided": lambda example: _decided(training, example),
         "known": lambda e: (session.agent, training.name, e.number, e.cycle) in moments,
         "values": lambda example: _values(training, example),
-        "states": [s for s in dict.fromkeys([*states, "Done", "Failed"]) if s != training.name],
+        "states": [
+            session.watched.vocabulary.commandable(s)
+            for s in dict.fromkeys([*states, "Done", "Failed"])
+            if s != training.name
+        ],
+        "numbers": lambda example: _numbers(training, example),
         "change": session.watched.change,
         "marked": len(table.marked),
     }
@@ -49,6 +54,12 @@ def _decided(training: Learned, example: Example) -> str:
     """Return what is decided now in the situation of an example, if that differs from it."""
     decided = most_probable(training.decides(example.state, example.features))
     return decided if decided != example.next_state and example.is_learned else ""
+
+
+def _numbers(training: Learned, example: Example) -> list[tuple[Number, float]]:
+    """Return the numbers that an example was commanded with."""
+    wanted = training.numbers_of(Use.parse(example.next_state))
+    return list(zip(wanted, example.numbers, strict=False))
 
 
 def _values(training: Learned, example: Example) -> dict[str, str]:

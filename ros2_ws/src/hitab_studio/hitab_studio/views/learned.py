@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from hitab_client import Learned
-from hitab_core import FLAGS, START, Use
+from hitab_core import FLAGS, START, Use, with_numbers
 from hitab_studio.graph import graph
 from hitab_studio.learned import is_taken_out
 from hitab_studio.session import Session
@@ -42,6 +42,7 @@ def context(session: Session) -> dict[str, Any]:
         "last": next((e for e in events if _label(e) == shown["label"]), None),
         "rows": tree_rows(tree, names, dict(zip(names, values, strict=False))) if tree else [],
         "live": bool(values),
+        "numbers": _numbers(behavior, state, values),
         "changes": events[:SHOWN],
         "because": lambda event: _because(session, event),
         "label": _label,
@@ -95,6 +96,17 @@ def _values(session: Session, label: str, behavior: Learned | None) -> list[floa
     if len(values) != len(behavior.features) or any(math.isnan(v) for v in values):
         return []
     return values
+
+
+def _numbers(behavior: Learned | None, state: str, values: list[float]) -> str:
+    """Say with which numbers a state would be performed now, and like which examples."""
+    give = None if behavior is None or not values else behavior.numbers.get(state)
+    if behavior is None or give is None:
+        return ""
+    use = Use.parse(state)
+    here = with_numbers(use, give(values), behavior.numbers_of(use))
+    like = [f"{m.example} ({m.weight:.0%})" for m in give.nearest(values)]
+    return f"Now {here}: as in {'example' if len(like) == 1 else 'examples'} {', '.join(like)}"
 
 
 def _events(session: Session) -> list[Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core import FLAGS, START, Do, Use, some
+from hitab_core import FLAGS, START, Do, Number, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
@@ -60,6 +60,9 @@ def context(session: Session) -> dict[str, Any]:
         "buttons": _buttons(session),
         "asked": session.asked,
         "targets": _targets(session),
+        "showing": session.showing,
+        "shown_numbers": _shown_numbers(session),
+        "arrow": _arrow(session),
         "legend": _legend(session),
         "camera": sensors.camera(session),
         "stopped": "; ".join(faults) if may_not_act else "",
@@ -206,6 +209,23 @@ def _buttons(session: Session) -> list[dict[str, Any]]:
         }
         for name in names
     ]
+
+
+def _shown_numbers(session: Session) -> tuple[Number, ...]:
+    """Return the numbers of the behavior that is being shown."""
+    if session.showing is None:
+        return ()
+    return session.watched.vocabulary.numbers.get(Use.parse(session.showing.behavior).name, ())
+
+
+def _arrow(session: Session) -> Number | None:
+    """Return the number that an arrow from the agent gives: its direction from where it faces.
+
+    With a target, a direction may be relative to that.
+    """
+    if session.showing is None or Use.parse(session.showing.behavior).arguments:
+        return None
+    return next((n for n in _shown_numbers(session) if n.circular), None)
 
 
 def _kind(name: str, trained: frozenset[str]) -> str:
