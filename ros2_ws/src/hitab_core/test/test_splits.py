@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.learning.boundaries import end_between, on_circle, side_from, threshold_between
+from hitab_core.learning.boundaries import end_between, on_circle, threshold_between
 from hitab_core.learning.gain_ratio import gain_and_ratio
 from hitab_core.learning.splits import (
     Arc,
@@ -116,28 +116,18 @@ def test_an_end_of_an_arc_is_just_beside_the_example_that_is_not_default():
     assert end_between(math.nextafter(360, 0), 20, 360, after_is_default=True) == 0
 
 
-def test_a_side_of_a_circle_ends_as_far_before_the_opposite_place_as_it_begins_after_the_example():
-    assert side_from(0, 20, 20, 0, 360) == 160
-    assert side_from(0, 340, 340, 0, -360) == 200
-    assert side_from(10, 90, 90, 10, 360) == 110
-    assert math.isnan(side_from(10, 100, 100, 10, 360))
-    assert math.isnan(side_from(10, 90, 110, 10, 360))
-    assert math.isnan(side_from(0, 70, 70, 140, 360))
+def test_a_default_example_reaches_past_the_opposite_place_as_far_as_on_the_other_side():
+    assert end_between(20, 0, 360, after_is_default=True, kept=20) == 160
+    assert end_between(0, 340, 360, before_is_default=True, kept=20) == 200
+    assert end_between(90, 10, 360, after_is_default=True, kept=80) == 110
+    beside = math.nextafter(100, 360)
+    assert end_between(100, 10, 360, after_is_default=True, kept=90) == beside
+    assert end_between(100, 10, 360, after_is_default=True) == beside
 
 
-def test_an_end_of_an_arc_is_where_its_side_ends_if_that_is_open():
-    assert end_between(20, 0, 360, after_is_default=True, side=160) == 160
-    assert end_between(0, 340, 360, before_is_default=True, side=200) == 200
-    assert end_between(20, 180, 360, after_is_default=True, side=160) == 160
-    beside = math.nextafter(20, 360)
-    assert end_between(20, 140, 360, after_is_default=True, side=160) == beside
-    assert end_between(20, 0, 360, after_is_default=True) == beside
-    assert end_between(20, 0, 360, side=160) == 190
-
-
-@given(places, places, flags, flags, places | st.just(math.nan))
+@given(places, places, flags, flags, st.floats(0, 360) | st.just(math.inf))
 def test_an_end_of_an_arc_is_behind_one_neighbor_and_not_behind_the_next(
-    before, after, before_is_default, after_is_default, side
+    before, after, before_is_default, after_is_default, kept
 ):
     assume(before != after)
     end = end_between(
@@ -146,7 +136,7 @@ def test_an_end_of_an_arc_is_behind_one_neighbor_and_not_behind_the_next(
         360.0,
         before_is_default=before_is_default,
         after_is_default=after_is_default,
-        side=side,
+        kept=kept,
     )
     assert 0 <= end < 360
     assert before < end <= after if before < after else before < end or end <= after
@@ -261,28 +251,21 @@ def test_what_a_default_example_reaches_does_not_depend_on_where_zero_is_nor_on_
 
 
 @given(among_default_ones())
-def test_more_than_was_demonstrated_is_learned_where_no_default_example_speaks_against_it(drawn):
+def test_only_beside_default_examples_on_one_side_more_than_was_demonstrated_is_learned(drawn):
     demonstrated, default = drawn
     first, last = demonstrated[0], demonstrated[-1]
-    below, width, above = (
-        upwards(default[-1], first),
-        upwards(first, last),
-        upwards(last, default[0]),
-    )
-    is_open = any(
-        0 < 180 - 2 * near - width < far and near < far
-        for near, far in ((below, above), (above, below))
-    )
+    one_sided = upwards(last, default[0]) > 180 + upwards(default[0], first) or upwards(
+        default[-1], first
+    ) > 180 + upwards(last, default[-1])
     learned = split_among_default_ones(demonstrated, default)
     tight = split_among_default_ones(demonstrated, default, all_around=True)
     asked = {a + d for a in range(0, 360, 5) for d in (0, 0.3, 4.7)}
     more = {place for place in asked if learned(place) and not tight(place)}
     assert not {place for place in asked if tight(place) and not learned(place)}
     assert {*demonstrated} <= {place for place in asked if learned(place)}
-    assert bool(more) == is_open
+    assert bool(more) == one_sided
     for place in more:  # the shorter way to it leads past what was demonstrated
-        near = default[-1] if below < above else default[0]
-        assert (upwards(near, place) <= 180) == (below < above)
+        assert upwards(place, default[0]) >= 180 or upwards(default[-1], place) >= 180
 
 
 # Which split is the best of a feature

@@ -169,8 +169,8 @@ def test_one_demonstration_among_default_ones_holds_for_a_side_of_the_circle():
     shown, kept = [[-20]], [[-4], [0], [5]]
     states, default = ["Turn", "Go", "Go", "Go"], [False, True, True, True]
     tree = TransitionTree([DEGREES]).fit(shown + kept, states, default)
-    assert tree.predict([[-20], [-90], [-167.9]]).tolist() == ["Turn"] * 3
-    assert tree.predict([[-19.9], [0], [20], [170], [-168.1]]).tolist() == ["Go"] * 5
+    assert tree.predict([[-20], [-90], [-149.9]]).tolist() == ["Turn"] * 3
+    assert tree.predict([[-19.9], [0], [20], [170], [-150.1]]).tolist() == ["Go"] * 5
     both = TransitionTree([DEGREES]).fit(
         [[25], *shown, *kept], ["Turn", *states], [False, *default]
     )

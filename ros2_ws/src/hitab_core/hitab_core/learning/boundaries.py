@@ -10,9 +10,8 @@ would reach it from the other side as well. So a demonstration within a quarter 
 the default example holds for that side of the circle: a command to turn left for a ball 20 degrees
 to the left, among default examples for a ball straight ahead, means 20 to 160 degrees. The default
 example reaches to the place opposite to it and as far past that as it reaches towards the
-demonstration. One that lies farther away, or where that side would be, leaves only what was
-demonstrated, and so do two that are equally near: both ends were shown. Another one beyond that
-side changes nothing. `hitab_core.advice.unshown` asks how far a side goes.
+demonstration. Default examples that lie farther away, or on both sides, leave only what was
+demonstrated.
 
 Several examples may share a value: a value is default here if all its examples are. So a boundary
 is placed beside a value only if some example there is not default and every example at the
@@ -55,7 +54,7 @@ def end_between(
     *,
     before_is_default: bool = False,
     after_is_default: bool = False,
-    side: float = math.nan,
+    kept: float = math.inf,
 ) -> float:
     """Return an end of an arc, in ``(before, after]`` on the circle.
 
@@ -66,8 +65,8 @@ def end_between(
             which may lead through zero.
         period: the length of the circle.
         before_is_default, after_is_default: whether all examples at that value are default ones.
-        side: place up to which the side of the circle goes on which the demonstrated one is; it
-            counts if it is between the two. NaN: there is none.
+        kept: how far the other way it is from the default example, across all of its side, to the
+            nearest demonstrated one; infinite: the default example reaches all around the circle.
     """
     if before_is_default == after_is_default:
         gap = after - before if before < after else after - before + period
@@ -80,28 +79,14 @@ def end_between(
             end = 0.0
     else:
         end = math.nextafter(after if after > 0 else period, 0.0)
-    is_one = before_is_default != after_is_default
-    if is_one and 0 < (side - before) % period < (after - before) % period:
-        end = side
+    reach, gap = period / 2 + kept, (after - before) % period
+    if before_is_default != after_is_default and reach < gap:
+        on_this_side = on_circle(before + reach if before_is_default else after - reach, period)
+        if 0 < (on_this_side - before) % period < gap:  # not rounded away
+            end = on_this_side
     reached = end <= after
     apart = (before < end and reached) if before < after else (before < end or reached)
     return end if apart else after
-
-
-def side_from(near: float, shown: float, last: float, next_: float, period: float) -> float:
-    """Return the place up to which a side of the circle goes; NaN if no farther than shown.
-
-    Args:
-        near: the value of an example on the other side.
-        shown, last: the demonstrated values that are nearest to it and farthest from it, in the
-            direction from it to them.
-        next_: the value of the next example in that direction.
-        period: the length of the circle; negative: the direction is downwards.
-    """
-    gap, width = abs((shown - near) % period), abs((last - shown) % period)
-    if 2 * gap + width >= abs(period) / 2 or abs((next_ - last) % period) <= gap:
-        return math.nan
-    return on_circle(near - math.copysign(abs(period) / 2 + gap, period), abs(period))
 
 
 def on_circle(value: float, period: float) -> float:

@@ -40,7 +40,7 @@ import numpy as np
 
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import FeatureKind, Scale
-from hitab_core.learning.boundaries import end_between, side_from, threshold_between
+from hitab_core.learning.boundaries import end_between, threshold_between
 from hitab_core.learning.gain_ratio import TIE, Counts, best_of, gain_and_ratio, two_way_gains
 from hitab_core.learning.tree_nodes import Arc, Categories, Test, Threshold
 
@@ -205,22 +205,19 @@ def split_toroidal(
 
     def end(place: int, other: int) -> float:
         before, after = (place + origin) % k, (place + 1 + origin) % k
-        other_before, other_after = (other + origin) % k, (other + 1 + origin) % k
         values, is_default = groups.values, groups.is_default
-        side = math.nan
+        kept = math.inf
         if is_default[after] and not all_around:
-            shown = values[other_before], values[other_after], values[before]
-            side = side_from(*shown, values[after], period)
+            kept = (values[(other + 1 + origin) % k] - values[after]) % period
         elif is_default[before] and not all_around:
-            shown = values[other_after], values[other_before], values[after]
-            side = side_from(*shown, values[before], -period)
+            kept = (values[before] - values[(other + origin) % k]) % period
         return end_between(
             values[before],
             values[after],
             period,
             before_is_default=is_default[before],
             after_is_default=is_default[after],
-            side=side,
+            kept=kept,
         )
 
     arc = Arc(end(last_outside, last_inside), end(last_inside, last_outside), period)
