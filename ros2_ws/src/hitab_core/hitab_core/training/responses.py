@@ -36,6 +36,9 @@ JUMP = 4.0
 STILL = 1e-9
 """A shorter step, relative to the value, is the rounding of a value that rests."""
 
+OTHERS_MIN = 2
+"""With fewer other steps nobody can tell a jump from a movement."""
+
 AROUND = 3
 """A step is compared with at least so many before and after it, as far as they are known."""
 
@@ -116,7 +119,7 @@ def _jump(values: Sequence[float], scale: Scale, first: int, last: int) -> int |
     steps = {place: _step(values[place - 1], values[place], scale) for place in around}
     longest = max(steps, key=steps.__getitem__)
     others = [step for place, step in steps.items() if place != longest]
-    if not first <= longest <= last or not others:
+    if not first <= longest <= last or len(others) < OTHERS_MIN:
         return None
     rest = STILL * max(1.0, abs(values[longest]))
     return longest if steps[longest] > max(rest, JUMP * max(others)) else None
