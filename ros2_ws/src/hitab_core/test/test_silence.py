@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from hitab_core import Agent, BehaviorLibrary, Use, plain_domain
 from hitab_core.domain import Feature, FeatureKind, Scale
 from hitab_core.training import Curriculum
 from hitab_core.training.lateness import LateCommand, Lateness, settled
+from hitab_core.training.moments import Moment
+from hitab_core.training.silence import Silence
 
 LIGHT, SOUND = (
     Feature(name, lambda body, i=i: body.percept[i], FeatureKind.BOOLEAN)
@@ -103,3 +106,19 @@ def test_a_late_command_answers_to_what_does_not_hold_in_silence() -> None:
     scales = [Scale(FeatureKind.BOOLEAN)] * 2
     assert settled([command], scales, Lateness())[0] == [15]
     assert settled([command], scales, Lateness(), silent)[0] == [10]
+
+
+def test_hours_in_one_state_take_no_more_memory_than_minutes() -> None:
+    taken = []
+    for cycles in (2_000, 50_000):
+        tracemalloc.start()
+        silence = Silence()
+        for cycle in range(cycles):
+            silence.see(Moment(cycle, cycle * STEP, "Go", (float(cycle),)))
+        taken.append(tracemalloc.get_traced_memory()[0])
+        tracemalloc.stop()
+        silence.end()
+        (stretch,) = silence.broken(cycles * STEP, pace=1.0)
+        assert stretch.moments[0].cycle == 0
+        assert stretch.moments[-1].cycle > 0.8 * cycles
+    assert taken[1] < 2 * taken[0]

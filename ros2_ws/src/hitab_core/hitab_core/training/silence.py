@@ -22,6 +22,9 @@ PRESENT_SECONDS = 30.0
 MOMENTS = 12
 """The most moments that are kept of a silent time."""
 
+OPEN_MAX = 100 * MOMENTS
+"""The most that are kept while it goes on: a robot may stand in one state for hours."""
+
 AT_ONCE = 5
 """The most silent times that one command confirms, the latest ones."""
 
@@ -83,6 +86,8 @@ class Silence:
             self.end(moment.time)
         if moment.state != START:  # where an agent waits to be told what to do
             self._open.append(moment)
+            if len(self._open) > OPEN_MAX:
+                del self._open[1::2]
 
     def end(self, time: float | None = None) -> None:
         """End the present silent time: the state, or the episode, was over."""
