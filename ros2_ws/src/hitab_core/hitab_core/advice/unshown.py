@@ -36,8 +36,8 @@ from hitab_core.advice.nearness import apart
 from hitab_core.advice.support import SupportedTree
 from hitab_core.arrays import Booleans, Floats
 from hitab_core.automaton import START
+from hitab_core.domain import FeatureKind
 from hitab_core.learning.classifier_spec import ClassifierSpec
-from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.spread import spreads
 
 ASSUMED = 0.2
@@ -112,8 +112,7 @@ def unshown(
     near = np.maximum(apart(situations, situations, evidence.scales, spread), TOUCHING)
     told = (nearest[:, None] / (nearest[:, None] + near)).T @ (open_part * parts)
     place, most = int(told.argmax()), float(told.max())
-    tree = evidence.learn()
-    taken = _taken_for_granted(tree, evidence, situations)
+    taken = _taken_for_granted(evidence, situations)
     half = float(parts[taken].sum()) / 2  # what the answer settles
     bisects = half >= LEAST
     if bisects:
@@ -122,6 +121,7 @@ def unshown(
     if most < LEAST:
         return None
     situation = tuple(situations[place].tolist())
+    tree = evidence.learn()
     decision = None if tree is None else SupportedTree(tree, evidence).decide(situation)
     # Without examples a state stays as it is.
     decided = decision.next_state if decision is not None else "" if shown else evidence.state
@@ -130,15 +130,17 @@ def unshown(
     return Unshown(evidence.state, situation, decided, next_states, most, bisects)
 
 
-def _taken_for_granted(
-    tree: TransitionTree | None, evidence: Evidence, situations: Floats
-) -> Booleans:
+def _taken_for_granted(evidence: Evidence, situations: Floats) -> Booleans:
     """Return where a tree decides what it does only since a side of a circle is taken for one."""
+    nowhere = np.zeros(len(situations), np.bool_)
+    if all(scale.kind is not FeatureKind.TOROIDAL for scale in evidence.scales):
+        return nowhere
     spec = ClassifierSpec.parse(evidence.classifier)
     shown = replace(spec, arguments={**spec.arguments, "all_around": True})
+    tree = evidence.learn()
     tight = None if tree is None else replace(evidence, classifier=str(shown)).learn()
     if tree is None or tight is None:
-        return np.zeros(len(situations), np.bool_)
+        return nowhere
     return np.asarray(tree.predict(situations) != tight.predict(situations))
 
 
