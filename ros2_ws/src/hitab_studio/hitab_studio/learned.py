@@ -58,10 +58,13 @@ class Vocabulary:
             targets=tuple(answer.targets),
         )
 
+    def numbers_of(self, behavior: str) -> tuple[Number, ...]:
+        """Return the numbers that a behavior takes."""
+        return self.numbers.get(Use.parse(behavior).name, ())
+
     def commandable(self, behavior: str) -> str:
         """Return a behavior with numbers to begin with, in the middle of their bounds."""
-        use = Use.parse(behavior)
-        numbers = self.numbers.get(use.name, ())
+        use, numbers = Use.parse(behavior), self.numbers_of(behavior)
         return str(with_numbers(use, [(n.low + n.high) / 2.0 for n in numbers], numbers))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_client import SwarmClient, SwarmError
 from hitab_core import Use, numbered, with_numbers
 from hitab_studio.actions.arranging import go_there
-from hitab_studio.actions.registry import Data, action
+from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.session import Session
 
 
@@ -106,10 +106,8 @@ async def renumber(session: Session, data: Data) -> None:
     state = Use.parse(found[0].next_state)
     numbers = training.numbers_of(state)
     given = {n.name: value for n, value in zip(numbers, found[0].numbers, strict=True)}
-    try:
-        given[str(data["name"])] = float(data["value"])
-    except ValueError:
-        raise SwarmError(f"Give {data['name']} as a number.") from None
+    name = str(data["name"])
+    given[name] = number_from({name: data["value"]}, name)
     meant = str(with_numbers(state, [given[n.name] for n in numbers], numbers))
     await session.request(SwarmClient.relabel, [number], meant)
     session.tell(f"Example {number} now leads to {meant}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
+from hitab_client import SwarmError
 from hitab_studio.session import Session
 
 Data = Mapping[str, Any]
@@ -38,3 +39,15 @@ def action(
         return function
 
     return register
+
+
+def number_from(values: Data, name: str) -> float:
+    """Return a number that a person typed.
+
+    Raises:
+        SwarmError: if it is none.
+    """
+    try:
+        return float(values[name])
+    except ValueError:
+        raise SwarmError(f"Give {name} as a number.") from None

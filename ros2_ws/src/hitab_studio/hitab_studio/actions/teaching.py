@@ -16,7 +16,7 @@ from hitab_client import (
 )
 from hitab_core import Use, with_numbers
 from hitab_studio.actions.arranging import paused
-from hitab_studio.actions.registry import Data, action
+from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.lost import TAKEN_SECONDS, Lost
 from hitab_studio.remedy_words import answered
 from hitab_studio.session import (
@@ -43,7 +43,7 @@ async def command(session: Session, data: Data) -> None:
     if open_:
         session.asked = TargetsAsked(Use.parse(behavior).name, tuple(parameters), seen)
         return
-    if numbers := session.watched.vocabulary.numbers.get(Use.parse(behavior).name):
+    if numbers := session.watched.vocabulary.numbers_of(behavior):
         begin = {n.name: min(max(0.0, n.low), n.high) for n in numbers}
         session.showing = NumbersAsked(behavior, begin)
         return
@@ -56,15 +56,11 @@ async def show(session: Session, data: Data) -> None:
     showing = session.showing
     if showing is None:
         return  # it was closed while the arrow was drawn
-    given = data["values"]
     for name in showing.values:
-        try:
-            showing.values[name] = float(given[name])
-        except ValueError:
-            raise SwarmError(f"Give {name} as a number.") from None
-    use = Use.parse(showing.behavior)
-    numbers = session.watched.vocabulary.numbers.get(use.name, ())
-    meant = with_numbers(use, [showing.values[n.name] for n in numbers], numbers)
+        showing.values[name] = number_from(data["values"], name)
+    numbers = session.watched.vocabulary.numbers_of(showing.behavior)
+    given = [showing.values[number.name] for number in numbers]
+    meant = with_numbers(Use.parse(showing.behavior), given, numbers)
     await _commanded(session, str(meant), int(data.get("seen") or 0))
 
 

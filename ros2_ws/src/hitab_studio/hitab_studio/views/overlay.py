@@ -215,7 +215,7 @@ def _shown_numbers(session: Session) -> tuple[Number, ...]:
     """Return the numbers of the behavior that is being shown."""
     if session.showing is None:
         return ()
-    return session.watched.vocabulary.numbers.get(Use.parse(session.showing.behavior).name, ())
+    return session.watched.vocabulary.numbers_of(session.showing.behavior)
 
 
 def _arrow(session: Session) -> Number | None:
