@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -39,20 +38,17 @@ from typing import Annotated, Any
 
 import psutil  # type: ignore[import-untyped]
 import typer
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Page
 from rich.console import Console
 from rich.table import Table
 
-PORT = 8399
-URL = f"http://127.0.0.1:{PORT}/"
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
+
+from browsing import browser, studio
+
 HITAB = (sys.executable, "-m", "hitab_bringup.main")
-CHROMIUM = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-background-networking",
-    "--disable-backgrounding-occluded-windows",
-    "--disable-renderer-backgrounding",
-)
+ALL_IN_FRONT = ("--disable-backgrounding-occluded-windows", "--disable-renderer-backgrounding")
+"""Pages behind others would be slowed down."""
 
 STILL = "window.requestAnimationFrame = draw => setTimeout(() => draw(performance.now()), 500)"
 TIMED = """
@@ -126,29 +122,16 @@ def swarm(agents: int, folder: Path) -> Iterator[psutil.Process]:
 
 
 @contextmanager
-def studio(folder: Path) -> Iterator[psutil.Process]:
-    """Run the studio."""
-    command = [*HITAB, "studio", "--no-browser", "--port", str(PORT)]
-    with (folder / "studio.log").open("w") as log:
-        process = subprocess.Popen(command, stdout=log, stderr=log)
-    try:
-        yield psutil.Process(process.pid)
-    finally:
-        process.terminate()
-        process.wait(20)
-
-
-@contextmanager
-def person(browser: Browser, number: int, still: bool) -> Iterator[Page]:
+def person(chrome: Any, url: str, number: int, still: bool) -> Iterator[Page]:
     """Open a page and begin to train an agent."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
-    cookie: Any = {"name": "hitab_demonstrator", "value": f"Student%20{number}", "url": URL}
+    context = chrome.new_context(viewport={"width": 1280, "height": 800})
+    cookie: Any = {"name": "hitab_demonstrator", "value": f"Student%20{number}", "url": url}
     context.add_cookies([cookie])
     if still:
         context.add_init_script(STILL)
     page = context.new_page()
     page.set_default_timeout(90_000)
-    page.goto(URL)
+    page.goto(url)
     page.click(f'[data-test="agent-forager_{number}"]')
     page.click('[data-test="new"]')
     page.fill('[data-test="new-name"]', "Shuttle")
@@ -161,18 +144,18 @@ def person(browser: Browser, number: int, still: bool) -> Iterator[Page]:
     context.close()
 
 
-def measure(browser: Browser, pages: int, seconds: float, still: bool) -> Figures:
+def measure(chrome: Any, pages: int, seconds: float, still: bool) -> Figures:
     """Have so many people train."""
     driver = psutil.Process()  # whose children the browser's processes are
     with tempfile.TemporaryDirectory() as temporary, ExitStack() as stack:
         folder = Path(temporary)
         os.environ["HITAB_HOME"] = str(folder / "home")
         runner = stack.enter_context(swarm(pages, folder))
-        server = stack.enter_context(studio(folder))
-        wait_for_studio()
+        url = stack.enter_context(studio(folder / "studio.log"))
+        (server,) = (child for child in driver.children() if "studio" in child.cmdline())
         people = []
         for number in range(1, pages + 1):
-            people.append(stack.enter_context(person(browser, number, still)))
+            people.append(stack.enter_context(person(chrome, url, number, still)))
             Console(stderr=True).print(f"page {number} is open")
         time.sleep(3.0)
 
@@ -208,16 +191,6 @@ def measure(browser: Browser, pages: int, seconds: float, still: bool) -> Figure
     )
 
 
-def wait_for_studio() -> None:
-    """Wait until the page can be opened."""
-    for _ in range(600):
-        found = subprocess.run(["curl", "-sf", "-o", "/dev/null", URL], check=False)
-        if found.returncode == 0:
-            return
-        time.sleep(0.1)
-    raise SystemExit("the studio does not answer")
-
-
 def main(
     pages: Annotated[str, typer.Option(help="How many, separated by commas.")] = "1,5,10,20",
     seconds: Annotated[float, typer.Option(help="How long keys are pressed.")] = 60.0,
@@ -237,19 +210,16 @@ def main(
         "browser, cores",
     )
     table = Table(*columns)
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    with sync_playwright() as driver:
-        for number in map(int, pages.split(",")):
-            browser: Any = driver.chromium.launch(executable_path=chromium, args=list(CHROMIUM))
-            figures = measure(browser, number, seconds, still)
-            browser.close()
-            table.add_row(
-                *(
-                    f"{v:.2f}" if isinstance(v, float) and v < 10 else f"{v:.0f}"
-                    for v in vars(figures).values()
-                )
+    for number in map(int, pages.split(",")):
+        with browser(*ALL_IN_FRONT) as chrome:
+            figures = measure(chrome, number, seconds, still)
+        table.add_row(
+            *(
+                f"{v:.2f}" if isinstance(v, float) and v < 10 else f"{v:.0f}"
+                for v in vars(figures).values()
             )
-            Console().print(figures)
+        )
+        Console().print(figures)
     Console().print(table)
 
 

@@ -12,15 +12,10 @@ Automata are begun and saved, and the field is arranged, over topics and service
 
 from __future__ import annotations
 
-import shutil
-import socket
-import subprocess
 import sys
 import time
-import urllib.error
-import urllib.request
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Iterable, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
@@ -33,19 +28,23 @@ from finished_runs import FinishedRuns, Resume
 from habits import Diary
 from intentions import KICKABLE, OFF, Edges, Intention, Plan, Seen
 from novices import DEMONSTRATIONS, NOVICE, UNCOUNTED, WATCHED, Novice
-from playwright.sync_api import sync_playwright
 from practice import going
 from pupils import Pupil, Sight
 from simulated_people import Course
 from teachers import PAPER_S, hold_times, intention_of, own_hold_time, playing
 from topic_pupil import PUPIL, TopicPupil
 
-from hitab_core import Automaton, Example, HitabError, Repertoire, Use
+from hitab_core import START, Automaton, Example, HitabError, Repertoire, Use
 from hitab_core.running import RunningAutomaton, Senses
+from hitab_core.training.question import QuestionKind
 from hitab_world import Placement
 from hitab_world.inprocess import AutomatonPlayer, cycle, perform
 from keepaway_world.domain import DOMAIN
 from keepaway_world.world import KeepawayWorld
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
+
+from browsing import browser, studio
 
 EPISODES = 200
 
@@ -106,13 +105,13 @@ class RealTimePupil(TopicPupil):
         self._seen += 1
         after = self._world.state_at(self._seen)
         if after.episode != before.episode:
-            self._path = ["Start"]
+            self._path = [START]
         return self._sight(ended=after.episode != before.episode)
 
     def contradictions(self) -> int:
         """Return how many commands are asked about, as far as is known at once."""
         found = self._agents.training(PUPIL).questions
-        return sum(question.kind == "contradiction" for question in found)
+        return sum(question.kind == QuestionKind.CONTRADICTION for question in found)
 
 
 class PagePupil(RealTimePupil):
@@ -126,7 +125,8 @@ class PagePupil(RealTimePupil):
     def __init__(self, seed: int, browser: Any) -> None:
         super().__init__(seed)
         self.page = browser.new_page()
-        url = self._stack.enter_context(studio(self._folder.path))
+        folder = self._folder.path
+        url = self._stack.enter_context(studio(folder / "studio.log", "--run-dir", str(folder)))
         self._stack.callback(self.page.close)
         self.page.goto(url)
         self.page.click(f'[data-test="agent-{PUPIL}"]')
@@ -164,43 +164,6 @@ class PagePupil(RealTimePupil):
 
     def _mode(self) -> str:
         return str(self.page.inner_text('[data-test="mode"]'))
-
-
-@contextmanager
-def studio(run_folder: Path) -> Iterator[str]:
-    """Run the studio of a swarm; yield its address."""
-    port = free_port()
-    command = [sys.executable, "-m", "hitab_bringup.main", "studio", "--no-browser"]
-    command += ["--run-dir", str(run_folder), "--port", str(port)]
-    with (run_folder / "studio.log").open("w") as log:
-        process = subprocess.Popen(command, stdout=log, stderr=log)
-    try:
-        url, deadline = f"http://127.0.0.1:{port}/", time.monotonic() + SECONDS * 3
-        while not _answers(url):
-            if process.poll() is not None or time.monotonic() > deadline:
-                raise HitabError(f"no studio: {(run_folder / 'studio.log').read_text()}")
-            time.sleep(0.1)
-        yield url
-    finally:
-        process.terminate()
-        process.wait(SECONDS)
-
-
-def free_port() -> int:
-    """Return a port that nobody uses at the moment."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
-
-
-def _answers(url: str) -> bool:
-    try:
-        urllib.request.urlopen(url, timeout=5).close()
-    except urllib.error.HTTPError:
-        return True
-    except OSError:
-        return False
-    return True
 
 
 class ChaseNovice(Novice):
@@ -259,7 +222,7 @@ def taught(what: str, number: int, seed: int, pupil: RealTimePupil) -> dict[str,
         own = catches(CHASE.automaton(), seed + 7)
         return figures | {
             "own": own,
-            "of": catches(automata["Chase"], seed + 7) if automata else 0,
+            "of": catches(automata[CHASE.name], seed + 7) if automata else 0,
         }
     own = own_hold_time(intention.name, EPISODES, seed + 7)
     play = playing(automata, intention.plans[-1].name, seed + 7)
@@ -297,16 +260,6 @@ def main(
     print(f"{what}, by {by}: {fmean(f['of'] / f['own'] for f in found):.2f} of what was intended")
     if what == "keepaway":
         print(f"{sum(f['of'] >= PAPER_S for f in found)} of {people} reach {PAPER_S} s")
-
-
-@contextmanager
-def browser() -> Iterator[Any]:
-    """Start Chromium, without a window."""
-    with sync_playwright() as driver:
-        paths = filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome")))
-        started = driver.chromium.launch(executable_path=next(paths), args=["--no-sandbox"])
-        yield started
-        started.close()
 
 
 if __name__ == "__main__":

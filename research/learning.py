@@ -28,6 +28,7 @@ from typing import Annotated, Any
 import typer
 from foraging_tasks import Courier, Foraging
 from peers import OPTIONS, TITLES, Learner, learn
+from report import prefixed, progress
 from soccer_tasks import Captain, Drill, Keepaway
 from tasks import TRIED_SEED, Task, Team
 
@@ -166,7 +167,7 @@ def row_of(
     if len(teams) > 1:
         tries = max(1, min(TRIES, episodes // 4))
         tried = [
-            fmean(scores(task, team, tries, TRIED_SEED, _prefixed(say, f"setting {i + 1}: ")))
+            fmean(scores(task, team, tries, TRIED_SEED, prefixed(say, f"setting {i + 1}: ")))
             for i, team in enumerate(teams)
         ]
         chosen = max(range(len(teams)), key=lambda i: tried[i])
@@ -189,10 +190,6 @@ def row_of(
         tuple(found),
         chosen,
     )
-
-
-def _prefixed(say: Say, prefix: str) -> Say:
-    return lambda text: say(prefix + text)
 
 
 def table(title: str, measure: str, rows: Sequence[dict[str, Any]]) -> str:
@@ -218,11 +215,6 @@ def tell(figures: dict[str, Any]) -> None:
     for found in figures["tasks"].values():
         print(f"\n{found['episodes']} episodes, seed {figures['seed']}:\n")
         print(table(found["title"], found["measure"], found["rows"]), flush=True)
-
-
-def _progress(text: str) -> None:
-    if sys.stderr.isatty():
-        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
 
 
 def main(
@@ -274,9 +266,9 @@ def main(
                 base = rows[0]["mean"] if rows else None
                 if quick:
                     entrant = replace(entrant, teams=entrant.teams[:1])
-                row = row_of(task, entrant, count, seed, base, _prefixed(_progress, label))
+                row = row_of(task, entrant, count, seed, base, prefixed(progress, label))
                 rows.append(asdict(row))
-                _progress("")
+                progress("")
                 print(
                     f"{label}{row.mean:.2f} ± {row.se:.2f} "
                     f"({row.commands} commands, {row.examples} examples)",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -29,3 +30,14 @@ def tell(title: str, figures: Mapping[str, Any], path: str = "") -> None:
         print(f"  {name.replace('_', ' '):{width}}  {shown}")
     if path:
         Path(path).write_text(json.dumps(dict(figures), indent=2) + "\n", encoding="utf-8")
+
+
+def progress(text: str) -> None:
+    """Show what is going on, in a terminal; empty: nothing."""
+    if sys.stderr.isatty():
+        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def prefixed(say: Callable[[str], None], prefix: str) -> Callable[[str], None]:
+    """Return what says a text after a prefix."""
+    return lambda text: say(prefix + text)

@@ -20,6 +20,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
+from report import prefixed, progress
 from rich.console import Console
 from rich.table import Table
 from sklearn.datasets import load_breast_cancer, load_digits, load_iris, load_wine
@@ -130,8 +131,8 @@ def main(
     table = Table("data", "learner", "accuracy", "minus scikit-learn's", "se naive", "corrected")
     for name in data or DATA:
         X, y = DATA[name](return_X_y=True)
-        found = accuracies(X, y, names, repeats, seed, _prefixed(f"{name}: "))
-        _progress("")
+        found = accuracies(X, y, names, repeats, seed, prefixed(progress, f"{name}: "))
+        progress("")
         for learner in names:
             mean, naive, corrected = difference(found[learner], found[REFERENCE])
             cells = (f"{mean:+.4f}", f"{naive:.4f}", f"{corrected:.4f}")
@@ -140,15 +141,6 @@ def main(
             table.add_row(name, learner, f"{fmean(found[learner]):.4f}", *cells)
             print(name, learner, f"{fmean(found[learner]):.4f}", *cells, file=sys.stderr)
     Console().print(table)
-
-
-def _prefixed(prefix: str) -> Callable[[str], None]:
-    return lambda text: _progress(prefix + text)
-
-
-def _progress(text: str) -> None:
-    if sys.stderr.isatty():
-        print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

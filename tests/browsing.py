@@ -247,11 +247,11 @@ class Person:
 
 
 @contextlib.contextmanager
-def browser() -> Iterator[Any]:
-    """Start the browser."""
+def browser(*more: str) -> Iterator[Any]:
+    """Start the browser, with more arguments."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=chromium(), args=list(QUIET))
+        started = driver.chromium.launch(executable_path=chromium(), args=[*QUIET, *more])
         yield started
         started.close()
