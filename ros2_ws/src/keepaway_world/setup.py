@@ -44,6 +44,9 @@ setup(
         ],
         "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],
         "hitab.verbs": ["keepaway = keepaway_world.verbs.commands"],
-        "hitab.worlds": ["rcssserver = keepaway_world.rcss.rcss_main"],
+        "hitab.worlds": [
+            "half_field = keepaway_world.half_field.world_main",
+            "rcssserver = keepaway_world.rcss.rcss_main",
+        ],
     },
 )
