@@ -40,6 +40,7 @@ setup(
         "hitab.domains": [
             "keepaway = keepaway_world.domain:DOMAIN",
             "keepaway_continuous = keepaway_world.continuous:DOMAIN",
+            "half_field = keepaway_world.half_field.domain:DOMAIN",
             "keepaway_handcoded = keepaway_world.hand_coded_team:DOMAIN",
         ],
         "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],

@@ -1,8 +1,8 @@
 """Half-field attack: how an episode begins, and when it ends.
 
 The lines, the goal, the goalie's catch and offside are those of rcssserver 19. An episode ends as
-in Half Field Offense, at the first of these: a goal, the ball out of the half, caught, or held by a
-defender, and the time limit. Posts do not reflect the ball.
+in Half Field Offense, at the first of these: a goal, the ball out of the half, caught, or held by
+a defender, and the time limit. Posts do not reflect the ball.
 """
 
 from __future__ import annotations
