@@ -111,6 +111,10 @@ class AttackerBody(KeeperBody):
 
         return max(self.others, key=worth, default=NOBODY)
 
+    def near_wing(self) -> int:
+        """Return the place on the wing on the ball's side."""
+        return LEFT_WING if self.at(BALL)[1] > 0.0 else RIGHT_WING
+
     def far_wing(self) -> int:
-        """Return the place on the wing away from the ball."""
-        return RIGHT_WING if self.at(BALL)[1] > 0.0 else LEFT_WING
+        """Return the place on the other wing."""
+        return RIGHT_WING if self.near_wing() == LEFT_WING else LEFT_WING

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from types import SimpleNamespace
+from typing import Any
 
 from hitab_core import BasicBehavior, Domain, Feature, Target
 from keepaway_world.angles import wrapped
@@ -36,8 +37,9 @@ def meet_ball(body: AttackerBody) -> None:
         return
     (x, y), (vx, vy) = body.position, body.velocity
     (ball_x, ball_y), (ball_vx, ball_vy) = body.at(BALL), body.ball_velocity
-    me = SimpleNamespace(x=x, y=y, vx=vx, vy=vy, heading=body.heading)
-    track = _RUNNER.track(SimpleNamespace(x=ball_x, y=ball_y, vx=ball_vx, vy=ball_vy))
+    me: Any = SimpleNamespace(x=x, y=y, vx=vx, vy=vy, heading=body.heading)
+    ball: Any = SimpleNamespace(x=ball_x, y=ball_y, vx=ball_vx, vy=ball_vy)
+    track = _RUNNER.track(ball)
     cycles, _ = _RUNNER.intercept(me, track)
     to_x, to_y = track[min(cycles, HORIZON)]
     run(body, math.atan2(to_y - y - vy, to_x - x - vx))
@@ -126,6 +128,7 @@ DOMAIN = Domain.of(
         *KEEPAWAY.targets.values(),
         Target("goal", lambda body: GOAL, "the middle of the goal; for a shot, its open side"),
         Target("spot", lambda body: SPOT, "the penalty spot"),
+        Target("near_wing", AttackerBody.near_wing, "beside the area, on the ball's side"),
         Target("far_wing", AttackerBody.far_wing, "beside the area, on the side without the ball"),
         Target("best_mate", AttackerBody.best_mate, "who to pass to: advanced, and in reach"),
     ),
