@@ -192,11 +192,10 @@ def search(
     seed: Annotated[int, typer.Option(help="Of the games; not that of `compare`.")] = 5,
 ) -> None:
     """Try other numbers for the rules."""
-    for pressed, shot, near in product((4.0, 6.0, 8.0), (-0.5, 0.0, 0.5), (0.0, 18.0)):
-        for early in (shot, shot - 1.0):
-            numbers = Numbers(pressed, shot, early, near)
-            results = played(captained(rules(numbers)), seed, range(episodes), False)
-            print(f"{100.0 * goals_of(results):5.1f} % goals: {numbers}", flush=True)
+    choices = product((4.0, 5.0, 6.0), (-1.0, -0.5, 0.0), (0.0, 18.0), (0.0, 0.5), (10.0, 25.0))
+    for numbers in (Numbers(*choice) for choice in choices):
+        results = played(captained(rules(numbers)), seed, range(episodes), False)
+        print(f"{100.0 * goals_of(results):5.1f} % goals: {numbers}", flush=True)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from hitab_core import START, Automaton, HandWritten, Use
 
@@ -17,16 +18,17 @@ class Numbers:
 
     Attributes:
         pressed: m from the closest opponent at which the ball is passed.
-        shot: room that a shot needs, m; early: of the striker's.
+        shot: room that a shot needs, m.
         near: m from the goal within which the ball is passed in any case.
         lane: room that a pass needs, m.
+        gone: m from the ball at which a supporter gives it up.
     """
 
     pressed: float = 6.0
     shot: float = 0.0
-    early: float = 0.0
     near: float = 18.0
     lane: float = 0.0
+    gone: float = 20.0
 
 
 DEFAULT = Numbers()
@@ -35,9 +37,13 @@ DEFAULT = Numbers()
 def _automaton(
     name: str, states: tuple[str, ...], features: tuple[str, ...], rule: Callable[..., str]
 ) -> Automaton:
-    function = HandWritten(rule, tuple(range(len(features))))
+    """Return an automaton with a rule of the state and all features."""
+
+    def of(state: str) -> HandWritten:
+        return HandWritten(partial(rule, state), tuple(range(len(features))))
+
     uses = tuple(map(Use.parse, states)), tuple(map(Use.parse, features))
-    return Automaton(name, *uses, dict.fromkeys((START, *states), function))
+    return Automaton(name, *uses, {state: of(state) for state in (START, *states)})
 
 
 def rules(n: Numbers = DEFAULT, swapped: tuple[str, str] | None = None) -> dict[str, Automaton]:
@@ -47,21 +53,24 @@ def rules(n: Numbers = DEFAULT, swapped: tuple[str, str] | None = None) -> dict[
     def word(state: str) -> str:
         return swap.get(state, state)
 
-    def play(kickable: float, shot: float, goal: float, opponent: float, lane: float) -> str:
+    def play(
+        state: str, kickable: float, shot: float, goal: float, opponent: float, lane: float
+    ) -> str:
         if kickable and shot > n.shot:
             return word("Shoot")
         if kickable and lane > n.lane and (opponent < n.pressed or goal < n.near):
             return word("PassTo(best_mate)")
         return word("Dribble")
 
-    def lead(trails: float) -> str:
+    def lead(state: str, trails: float) -> str:
         return word("TurnToBall") if trails else word("PlayBall")
 
     def support(place: str) -> Callable[..., str]:
-        def rule(yelled: float, kickable: float, ball: float, shot: float) -> str:
-            if kickable and shot > n.early:
+        def rule(state: str, yelled: float, kickable: float, ball: float, shot: float) -> str:
+            if kickable and shot > n.shot:
                 return word("Shoot")
-            return word("PlayBall") if yelled or kickable or ball < 3.0 else word(place)
+            plays = ball < n.gone if state in ("PlayBall", "Shoot") else yelled or kickable
+            return word("PlayBall") if plays else word(place)
 
         return rule
 
