@@ -1,9 +1,10 @@
 """Compares attackers in roles with others in half-field attack, over the same episodes.
 
 What the shipped lessons have taught plays in one process with its captain, without it, and as
-one role for all, learned from the same commands. Beside them play rules without any example: the three
-roles by hand, with numbers that `search` found, the same with words swapped, and the rule-based and
-random attackers that were there before the lessons. research/half_field.md has the figures.
+one role for all, learned from the same commands. Beside them play rules without any example: the
+three roles by hand, with numbers that `search` found, the same with words swapped, and the
+rule-based and random attackers that were there before the lessons. research/half_field.md has the
+figures.
 
     scripts/python research/half_field.py compare --resume half_field.jsonl --json half_field.json
     scripts/python research/half_field.py search
