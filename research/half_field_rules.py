@@ -24,11 +24,11 @@ class Numbers:
         gone: m from the ball at which a supporter gives it up.
     """
 
-    pressed: float = 6.0
-    shot: float = 0.0
+    pressed: float = 4.0
+    shot: float = -1.0
     near: float = 18.0
     lane: float = 0.0
-    gone: float = 20.0
+    gone: float = 10.0
 
 
 DEFAULT = Numbers()

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 
-from hitab_world import Look, Measure
+from hitab_world import Entity, Look, Measure
 from keepaway_world.physics import Names, Physics
 from keepaway_world.players import Takers
 from keepaway_world.referee import Referee, set_up
@@ -28,6 +28,7 @@ class Rules:
         takers: the opponents, which are part of the world.
         set_up: puts everything in its initial position.
         names: of the players; see `Physics`.
+        marks: what viewers see besides, such as a goal.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Rules:
     takers: Callable[[Physics], Takers]
     set_up: Callable[[Physics, Random], None]
     names: Names | None = None
+    marks: Sequence[Entity] = ()
 
 
 KEEPAWAY = Rules(

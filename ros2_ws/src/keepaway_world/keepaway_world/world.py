@@ -64,7 +64,7 @@ class KeepawayWorld:
         self._physics = Physics(parameters, self._random, rules.names)
         self._referee = rules.referee(self._physics)
         self._team = takers_of(self._physics, rules.takers)
-        self._set_up = rules.set_up
+        self._set_up, self._marks = rules.set_up, rules.marks
         self._movers = {mover.name: mover for mover in self._physics.movers}
         self._keepers = {mover.name: mover for mover in self._physics.keepers}
         self.agents: tuple[str, ...] = tuple(self._keepers)
@@ -165,7 +165,7 @@ class KeepawayWorld:
 
     def entities(self) -> list[Entity]:
         """Return the true current state of the ball and the players, in SI units."""
-        return entities_of(self._physics, self._said)
+        return [*entities_of(self._physics, self._said), *self._marks]
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
         """Put players or the ball somewhere else; nothing is placed if anything is refused.

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from random import Random
 from typing import Any
 
-from hitab_world import Look, Measure
+from hitab_world import Entity, Look, Measure
 from hitab_world.snapshots import whole
 from keepaway_world.half_field import field
 from keepaway_world.half_field.defence import Defence
@@ -30,6 +30,12 @@ BEHIND_BALL = 2.0
 MATES_AHEAD, MATES_ASIDE = (0.0, 6.0), (8.0, 14.0)
 DEFENDERS_FROM_GOAL, DEFENDERS_ASIDE = (13.0, 21.0), 10.0
 GOALIE_FROM_GOAL = 1.5
+
+POST = Look("#555555", "square", faces=False, labelled=False)
+POSTS = tuple(
+    Entity(f"post_{i + 1}", "post", field.GOAL_X, side * field.GOAL_WIDTH / 2.0, radius=0.25)
+    for i, side in enumerate((-1.0, 1.0))
+)
 
 DEFAULT = HalfFieldParameters()
 
@@ -158,12 +164,19 @@ def rules_of(p: HalfFieldParameters) -> Rules:
     """Return the rules of the game."""
     return Rules(
         "half_field",
-        {"attacker": Look(), "defender": TAKER, "goalie": Look("#8e5bb5"), "ball": BALL},
+        {
+            "attacker": Look(),
+            "defender": TAKER,
+            "goalie": Look("#8e5bb5"),
+            "ball": BALL,
+            "post": POST,
+        },
         (Measure("goals"), Measure("passes"), Measure("seconds", "s", "less")),
         HalfFieldReferee,
         Defence,
         set_up,
         names_of(p),
+        POSTS,
     )
 
 
