@@ -32,6 +32,8 @@ class Numbers:
 
 
 DEFAULT = Numbers()
+STEPS = ("Dribble", "PassTo(best_mate)", "Shoot", "RunTo(spot)", "RunTo(near_wing)", "TurnToBall")
+WORDS = (*STEPS, "PlayBall")
 
 
 def _automaton(
@@ -65,16 +67,17 @@ def rules(n: Numbers = DEFAULT, swapped: tuple[str, str] | None = None) -> dict[
     def lead(state: str, trails: float) -> str:
         return word("TurnToBall") if trails else word("PlayBall")
 
+    playing = word("PlayBall"), word("Shoot")
+
     def support(place: str) -> Callable[..., str]:
         def rule(state: str, yelled: float, kickable: float, ball: float, shot: float) -> str:
             if kickable and shot > n.shot:
                 return word("Shoot")
-            plays = ball < n.gone if state in ("PlayBall", "Shoot") else yelled or kickable
+            plays = ball < n.gone if state in playing else yelled or kickable
             return word("PlayBall") if plays else word(place)
 
         return rule
 
-    spots = "RunTo(spot)", "RunTo(near_wing)"
     with_ball = (
         "BallIsKickable",
         "RoomOnWayTo(goal)",
@@ -83,12 +86,11 @@ def rules(n: Numbers = DEFAULT, swapped: tuple[str, str] | None = None) -> dict[
         "RoomOnWayTo(best_mate)",
     )
     without = "IWasYelledAt", "BallIsKickable", "DistanceTo(ball)", "RoomOnWayTo(goal)"
-    other = ("PlayBall", "Shoot", "TurnToBall")
     made = [
-        _automaton("PlayBall", ("Dribble", "PassTo(best_mate)", "Shoot"), with_ball, play),
-        _automaton("Playmaker", other, ("ATeammateIsCloserToBall",), lead),
-        _automaton("Striker", (*spots, *other), without, support("RunTo(spot)")),
-        _automaton("Winger", (*spots, *other), without, support("RunTo(near_wing)")),
+        _automaton("PlayBall", STEPS, with_ball, play),
+        _automaton("Playmaker", WORDS, ("ATeammateIsCloserToBall",), lead),
+        _automaton("Striker", WORDS, without, support("RunTo(spot)")),
+        _automaton("Winger", WORDS, without, support("RunTo(near_wing)")),
     ]
     return {automaton.name: automaton for automaton in made}
 
