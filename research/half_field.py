@@ -136,7 +136,7 @@ def goals_of(results: Sequence[EpisodeResult]) -> float:
 @app.command()
 def compare(
     episodes: Annotated[int, typer.Option(help="Of each team.", min=2)] = 200,
-    seed: Annotated[int, typer.Option(help="Of the games.")] = 60_413,
+    seed: Annotated[int, typer.Option(help="Of the games.")] = 80_217,
     offside: Annotated[bool, typer.Option(help="With offside.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="Only these teams.")] = None,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
@@ -193,7 +193,7 @@ def search(
     seed: Annotated[int, typer.Option(help="Of the games; not that of `compare`.")] = 5,
 ) -> None:
     """Try other numbers for the rules."""
-    choices = product((4.0, 5.0, 6.0), (-1.0, -0.5, 0.0), (0.0, 18.0), (0.0, 0.5), (10.0, 25.0))
+    choices = product((2.5, 4.0, 5.5), (-4.0, -2.5, -1.0, 0.5), (18.0,), (0.0,), (7.0, 12.0))
     for numbers in (Numbers(*choice) for choice in choices):
         results = played(captained(rules(numbers)), seed, range(episodes), False)
         print(f"{100.0 * goals_of(results):5.1f} % goals: {numbers}", flush=True)
