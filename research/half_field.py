@@ -193,7 +193,7 @@ def search(
     seed: Annotated[int, typer.Option(help="Of the games; not that of `compare`.")] = 5,
 ) -> None:
     """Try other numbers for the rules."""
-    choices = product((2.5, 4.0, 5.5), (-4.0, -2.5, -1.0, 0.5), (18.0,), (0.0,), (7.0, 12.0))
+    choices = product((2.5, 4.0, 5.5), (-5.5, -4.0, -2.5, -1.0, 0.5), (18.0,), (0.0,), (7.0, 12.0))
     for numbers in (Numbers(*choice) for choice in choices):
         results = played(captained(rules(numbers)), seed, range(episodes), False)
         print(f"{100.0 * goals_of(results):5.1f} % goals: {numbers}", flush=True)

@@ -25,10 +25,10 @@ class Numbers:
     """
 
     pressed: float = 4.0
-    shot: float = -1.0
+    shot: float = -4.0
     near: float = 18.0
     lane: float = 0.0
-    gone: float = 10.0
+    gone: float = 12.0
 
 
 DEFAULT = Numbers()
