@@ -163,11 +163,12 @@ def compare(
 def told(name: str, runs: Sequence[Any], before: Mapping[str, Any]) -> dict[str, Any]:
     """Print how a team did, and by how much it differs from the first one; return the figures."""
     goals = [float(ended == "goal") for ended, _, _ in runs]
-    one = {
+    ended = Counter(end for end, _, _ in runs)
+    one: dict[str, Any] = {
         "goals": goals,
         "percent": 100.0 * fmean(goals),
         "se": 100.0 * stdev(goals) / math.sqrt(len(goals)),
-        "ended": Counter(ended for ended, _, _ in runs),
+        "ended": ended,
         "passes": fmean(passes for _, _, passes in runs),
         "seconds": fmean(seconds for _, seconds, _ in runs),
     }
@@ -181,7 +182,7 @@ def told(name: str, runs: Sequence[Any], before: Mapping[str, Any]) -> dict[str,
         paired = f", {one['behind']:5.1f} ± {one['behind_se']:.1f} behind the roles"
     print(
         f"{name:50} {one['percent']:5.1f} ± {one['se']:.1f} % goals, {one['passes']:.2f} passes, "
-        f"{one['seconds']:4.1f} s, {dict(one['ended'])}{paired}",
+        f"{one['seconds']:4.1f} s, {dict(ended)}{paired}",
         flush=True,
     )
     return one
