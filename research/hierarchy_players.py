@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
@@ -49,6 +49,7 @@ class Commander:
         library: of behaviors of its kind's domain; see `commander_domain`.
         behavior: what it performs until it is ordered otherwise; empty: nothing.
         subordinates: names of agents, or of commanders that were listed before.
+        roles: of subordinates that have one, by name.
     """
 
     name: str
@@ -56,6 +57,7 @@ class Commander:
     library: BehaviorLibrary
     behavior: str
     subordinates: tuple[str, ...]
+    roles: Mapping[str, str] = field(default_factory=dict)
 
 
 class HierarchyPlayers:
@@ -87,7 +89,10 @@ class HierarchyPlayers:
         for commander in commanders:
             agent = Agent(commander.name, commander_domain(commander.kind), commander.library)
             node = _CommanderNode(
-                agent, commander.behavior, [nodes[name] for name in commander.subordinates]
+                agent,
+                commander.behavior,
+                [nodes[name] for name in commander.subordinates],
+                commander.roles,
             )
             nodes[commander.name] = node
             self._commanders.append(node)
@@ -153,7 +158,13 @@ class _Member(_Node):
 class _CommanderNode(_Node):
     """A commander, as `hitab_commander.commander_link` has it over topics."""
 
-    def __init__(self, agent: Agent, behavior: str, subordinates: Sequence[_Node]) -> None:
+    def __init__(
+        self,
+        agent: Agent,
+        behavior: str,
+        subordinates: Sequence[_Node],
+        roles: Mapping[str, str],
+    ) -> None:
         super().__init__(agent, behavior)
         body = agent.body
         assert isinstance(body, CommanderBody)
@@ -161,8 +172,10 @@ class _CommanderNode(_Node):
         self._lockstep = Lockstep(body)
         self._subordinates = subordinates
         self._present: Round | None = None
-        body.enlist({node.agent.name: "" for node in subordinates}, 1)
+        names = [node.agent.name for node in subordinates]
+        body.enlist({name: roles.get(name, "") for name in names}, 1)
         for node in subordinates:
+            node.subordinate.role = roles.get(node.agent.name, "")
             node.superior = self
             # It asks for values before it orders anything.
             node.subordinate.take(body.order)

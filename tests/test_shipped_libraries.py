@@ -60,6 +60,15 @@ def test_the_captains_lessons_teach_it_and_its_keepers_what_is_shipped(home, tmp
     play(school("keepaway_captain"), CAPTAIN, libraries, tmp_path)
 
 
+ATTACK = [f"half_field/{n}" for n in ("play_ball", "playmaker", "winger", "striker", "captain")]
+
+
+def test_the_lessons_of_half_field_attack_teach_three_roles_and_their_captain(home, tmp_path):
+    libraries = [*["half_field"] * 4, "half_field_captain"]
+    counts = play(school("half_field"), ATTACK, libraries, tmp_path)
+    assert sum(counts.values()) <= 120
+
+
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("swarm", "lessons", "library"),

@@ -8,7 +8,8 @@ from hitab_core.domain import load_domain
 from hitab_core.library.behavior_reader import read_behavior
 
 SOURCES = Path(__file__).parents[1] / "ros2_ws/src"
-OF_COMMANDERS = ("captain", "foraging_company", "foraging_squad")  # domains from descriptions
+OF_COMMANDERS = ("captain", "foraging_company", "foraging_squad", "half_field_captain")
+# Their domains come from descriptions.
 SHIPPED = [
     path
     for path in sorted(SOURCES.glob("*_world/libraries/*/*.hfa.yaml"))

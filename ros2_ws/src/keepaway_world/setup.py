@@ -40,10 +40,14 @@ setup(
         "hitab.domains": [
             "keepaway = keepaway_world.domain:DOMAIN",
             "keepaway_continuous = keepaway_world.continuous:DOMAIN",
+            "half_field = keepaway_world.half_field.domain:DOMAIN",
             "keepaway_handcoded = keepaway_world.hand_coded_team:DOMAIN",
         ],
         "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],
         "hitab.verbs": ["keepaway = keepaway_world.verbs.commands"],
-        "hitab.worlds": ["rcssserver = keepaway_world.rcss.rcss_main"],
+        "hitab.worlds": [
+            "half_field = keepaway_world.half_field.world_main",
+            "rcssserver = keepaway_world.rcss.rcss_main",
+        ],
     },
 )

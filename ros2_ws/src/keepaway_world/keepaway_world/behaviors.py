@@ -100,11 +100,16 @@ def pass_to(body: KeeperBody, receiver: int) -> None:
     """
     if not body.ball_is_kickable or receiver < 0:
         return
-    p, values = body.parameters, body.values
     ball_x, ball_y = body.vector_to(BALL)
     receiver_x, receiver_y = body.vector_to(receiver)
     dx, dy = receiver_x - ball_x, receiver_y - ball_y
-    bearing = math.atan2(dy, dx)
+    send_ball(body, math.atan2(dy, dx), pass_speed(body.parameters, math.hypot(dx, dy)))
+    body.say(YELL.format(body.number_at(receiver)))
+
+
+def send_ball(body: KeeperBody, bearing: float, speed: float) -> None:
+    """Kick a kickable ball so that it leaves along ``bearing``, rad, with ``speed``, m/cycle."""
+    p, values = body.parameters, body.values
     c, s = math.cos(bearing), math.sin(bearing)
     vx, vy = body.ball_velocity
     distance, direction = values[BALL], values[BALL + 1]
@@ -112,12 +117,11 @@ def pass_to(body: KeeperBody, receiver: int) -> None:
         p,
         vx * c + vy * s,
         vy * c - vx * s,
-        pass_speed(p, math.hypot(dx, dy)),
+        speed,
         100.0 * p.kick_rate * (1.0 - off_place(p, distance, direction)),
     )
     power = kick_power(p, math.hypot(along, across), distance, direction)
     body.kick(power, wrapped(bearing + math.atan2(across, along) - body.heading))
-    body.say(YELL.format(body.number_at(receiver)))
 
 
 def get_open(body: KeeperBody) -> None:

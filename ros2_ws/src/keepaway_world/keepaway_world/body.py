@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from hitab_core import FeatureValueError, quantity
 from keepaway_world import percept
@@ -37,6 +37,9 @@ class KeeperBody:
         values: the percept, in the layout and units of `keepaway_world.percept`.
         heard: the messages heard in this cycle.
     """
+
+    fixed: Mapping[int, tuple[float, float]] = CORNERS
+    """Places that no percept holds, as fractions of half the width and the height."""
 
     def __init__(self, name: str, parameters: KeepawayParameters = PAPER) -> None:
         self.name = name
@@ -175,8 +178,8 @@ class KeeperBody:
         return distance * math.cos(bearing), distance * math.sin(bearing)
 
     def corner(self, place: int) -> tuple[float, float]:
-        """Return the distance of a corner, m, and its direction relative to the body, rad."""
-        (right, up), (x, y) = CORNERS[place], self.position
+        """Return the distance of a fixed place, m, and its direction relative to the body, rad."""
+        (right, up), (x, y) = self.fixed[place], self.position
         dx = right * self.values[percept.WIDTH] / 2.0 - x
         dy = up * self.values[percept.HEIGHT] / 2.0 - y
         return math.hypot(dx, dy), wrapped(math.atan2(dy, dx) - self.heading)

@@ -8,11 +8,14 @@ angle are those of takers recorded on the real simulator. Speeds are in m/cycle.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from keepaway_world.action import Order
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.parameters import KeepawayParameters
-from keepaway_world.physics import Mover
+
+if TYPE_CHECKING:  # an agent needs no pymunk
+    from keepaway_world.physics import Mover
 
 SOONEST, HORIZON = 2, 40  # cycles that a player looks ahead
 FULL = 100.0

@@ -11,6 +11,7 @@ x points right, y up, angles are counter-clockwise radians.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from random import Random
 from typing import Any
 
@@ -27,11 +28,14 @@ REBOUND = -0.1
 GAP = 1e-10  # rcssserver's EPS: separated bodies no longer touch
 
 
+Names = tuple[Sequence[str], Sequence[str]]
+
+
 class Mover:
     """The ball or a player.
 
     Attributes:
-        name, kind: of the body; kind is "ball", "keeper" or "taker".
+        name, kind: of the body; kind is such as "ball", "keeper" or "taker".
         x, y: center, m.  heading: of the body, rad; a ball has none.
         vx, vy: velocity after decay, m/cycle.
         ax, ay: acceleration from this cycle's commands, m/cycle².
@@ -64,16 +68,25 @@ class Physics:
     Args:
         parameters: mechanics, counts of players, noise.
         random: source of all noise; the same draws give the same motion.
+        names: of the keepers and the takers, as many as in the parameters; what stands before the
+            first "_" is their kind.
     """
 
-    def __init__(self, parameters: KeepawayParameters, random: Random) -> None:
+    def __init__(
+        self, parameters: KeepawayParameters, random: Random, names: Names | None = None
+    ) -> None:
         self.parameters = p = parameters
         self.random = random
         self.ball = Mover("ball", "ball", 0, p)
-        self.keepers = [Mover(f"keeper_{i + 1}", "keeper", i + 1, p) for i in range(p.keepers)]
-        self.takers = [
-            Mover(f"taker_{i + 1}", "taker", p.keepers + i + 1, p) for i in range(p.takers)
+        keepers, takers = names or (
+            [f"keeper_{i + 1}" for i in range(p.keepers)],
+            [f"taker_{i + 1}" for i in range(p.takers)],
+        )
+        players = [
+            Mover(name, name.partition("_")[0], i + 1, p)
+            for i, name in enumerate((*keepers, *takers))
         ]
+        self.keepers, self.takers = players[: p.keepers], players[p.keepers :]
         self.players = [*self.keepers, *self.takers]
         self.movers = [self.ball, *self.players]
         self._space = pymunk.Space()

@@ -7,6 +7,7 @@ return a `hitab_world.inprocess.Player` for each keeper, by name.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib.metadata import entry_points
 from typing import Any, Protocol
 
@@ -31,15 +32,14 @@ class Takers(Protocol):
         """Return the order of each taker for this cycle; its dash power is already slowed."""
 
 
-def takers_of(physics: Physics) -> Takers:
-    """Return the takers that the world's parameters name.
+def takers_of(physics: Physics, own: Callable[[Physics], Takers] = TakerTeam) -> Takers:
+    """Return the takers that the world's parameters name; ``own`` are those of the game.
 
     Raises:
         ParameterError: if no installed package offers them.
     """
     policy = physics.parameters.taker_policy
-    takers: Takers
-    takers = TakerTeam(physics) if policy == INTERCEPT else offered(TAKERS, policy)(physics)
+    takers: Takers = (own if policy == INTERCEPT else offered(TAKERS, policy))(physics)
     return takers
 
 

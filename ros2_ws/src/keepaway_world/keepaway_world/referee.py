@@ -33,6 +33,7 @@ class Referee:
     """
 
     def __init__(self, parameters: KeepawayParameters) -> None:
+        self._keepers = parameters.keepers
         self._turnover = parameters.turnover_cycles
         self._half_width = parameters.width / 2.0
         self._half_height = parameters.height / 2.0
@@ -51,7 +52,7 @@ class Referee:
     def saw_kick(self, player: Mover) -> None:
         """Note that ``player`` kicked the ball."""
         last = self._last_kick
-        if last is not None and last is not player and last.kind == player.kind == "keeper":
+        if last and last is not player and max(last.index, player.index) <= self._keepers:
             self.passes += 1
         self._last_kick = player
 
@@ -63,9 +64,9 @@ class Referee:
         can. The ball is taken on the check after possession has reached the limit.
         """
         ball = physics.ball
+        if line := self.crossed(ball):
+            return line
         bx, by = ball.x, ball.y
-        if abs(bx) >= self._half_width or abs(by) >= self._half_height:
-            return OUT
         if self.possession >= self._turnover:
             return TAKEN
         reach = self._kickable_squared
@@ -80,6 +81,18 @@ class Referee:
                 self.possession = 0
                 return None
         return None
+
+    def crossed(self, ball: Mover) -> str:
+        """Return why a ball in this place ends the episode; "" if it does not."""
+        out = abs(ball.x) >= self._half_width or abs(ball.y) >= self._half_height
+        return OUT if out else ""
+
+    def saw_catch(self, player: Mover) -> None:
+        """Note that a taker has tried to catch the ball: nobody catches in keepaway."""
+
+    def measures(self) -> dict[str, float]:
+        """Return the figures of the episode so far."""
+        return {"passes": float(self.passes)}
 
     def finds_stuck(self, ball: Mover) -> bool:
         """Check after a cycle whether the ball has been near the same place for too long.
@@ -147,7 +160,7 @@ def set_up(physics: Physics, random: Random) -> None:
     drawn = p.reset_angles == "drawn"
     rotation = random.randrange(p.keepers)
     for number, player in enumerate(physics.players):
-        if player.kind == "taker":
+        if player in physics.takers:
             x, y = _in_corner(TAKER_CORNER, p, random)
         else:
             place = (rotation + number) % p.keepers

@@ -12,36 +12,26 @@ from hitab_world import (
     Action,
     Entity,
     EpisodeResult,
-    Look,
-    Measure,
     Placement,
     Sensed,
     WorldError,
     snapshots,
 )
 from hitab_world.snapshots import finite, text, texts
-from keepaway_world import referee
 from keepaway_world.action import Order, orders_of
 from keepaway_world.arranging import entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import perceive
 from keepaway_world.physics import Mover, Physics
 from keepaway_world.players import takers_of
+from keepaway_world.referee import drop_ball
+from keepaway_world.rules import KEEPAWAY, Rules
 
 SNAPSHOT_VERSION = 2
 
-LOOKS: Mapping[str, Look] = {
-    "keeper": Look(),
-    "taker": Look("#c94f4f"),
-    "ball": Look("#f2c94c", "ball", faces=False, labelled=False, layer=1),
-}
-
-
-MEASURES = (Measure("seconds", "s"), Measure("passes"))
-
 
 class KeepawayWorld:
-    """A game of keepaway; see `hitab_world.world.World` for the interface.
+    """A game on a field, keepaway by default; see `hitab_world.world.World` for the interface.
 
     `keepaway_world.percept` and `keepaway_world.action` define the layout of the keepers' percepts
     and actions. The takers are part of the world.
@@ -50,17 +40,18 @@ class KeepawayWorld:
         parameters: of the game; the paper's by default.
         seed: of the run. Episode i draws from a generator seeded by both, so that it can be
             replayed by itself.
+        rules: who plays, how an episode begins and when it ends.
 
     Raises:
         ParameterError: if there are no takers as the parameters name them.
     """
 
-    name = "keepaway"
     cycle_seconds = 0.1
-    looks = LOOKS
-    measures = MEASURES
 
-    def __init__(self, parameters: KeepawayParameters = PAPER, seed: int = 0) -> None:
+    def __init__(
+        self, parameters: KeepawayParameters = PAPER, seed: int = 0, rules: Rules = KEEPAWAY
+    ) -> None:
+        self.name, self.looks, self.measures = rules.name, rules.looks, rules.measures
         self.parameters = parameters
         self.size = (parameters.width, parameters.height)
         self.seed = seed
@@ -70,9 +61,10 @@ class KeepawayWorld:
         self.ended = ""
         self.refused: Mapping[str, str] = {}
         self._random = Random()
-        self._physics = Physics(parameters, self._random)
-        self._referee = referee.Referee(parameters)
-        self._team = takers_of(self._physics)
+        self._physics = Physics(parameters, self._random, rules.names)
+        self._referee = rules.referee(self._physics)
+        self._team = takers_of(self._physics, rules.takers)
+        self._set_up, self._marks = rules.set_up, rules.marks
         self._movers = {mover.name: mover for mover in self._physics.movers}
         self._keepers = {mover.name: mover for mover in self._physics.keepers}
         self.agents: tuple[str, ...] = tuple(self._keepers)
@@ -93,7 +85,7 @@ class KeepawayWorld:
         self._random.seed(world_seed(self.seed, self.episode))
         self._referee.begin()
         self._team.begin()
-        referee.set_up(self._physics, self._random)
+        self._set_up(self._physics, self._random)
 
     @property
     def physics(self) -> Physics:
@@ -112,7 +104,7 @@ class KeepawayWorld:
         return perceive(self._physics, keeper), list(self._heard.get(agent, ()))
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
-        """Play one cycle; return "out" or "taken" if the episode ended with it, else None."""
+        """Play one cycle; return why the episode ended with it, such as "out", else None."""
         if self.ended:
             raise WorldError(
                 f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
@@ -130,7 +122,7 @@ class KeepawayWorld:
         if happened is not None:
             self.ended = happened
         elif self._referee.finds_stuck(self._physics.ball):
-            referee.drop_ball(self._physics)
+            drop_ball(self._physics)
         return happened
 
     def _perform(self, actions: Mapping[str, Action]) -> tuple[dict[str, str], dict[str, str]]:
@@ -152,6 +144,8 @@ class KeepawayWorld:
             self._physics.turn(player, amount)
         elif kind == "kick" and self._physics.kick(player, amount, direction):
             self._referee.saw_kick(player)
+        elif kind == "catch":
+            self._referee.saw_catch(player)
 
     def _hear(self, said: Mapping[str, str]) -> dict[str, list[str]]:
         """Return what each keeper hears: one message per cycle, chosen at random."""
@@ -171,7 +165,7 @@ class KeepawayWorld:
 
     def entities(self) -> list[Entity]:
         """Return the true current state of the ball and the players, in SI units."""
-        return entities_of(self._physics, self._said)
+        return [*entities_of(self._physics, self._said), *self._marks]
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
         """Put players or the ball somewhere else; nothing is placed if anything is refused.
@@ -220,8 +214,8 @@ class KeepawayWorld:
         self._said, self._heard = said, heard
 
     def result(self) -> EpisodeResult:
-        """Return the result of the current episode so far; its measure is the number of passes."""
-        return EpisodeResult.of(self, {"passes": float(self._referee.passes)})
+        """Return the result of the current episode so far; see `Referee.measures`."""
+        return EpisodeResult.of(self, self._referee.measures())
 
 
 def _distance(a: Mover, b: Mover) -> float:

@@ -26,8 +26,8 @@ from keepaway_world.rcss.link import Link
 from keepaway_world.rcss.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
 from keepaway_world.rcss.server_settings import SEE, ServerSettings
 from keepaway_world.rcss.trainer import Trainer
+from keepaway_world.rules import KEEPAWAY
 from keepaway_world.takers import TakerTeam
-from keepaway_world.world import LOOKS, MEASURES
 
 RETRY_SECONDS = 0.5  # between two attempts to reach a server
 REFUSED_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
@@ -50,8 +50,8 @@ class RcssWorld:
 
     name = "keepaway"
     cycle_seconds = 0.1
-    looks = LOOKS
-    measures = MEASURES
+    looks = KEEPAWAY.looks
+    measures = KEEPAWAY.measures
 
     def __init__(
         self,

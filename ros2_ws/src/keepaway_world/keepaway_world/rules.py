@@ -1,0 +1,51 @@
+"""What differs between games on the same field: who plays, how it begins, when it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from random import Random
+
+from hitab_world import Entity, Look, Measure
+from keepaway_world.physics import Names, Physics
+from keepaway_world.players import Takers
+from keepaway_world.referee import Referee, set_up
+from keepaway_world.takers import TakerTeam
+
+TAKER = Look("#c94f4f")
+BALL = Look("#f2c94c", "ball", faces=False, labelled=False, layer=1)
+
+
+@dataclass(frozen=True)
+class Rules:
+    """The rules of a game.
+
+    Attributes:
+        name: of the world and its domain.
+        looks: of the players, by kind.
+        measures: of an episode.
+        referee: ends episodes.
+        takers: the opponents, which are part of the world.
+        set_up: puts everything in its initial position.
+        names: of the players; see `Physics`.
+        marks: what viewers see besides, such as a goal.
+    """
+
+    name: str
+    looks: Mapping[str, Look]
+    measures: Sequence[Measure]
+    referee: Callable[[Physics], Referee]
+    takers: Callable[[Physics], Takers]
+    set_up: Callable[[Physics, Random], None]
+    names: Names | None = None
+    marks: Sequence[Entity] = ()
+
+
+KEEPAWAY = Rules(
+    "keepaway",
+    {"keeper": Look(), "taker": TAKER, "ball": BALL},
+    (Measure("seconds", "s"), Measure("passes")),
+    lambda physics: Referee(physics.parameters),
+    TakerTeam,
+    set_up,
+)
