@@ -35,6 +35,8 @@ SLIP = 0.02
 DRAWS, MOMENTS = 10, 20_000
 """How many sequences are drawn of each run, and of how many moments in all at most, if several."""
 
+BETWEEN = "tree(prune=True, min_samples_leaf=40)"
+
 SETTLED = 0.002
 """The share of moments whose label may still change when the labels have settled."""
 
@@ -85,6 +87,7 @@ def label(
     scales: Sequence[Scale],
     *,
     classifier: str = "tree(prune=True)",
+    between: str = BETWEEN,
     rounds: int = 12,
     draws: int = DRAWS,
     spread: Floats | None = None,
@@ -96,7 +99,9 @@ def label(
         runs: that were shown, of one person or script.
         behaviors: names of the k behaviors.
         scales: of the m features.
-        classifier: that learns the transition functions.
+        classifier: that learns the transition functions from the final labels.
+        between: the one that learns from drawn sequences while alternating; with smaller leaves,
+            it would confirm whatever was drawn.
         rounds: of alternating at most; 0: labels by a sticky prior alone.
         draws: sequences drawn of each run, from which the functions are learned.
         spread: of what is done around what a behavior would do; None: estimated.
@@ -125,11 +130,13 @@ def label(
         if spread is None:
             width = spread_of(every, now)
         taught = list(_examples(runs, drawn, behaviors))
-        functions = learn_transitions(taught, scales, classifier)
+        functions = learn_transitions(taught, scales, between)
         settled = before is not None and float((now != before).mean()) <= SETTLED
         before = now
         if settled:
             break
+    alone = [one[None] for one in labels]
+    functions = learn_transitions(list(_examples(runs, alone, behaviors)), scales, classifier)
     return Shown(
         tuple(labels),
         tuple(belief.max(axis=1) for belief in beliefs),

@@ -16,6 +16,9 @@ SURE = 4.0
 _FLOOR = 1e-3
 """The least spread, as a share of the largest difference: exact scripts have none."""
 
+_NEAR, _OF_A_BELL = 0.95, 1.148
+"""A share of moments; what their root mean square is to be multiplied by."""
+
 _BEYOND = -0.5 * SURE**2 - 4
 """The log of how likely, beside what a behavior would do, anything else is; bounds outliers."""
 
@@ -39,8 +42,8 @@ def apart(did: ArrayLike, would: ArrayLike, scales: Sequence[Scale] | None = Non
 def spread_of(apart: Floats, labels: Integers | None = None) -> Floats:
     """Return the usual distance between what was done and the behavior that it was, shape (d,).
 
-    It is 1.4826 medians, one standard deviation of a bell, so that moments that no behavior
-    explains do not widen it.
+    One standard deviation of a bell, by the nearest 95 % of the moments, so that a few that no
+    behavior explains do not widen it.
 
     Args:
         apart: shape (n, k, d).
@@ -51,8 +54,9 @@ def spread_of(apart: Floats, labels: Integers | None = None) -> Floats:
     least = np.maximum(_FLOOR * size.max(axis=(0, 1)), 1e-9)
     if labels is None:
         labels = (size / np.maximum(size.mean(axis=(0, 1)), 1e-9)).sum(axis=2).argmin(axis=1)
-    own = size[np.arange(len(size)), labels]
-    return np.asarray(np.maximum(1.4826 * np.median(own, axis=0), least))
+    own = np.sort(size[np.arange(len(size)), labels], axis=0)
+    near = own[: int(np.ceil(_NEAR * len(own)))]
+    return np.asarray(np.maximum(_OF_A_BELL * np.sqrt((near**2).mean(axis=0)), least))
 
 
 def log_likelihoods(apart: Floats, spread: Floats) -> Floats:
