@@ -99,7 +99,7 @@ def label(
         runs: that were shown, of one person or script.
         behaviors: names of the k behaviors.
         scales: of the m features.
-        classifier: that learns the transition functions from the final labels.
+        classifier: the tree that learns the transition functions from the final labels.
         between: the one that learns from drawn sequences while alternating; with smaller leaves,
             it would confirm whatever was drawn.
         rounds: of alternating at most; 0: labels by a sticky prior alone.
@@ -118,7 +118,7 @@ def label(
     width = spread_of(every) if spread is None else spread
     functions: Functions = {}
     before: Integers | None = None
-    for done in range(rounds + 1):
+    for done in range(rounds + 1):  # noqa: B007
         drawn, beliefs = [], []
         for run in runs:
             start, steps = _prior(functions, behaviors, run.features)
@@ -162,7 +162,7 @@ def steps_of(
     place = {behavior: i for i, behavior in enumerate(behaviors)}
     found = np.tile(np.eye(k), (len(features), 1, 1))
     for state, function in functions.items():
-        columns = [place[next_state] for next_state in function.labels]
+        columns = [place[next_state] for next_state in function.labels]  # type: ignore[attr-defined]
         if state == START:
             start = np.zeros(k)
             start[columns] = function.predict_proba(features[:1])[0]  # type: ignore[attr-defined]
@@ -189,7 +189,7 @@ def _odds(run: Run, spread: Floats) -> Floats:
     odds = np.exp(found - found.max(axis=1, keepdims=True))
     for moment, which in run.known.items():
         odds[moment] = np.where(np.arange(odds.shape[1]) == which, 1.0, 0.0)
-    return odds
+    return np.asarray(odds)
 
 
 def _examples(

@@ -65,7 +65,7 @@ def log_likelihoods(apart: Floats, spread: Floats) -> Floats:
     A number that is NaN says nothing.
     """
     far = -0.5 * np.nansum((apart / spread) ** 2, axis=2)
-    return np.logaddexp(far, _BEYOND)
+    return np.asarray(np.logaddexp(far, _BEYOND))
 
 
 def unexplained(apart: Floats, spread: Floats) -> Booleans:
