@@ -66,7 +66,7 @@ def road(turn: float, top: float, turning: Callable[[Floats], Any]) -> Callable[
     def does(now: Columns, last: Columns) -> list[list[Any]]:
         lane = np.arctan((np.round(now["y"] / 4) * 4 - now["y"]) / 30)
         aside = turning(now["vx"])
-        wanted = [
+        wanted: list[tuple[Any, Any]] = [
             (lane, top - now["vx"]),
             (lane, now["f_vx"] - now["vx"]),
             (-0.15, aside),
