@@ -27,7 +27,7 @@ CORE_FLOORS = (
     ("advice",),
     ("running",),
     ("drawing", "library"),
-    ("exporting", "training"),
+    ("exporting", "showing", "training"),
     ("caution", "saving"),
     ("agent",),
     ("commanding", "learning_agent", "plain"),

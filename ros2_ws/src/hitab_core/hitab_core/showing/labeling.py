@@ -1,0 +1,204 @@
+"""Which behavior each moment was, alternating with learning the automaton that chose it.
+
+With given transition functions, those sequences of states are likely that explain both what was
+done and when it changed; with given sequences, the engine's own learner learns the functions. The
+two alternate until the labels settle, as in expectation maximization. The states are behaviors.
+
+Reference: J. Xin et al., Programmatic Imitation Learning from Unlabeled and Noisy Demonstrations,
+2024, arXiv 2303.01440, with a program where this has trees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from hitab_core.arrays import Booleans, Floats, Integers
+from hitab_core.automaton import START
+from hitab_core.domain import Scale
+from hitab_core.errors import TrainingError
+from hitab_core.example import Example
+from hitab_core.learning import learn_transitions
+from hitab_core.showing.likelihood import log_likelihoods, spread_of, unexplained
+from hitab_core.showing.paths import draw, forward, posterior
+from hitab_core.transition_function import LearnedTransition
+
+STAY = 0.9
+"""How probable it is to stay, before anything was learned."""
+
+SLIP = 0.02
+"""How probable a change is that the automaton does not expect: who shows is no automaton."""
+
+DRAWS, MOMENTS = 10, 20_000
+"""How many sequences are drawn of each run, and of how many moments in all at most, if several."""
+
+BETWEEN = "tree(prune=True, min_samples_leaf=40)"
+
+SETTLED = 0.002
+"""The share of moments whose label may still change when the labels have settled."""
+
+Functions = Mapping[str, LearnedTransition]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run that was shown.
+
+    Attributes:
+        features: shape (n, m), seen at each moment.
+        apart: shape (n, k, d), how far what was done is from each behavior's output.
+        known: by moment, the index of the behavior that a person said it was.
+    """
+
+    features: Floats
+    apart: Floats
+    known: Mapping[int, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What runs have shown.
+
+    Attributes:
+        labels: of each run, the index of the most probable behavior at each moment.
+        confidence: of each run, how probable that is.
+        unexplained: of each run, at which moments no behavior would have done what was done.
+        functions: the transition functions that the labels teach, by behavior, and of Start.
+        spread: shape (d,), of what was done around what the behaviors would have done.
+        rounds: of alternating; 0: none, by a sticky prior alone.
+        settled: whether the labels no longer changed.
+    """
+
+    labels: tuple[Integers, ...]
+    confidence: tuple[Floats, ...]
+    unexplained: tuple[Booleans, ...]
+    functions: Functions
+    spread: Floats
+    rounds: int
+    settled: bool
+
+
+def label(
+    runs: Sequence[Run],
+    behaviors: Sequence[str],
+    scales: Sequence[Scale],
+    *,
+    classifier: str = "tree(prune=True)",
+    between: str = BETWEEN,
+    rounds: int = 12,
+    draws: int = DRAWS,
+    spread: Floats | None = None,
+    seed: int = 0,
+) -> Shown:
+    """Return which behavior each moment of some runs was, and the automaton's functions.
+
+    Args:
+        runs: that were shown, of one person or script.
+        behaviors: names of the k behaviors.
+        scales: of the m features.
+        classifier: the tree that learns the transition functions from the final labels.
+        between: the one that learns from drawn sequences while alternating; with smaller leaves,
+            it would confirm whatever was drawn.
+        rounds: of alternating at most; 0: labels by a sticky prior alone.
+        draws: sequences drawn of each run, from which the functions are learned.
+        spread: of what is done around what a behavior would do; None: estimated.
+        seed: of the draws.
+
+    Raises:
+        TrainingError: if there is nothing to label.
+    """
+    if not runs or min(len(run.features) for run in runs) == 0 or not behaviors:
+        raise TrainingError("nothing was shown: give at least one moment and one behavior")
+    rng = np.random.default_rng(seed)
+    draws = max(1, min(draws, MOMENTS // sum(len(run.features) for run in runs)))
+    every = np.concatenate([run.apart for run in runs])
+    width = spread_of(every) if spread is None else spread
+    functions: Functions = {}
+    before: Integers | None = None
+    for done in range(rounds + 1):  # noqa: B007
+        drawn, beliefs = [], []
+        for run in runs:
+            start, steps = _prior(functions, behaviors, run.features)
+            ahead = forward(start, steps, _odds(run, width))
+            beliefs.append(posterior(ahead, steps))
+            drawn.append(draw(ahead, steps, draws, rng))
+        labels = [belief.argmax(axis=1) for belief in beliefs]
+        now = np.concatenate(labels)
+        if spread is None:
+            width = spread_of(every, now)
+        taught = list(_examples(runs, drawn, behaviors))
+        functions = learn_transitions(taught, scales, between)
+        settled = before is not None and float((now != before).mean()) <= SETTLED
+        before = now
+        if settled:
+            break
+    alone = [one[None] for one in labels]
+    functions = learn_transitions(list(_examples(runs, alone, behaviors)), scales, classifier)
+    return Shown(
+        tuple(labels),
+        tuple(belief.max(axis=1) for belief in beliefs),
+        tuple(unexplained(run.apart, width) for run in runs),
+        functions,
+        width,
+        done,
+        settled,
+    )
+
+
+def steps_of(
+    functions: Functions, behaviors: Sequence[str], features: Floats
+) -> tuple[Floats, Floats]:
+    """Return where an automaton starts and how probable each step is, for `paths.forward`.
+
+    A behavior without a transition function stays. The start is as if the first step stayed.
+
+    Returns:
+        shape (k,) and shape (n, k, k).
+    """
+    k = len(behaviors)
+    place = {behavior: i for i, behavior in enumerate(behaviors)}
+    found = np.tile(np.eye(k), (len(features), 1, 1))
+    for state, function in functions.items():
+        columns = [place[next_state] for next_state in function.labels]  # type: ignore[attr-defined]
+        if state == START:
+            start = np.zeros(k)
+            start[columns] = function.predict_proba(features[:1])[0]  # type: ignore[attr-defined]
+            continue
+        found[:, place[state]] = 0.0
+        found[:, place[state], columns] = function.predict_proba(features)  # type: ignore[attr-defined]
+    found[0] = np.eye(k)
+    return start, found
+
+
+def _prior(
+    functions: Functions, behaviors: Sequence[str], features: Floats
+) -> tuple[Floats, Floats]:
+    k = len(behaviors)
+    if not functions:
+        one = np.full((k, k), (1 - STAY) / k) + STAY * np.eye(k)
+        return np.full(k, 1 / k), np.broadcast_to(one, (len(features), k, k))
+    start, steps = steps_of(functions, behaviors, features)
+    return (1 - SLIP) * start + SLIP / k, (1 - SLIP) * steps + SLIP / k
+
+
+def _odds(run: Run, spread: Floats) -> Floats:
+    found = log_likelihoods(run.apart, spread)
+    odds = np.exp(found - found.max(axis=1, keepdims=True))
+    for moment, which in run.known.items():
+        odds[moment] = np.where(np.arange(odds.shape[1]) == which, 1.0, 0.0)
+    return np.asarray(odds)
+
+
+def _examples(
+    runs: Sequence[Run], drawn: Sequence[Integers], behaviors: Sequence[str]
+) -> Iterator[Example]:
+    """Yield what each moment of each sequence says: where it went from the moment before."""
+    for run, sequences in zip(runs, drawn, strict=True):
+        rows = [tuple(row) for row in run.features.tolist()]
+        for sequence in sequences.tolist():
+            states = [START, *(behaviors[i] for i in sequence)]
+            for row, (state, next_state) in zip(rows, pairwise(states), strict=True):
+                yield Example(state, row, next_state)

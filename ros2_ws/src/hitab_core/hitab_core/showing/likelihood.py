@@ -1,0 +1,74 @@
+"""How likely each basic behavior makes what was done: a bell around what it would have done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hitab_core.arrays import Booleans, Floats, Integers
+from hitab_core.domain import FeatureKind, Scale
+
+SURE = 4.0
+"""Spreads; a moment farther from all behaviors is explained by none."""
+
+_FLOOR = 1e-3
+"""The least spread, as a share of the largest difference: exact scripts have none."""
+
+_NEAR, _OF_A_BELL = 0.95, 1.148
+"""A share of moments; what their root mean square is to be multiplied by."""
+
+_BEYOND = -0.5 * SURE**2 - 4
+"""The log of how likely, beside what a behavior would do, anything else is; bounds outliers."""
+
+
+def apart(did: ArrayLike, would: ArrayLike, scales: Sequence[Scale] | None = None) -> Floats:
+    """Return how far what was done is from each behavior's output, shape (n, k, d).
+
+    Args:
+        did: shape (n, d); NaN where not measured.
+        would: shape (n, k, d): the output of each behavior; NaN where it leaves it open.
+        scales: of each of the d numbers, a toroidal one wraps around; None: none does.
+    """
+    found = np.asarray(did, np.float64)[:, None, :] - np.asarray(would, np.float64)
+    for i, scale in enumerate(scales or ()):
+        if scale.kind is FeatureKind.TOROIDAL:
+            half = scale.period / 2
+            found[..., i] = (found[..., i] + half) % scale.period - half
+    return found
+
+
+def spread_of(apart: Floats, labels: Integers | None = None) -> Floats:
+    """Return the usual distance between what was done and the behavior that it was, shape (d,).
+
+    One standard deviation of a bell, by the nearest 95 % of the moments, so that a few that no
+    behavior explains do not widen it.
+
+    Args:
+        apart: shape (n, k, d).
+        labels: shape (n,), which behavior each moment was; None: the nearest, which makes the
+            spread too small if behaviors are closer together than it.
+    """
+    size = np.nan_to_num(np.abs(apart))
+    least = np.maximum(_FLOOR * size.max(axis=(0, 1)), 1e-9)
+    if labels is None:
+        labels = (size / np.maximum(size.mean(axis=(0, 1)), 1e-9)).sum(axis=2).argmin(axis=1)
+    own = np.sort(size[np.arange(len(size)), labels], axis=0)
+    near = own[: int(np.ceil(_NEAR * len(own)))]
+    return np.asarray(np.maximum(_OF_A_BELL * np.sqrt((near**2).mean(axis=0)), least))
+
+
+def log_likelihoods(apart: Floats, spread: Floats) -> Floats:
+    """Return the log likelihood of each behavior at each moment, up to a constant, shape (n, k).
+
+    A number that is NaN says nothing.
+    """
+    far = -0.5 * np.nansum((apart / spread) ** 2, axis=2)
+    return np.asarray(np.logaddexp(far, _BEYOND))
+
+
+def unexplained(apart: Floats, spread: Floats) -> Booleans:
+    """Return at which moments no behavior would have done nearly what was done, shape (n,)."""
+    worst = np.nan_to_num(np.abs(apart) / spread).max(axis=2)
+    return np.asarray(worst.min(axis=1) > SURE)
