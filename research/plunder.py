@@ -19,10 +19,12 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import typer
+from shown_labels import Run, Shown, label, steps_of
+from shown_likelihood import apart
+from shown_paths import forward
 
 from hitab_core import Scale
 from hitab_core.arrays import Floats, Integers
-from hitab_core.showing import Run, Shown, apart, forward, label, steps_of
 
 SOURCE = "https://github.com/ut-amrl/plunder"
 CACHE = Path("~/.cache/hitab/plunder").expanduser()

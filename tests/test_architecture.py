@@ -27,7 +27,7 @@ CORE_FLOORS = (
     ("advice",),
     ("running",),
     ("drawing", "library"),
-    ("exporting", "showing", "training"),
+    ("exporting", "training"),
     ("caution", "saving"),
     ("agent",),
     ("commanding", "learning_agent", "plain"),

@@ -15,6 +15,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
+from shown_likelihood import log_likelihoods, spread_of, unexplained
+from shown_paths import draw, forward, posterior
 
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.automaton import START
@@ -22,8 +24,6 @@ from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.learning import learn_transitions
-from hitab_core.showing.likelihood import log_likelihoods, spread_of, unexplained
-from hitab_core.showing.paths import draw, forward, posterior
 from hitab_core.transition_function import LearnedTransition
 
 STAY = 0.9

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from shown_labels import Run, label, steps_of
+from shown_likelihood import apart
+from shown_paths import forward
 
 from hitab_core import FeatureKind, Scale
 from hitab_core.errors import TrainingError
-from hitab_core.showing import Run, apart, forward, label, steps_of
 
 BEHAVIORS = ("Left", "Right")
 SPREAD = 0.6

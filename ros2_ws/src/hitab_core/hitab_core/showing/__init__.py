@@ -1,5 +1,0 @@
-"""Showing without commands: which behavior each moment of a run was, and what that teaches."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
