@@ -241,7 +241,11 @@ def test_an_announced_change_is_withdrawn_without_a_trace_or_made_as_at_once(
     library: BehaviorLibrary, teach: Teach, tmp_path: Path
 ) -> None:
     folder, before = library.folder, contents(library)
-    twin = BehaviorLibrary(shutil.copytree(folder, tmp_path / "twin"), library.domain)
+    copied = shutil.copytree(folder, tmp_path / "twin")
+    library, twin = (
+        BehaviorLibrary(path, library.domain, clock=lambda: "2026-11-26T12:00:00Z")
+        for path in (folder, copied)
+    )
     new = teach("New", [], [("Start", [], "GoSlow")])
 
     def announced() -> bytes:
