@@ -132,18 +132,26 @@ class PagePupil(RealTimePupil):
         self.page.click(f'[data-test="agent-{PUPIL}"]')
 
     def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
-        """Press the key of a behavior."""
+        """Press the key of a behavior; see `Pupil.command`."""
         before = max((e.command for e in self.examples()), default=0)
+        told = self._too_late()
         button = self.page.wait_for_selector(f'[data-test="do-{state}"]:not([aria-disabled])')
         self.page.keyboard.press(button.get_attribute("data-hotkey"))
         deadline = time.monotonic() + SECONDS
         while not (taught := [e for e in self.examples() if e.command > before]):
+            if self._too_late() != told:
+                return ()
             if time.monotonic() > deadline:
                 shown = self.page.inner_text("body")
                 raise HitabError(f"the key for {state} was not recorded; the page shows: {shown}")
         self._path = [state]
         self.given += len(taught)
         return taught
+
+    def _too_late(self) -> list[str]:
+        """Return what the page says of keys that came when their episode was over."""
+        said = self.page.locator('[data-test="message"]', has_text="a new episode has begun")
+        return list(said.all_inner_texts())
 
     def test(self, *, restart: bool = False) -> None:
         """Press the key that hands over, if the keeper is not being tested, and restart."""

@@ -93,6 +93,9 @@ class Pupil(Protocol):
             state: to perform.
             ago: how much earlier the command was due, s.
             pace: simulated seconds in a second of a person who does not know; 0: it is in time.
+
+        Returns:
+            The examples that it added; none if it came when its episode was over.
         """
 
     def test(self, *, restart: bool = False) -> None:

@@ -388,6 +388,9 @@ class Trial:
             ago = min(waited * self.random.uniform(0.75, 1.25), 2.0)
         unknown = self.pace if self.estimated and not paused else 0.0
         taught = self.pupil.command(state, ago, unknown)
+        if not taught:
+            self.diary.counts["not given"] += 1
+            return
         self.given += [e.number for e in taught if not e.is_default]
         self.diary.counts["commands"] += 1
         left = press.left if self.trusts else taught[0].state
