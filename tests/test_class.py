@@ -49,6 +49,7 @@ def test_who_has_done_nothing_is_told_what_to_do(student):
     assert "approach: 5 of 5 requirements" in approach
 
 
+@pytest.mark.long
 def test_the_steps_of_the_page_solve_the_exercises(student):
     steps = [step.command for step in steps_of("docs/class.md")]
     steps = [step for step in steps if step.startswith("hitab ")]

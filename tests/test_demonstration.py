@@ -122,7 +122,7 @@ def test_what_is_not_saved_yet_is_neither_sent_nor_performed(begun, hitab):
         assert f"`hitab save {ONE}`" in " ".join(refused.stderr.split())
     for name, why in (("Start", "is reserved"), ("GoFast", 'is a basic behavior of domain "keep')):
         refused = hitab("save", ONE, "--name", name)
-        assert refused.stderr.startswith(f'error: {ONE}: "{name}" {why}'), refused.stderr
+        assert f'error: {ONE}: "{name}" {why}' in refused.stderr
 
 
 def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):

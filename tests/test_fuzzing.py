@@ -190,6 +190,7 @@ def doing(running: RunningSwarm) -> str:
     )
 
 
+@pytest.mark.long
 def test_two_levels_of_commanders_are_obeyed_whatever_was_sent(
     home: Path, tmp_path: Path, request: pytest.FixtureRequest
 ):

@@ -131,13 +131,14 @@ def test_a_busy_machine_changes_nothing(tmp_path, captained, busy):
     assert over_topics(keepers_with_captain(), tmp_path) == captained
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("lossy", [100], indirect=True)
 def test_lost_datagrams_cost_no_deadlines(tmp_path, captained, lossy):
     """Two that were lost in one cycle cost one: each was sent again only after 3 s."""
     assert over_topics(keepers_with_captain(), tmp_path / "run") == captained
 
 
-@pytest.mark.parametrize("comes", ["at once", "late"])
+@pytest.mark.parametrize("comes", ["at once", pytest.param("late", marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", ["captain", pytest.param("keeper_2", marks=pytest.mark.long)])
 def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name, comes):
     swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
