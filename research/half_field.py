@@ -60,13 +60,13 @@ def captained(automata: Automata) -> Team:
     folder = shipped("libraries", "half_field_captain")
     kind = read_kind(folder / KIND_FILE)
     domain = replace(DOMAIN, automata={**DOMAIN.automata, **automata})
+    empty = tempfile.TemporaryDirectory()  # gone with the team
 
     def team(world: World) -> tuple[Mapping[str, Any], Callable[[], None]]:
-        empty = Path(tempfile.mkdtemp())
         library = BehaviorLibrary(folder, commander_domain(kind))
         roles = {name: name for name in world.agents}
         players = HierarchyPlayers(
-            [Member(name, BehaviorLibrary(empty, domain)) for name in world.agents],
+            [Member(name, BehaviorLibrary(empty.name, domain)) for name in world.agents],
             [Commander("captain", kind, library, "Captain", tuple(world.agents), roles)],
         )
         return players.players, players.confer

@@ -13,6 +13,7 @@ from keepaway_world import percept
 from keepaway_world.angles import wrapped
 from keepaway_world.body import NOBODY, YELL, KeeperBody
 from keepaway_world.features import direction_to
+from keepaway_world.interception import FULL, power_to_rest
 from keepaway_world.kicking import kick_acceleration, kick_power, off_place, pass_speed
 from keepaway_world.percept import BALL
 
@@ -159,13 +160,9 @@ def go_by(body: KeeperBody, dx: float, dy: float) -> None:
     if abs(off) > TURN_WHEN_OFF:
         body.turn_by(off)
         return
-    distance = math.hypot(dx, dy)
-    p = body.parameters
     vx, vy = body.velocity
-    forward = vx * math.cos(body.heading) + vy * math.sin(body.heading)
-    # A dash and the rolling out after it cover (speed + acceleration) / (1 - decay).
-    power = (distance * (1.0 - p.player_decay) - forward) / p.dash_rate
-    body.dash(min(max(power, 0.0), 100.0))
+    ahead = vx * math.cos(body.heading) + vy * math.sin(body.heading)
+    body.dash(power_to_rest(body.parameters, math.hypot(dx, dy), ahead, FULL))
 
 
 def open_radius(body: KeeperBody) -> float:

@@ -104,6 +104,15 @@ class Interceptor:
         return heading, turns
 
 
+def power_to_rest(p: KeepawayParameters, distance: float, ahead: float, most: float) -> float:
+    """Return the power of a dash to come to rest after a distance, m, at a speed along it.
+
+    A dash and the rolling out after it cover (speed + acceleration) / (1 - decay).
+    """
+    power = (distance * (1.0 - p.player_decay) - ahead) / p.dash_rate
+    return min(max(power, 0.0), most)
+
+
 def turn_by(p: KeepawayParameters, player: Mover, angle: float) -> Order:
     """Return the order to turn by ``angle`` rad, or as far as one turn goes at this speed."""
     moment = angle * (1.0 + p.inertia * math.hypot(player.vx, player.vy))

@@ -14,8 +14,15 @@ from itertools import pairwise
 from keepaway_world.action import Order
 from keepaway_world.angles import wrapped
 from keepaway_world.half_field import field
-from keepaway_world.interception import ALIGNED, FULL, HORIZON, Interceptor, Point, turn_by
-from keepaway_world.parameters import KeepawayParameters
+from keepaway_world.interception import (
+    ALIGNED,
+    FULL,
+    HORIZON,
+    Interceptor,
+    Point,
+    power_to_rest,
+    turn_by,
+)
 from keepaway_world.physics import Mover, Physics
 from keepaway_world.takers import stop_ball
 
@@ -99,12 +106,7 @@ class Defence:
         if there:
             return "none", 0.0, 0.0
         ahead = player.vx * math.cos(player.heading) + player.vy * math.sin(player.heading)
-        return "dash", self._power(p, far, ahead), 0.0
-
-    def _power(self, p: KeepawayParameters, far: float, ahead: float) -> float:
-        """Return the power to cover a distance by one dash and rolling out, or to run."""
-        power = (far * (1.0 - p.player_decay) - ahead) / p.dash_rate
-        return min(max(power, 0.0), FULL * p.taker_speed)
+        return "dash", power_to_rest(p, far, ahead, FULL * p.taker_speed), 0.0
 
 
 def _scores(track: list[Point]) -> bool:
