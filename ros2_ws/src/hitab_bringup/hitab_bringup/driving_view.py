@@ -98,6 +98,11 @@ def _keys(demonstrator: Demonstrator) -> Iterator[Text]:
 def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
     asked = demonstrator.asked
     assert asked is not None
+    if asked.number is not None:
+        yield console.line(
+            f"{asked.use}: {asked.number}?  {asked.typed}_   Enter, Esc none", "bold"
+        )
+        return
     parameter = asked.use.arguments[asked.place]
     there = enumerate(asked.targets[:9], 1)
     targets = "   ".join(f"{number} {target}" for number, target in there)

@@ -5,14 +5,23 @@ from typing import Any
 
 import pytest
 from hitab_msgs.msg import AgentStatus, Behavior, WorldState, WorldStatus
+from sensor_msgs.msg import Joy
 
 from hitab_client import SwarmError, reaction_time
-from hitab_client.demonstrating import Demonstrator, KeyboardInput, outcome
+from hitab_client.demonstrating import (
+    Demonstrator,
+    JoystickInput,
+    KeyboardInput,
+    outcome,
+    read_mapping,
+)
 from hitab_client.demonstrating.demonstrator import FOUND_S, PATIENCE_S, PENDING_MAX
 from hitab_client.demonstrating.keyboard import HOLD_S
-from hitab_core import Use
+from hitab_core import Number, Use
+from hitab_ros.conversions import number_messages
 
 ONE, TWO = "robot_1", "robot_2"
+NUMBERS = [Number("direction", -180.0, 180.0, "deg", circular=True), Number("power", 0.0, 50.0)]
 
 
 class Topic:
@@ -33,6 +42,7 @@ class Node:
     def __init__(self) -> None:
         self.topics: dict[str, Topic] = {}
         self.timers: list[Any] = []
+        self.subscriptions: dict[str, Any] = {}
         self.listeners = [1]
 
     def create_publisher(self, kind: Any, topic: str, qos: Any, **options: Any) -> Topic:
@@ -42,8 +52,10 @@ class Node:
     def create_timer(self, period: float, callback: Any, clock: Any) -> None:
         self.timers.append(callback)
 
-    def create_subscription(self, *arguments: Any) -> None:
-        pass
+    def create_subscription(
+        self, kind: Any, topic: str, callback: Any, *_: Any, **__: Any
+    ) -> None:
+        self.subscriptions[topic] = callback
 
     def destroy_publisher(self, topic: Topic) -> None:
         pass
@@ -79,6 +91,7 @@ class Agents:
 
     def vocabulary(self, agent: str) -> Any:
         behaviors = [Behavior(name=name) for name in ("Forward", "GoTo(A)")]
+        behaviors.append(Behavior(name="Kick(A)", numbers=number_messages(NUMBERS)))
         return SimpleNamespace(domain="test", behaviors=behaviors, targets=["goal", "home"])
 
     def training(self, agent: str) -> Any:
@@ -205,6 +218,70 @@ def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
     desk.agents.become(ONE, "training", "Start")
     desk.press("2", "3")
     assert desk.agents.done[-1][2] == "GoTo(B)", "a parameter of the training"
+
+
+def test_numbers_are_typed_after_the_target(desk):
+    desk.agents.become(ONE, "training", "Start")
+    desk.press("3", "1")
+    assert desk.demonstrator.asked.number.name == "direction"
+    assert "direction of" in desk.press(*"400", "\n")
+    assert desk.demonstrator.failed
+    desk.press(*"-49", "\x7f", "0", "\n", *"3.5", "\r")
+    assert desk.agents.done[-1][2] == "Kick(goal, direction=-40, power=3.5)"
+    assert desk.demonstrator.asked is None
+    desk.press("3", "1", "4", "\x1b")
+    assert desk.demonstrator.asked is None
+    assert len(desk.agents.done) == 1
+
+
+class Gamepad:
+    """An Xbox gamepad with its switch held, on a topic."""
+
+    def __init__(self, desk: Desk) -> None:
+        self.desk = desk
+        mapping = read_mapping("xbox").but(behaviors={"A": "Kick(goal)"})
+        link: Any = desk.agents.link
+        JoystickInput(link, desk.demonstrator, mapping, "joy")
+        self.push()
+        self.push(held=True)
+
+    def push(self, *axes: float, held: bool = False, button: bool = False) -> None:
+        """Send where the right stick (to the left, ahead) and the left one (ahead) are."""
+        left, ahead, power = axes or (0.0, 0.0, 0.0)
+        buttons = [int(button), 0, 0, 0, int(held), *[0] * 6]
+        joy = Joy(axes=[0.0, power, 0.0, left, ahead, 0.0, 0.0, 0.0], buttons=buttons)
+        self.desk.agents.link.node.subscriptions["joy"](joy)
+        self.desk.demonstrator.work()
+
+
+def test_a_stick_gives_the_numbers_when_the_button_is_let_go(tmp_path, monkeypatch):
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
+    desk = Desk(asks=False)
+    desk.agents.become(ONE, "training", "Start")
+    gamepad = Gamepad(desk)
+    gamepad.push(held=True, button=True)
+    gamepad.push(0.9, 0.9, 0.5, held=True, button=True)
+    assert not desk.agents.done
+    assert desk.driven == (0.0, 0.0, 0.0), "the sticks give numbers meanwhile"
+    gamepad.push(0.9, 0.9, 0.5, held=True)
+    assert desk.agents.done[-1][2] == "Kick(goal, direction=45, power=25)"
+
+
+def test_a_stick_that_points_nowhere_or_is_lost_commands_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
+    desk = Desk(asks=False)
+    desk.agents.become(ONE, "training", "Start")
+    gamepad = Gamepad(desk)
+    gamepad.push(held=True, button=True)
+    gamepad.push(held=True)
+    assert "Kick(goal) is left out: the stick gave no direction" in desk.demonstrator.said
+    gamepad.push(held=True, button=True)
+    gamepad.push(0.9, 0.9, 0.5)  # the switch was let go as well
+    gamepad.push(held=True)
+    gamepad.push(held=True, button=True)
+    desk.agents.link.node.subscriptions["joy"](Joy(axes=[0.0], buttons=[0] * 11))
+    gamepad.push(0.9, 0.9, 0.5, held=True)
+    assert not desk.agents.done
 
 
 def test_an_error_is_said_and_the_next_key_counts(desk, monkeypatch):

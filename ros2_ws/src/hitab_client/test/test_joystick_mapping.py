@@ -53,6 +53,7 @@ def test_what_is_wrong_is_named_with_its_line():
         ("Up: 2", "Up: 0", "`Up:` must be a behavior, .* or the number of one, from 1, not 0"),
         (", above: 0.5", "", "needs either `above:` or `below:`"),
         ("-0.3", "0", "my.yaml:6: `speed:` must be a number other than 0, not 0"),
+        ("driving:", "numbers: {power: {ahead: 1}}\ndriving:", "`power:` needs either `axis:`"),
         ("driving:", "timeout: .nan\ndriving:", "`timeout:` must be at most 2, not nan"),
     ]:
         assert old in RIGHT

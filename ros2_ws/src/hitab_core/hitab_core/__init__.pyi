@@ -46,7 +46,9 @@ from .learning.transition_tree import TransitionTree as TransitionTree
 from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
 from .number import Number as Number
+from .number import numbers_of as numbers_of
 from .number import with_numbers as with_numbers
+from .number import without_numbers as without_numbers
 from .plain import behavior as behavior
 from .plain import feature as feature
 from .plain import plain_domain as plain_domain

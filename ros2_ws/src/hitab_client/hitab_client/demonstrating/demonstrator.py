@@ -19,14 +19,14 @@ from hitab_msgs.srv import Control
 from hitab_client import reaction_time
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.commanding import command, other_mode, put_earlier
-from hitab_client.demonstrating.pressed import Pressed, TargetsAsked
+from hitab_client.demonstrating.pressed import Asked, Pressed
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
 from hitab_client.errors import SwarmError
 from hitab_client.stops import Stops
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core import START, HitabError, Use, natural, some
+from hitab_core import START, HitabError, Use, natural, numbers_of, some, without_numbers
 from hitab_ros import EmergencySwitch, names
 
 PATIENCE_S = 1.0
@@ -43,6 +43,9 @@ FOUND_S = 3.0
 
 BY_HAND = "driving by hand"
 
+PARTS, BACKSPACES, ENTERS = "0123456789.-", "\x7f\b", "\r\n"
+"""Keys with which a number is typed."""
+
 
 class Demonstrator:
     """What one person commands with keys or buttons.
@@ -50,7 +53,7 @@ class Demonstrator:
     Args:
         agents: of the swarm.
         world: of the swarm, or an absent one.
-        asks: whether the person can be asked for targets.
+        asks: whether the person can be asked for targets and numbers.
         keys: of behaviors, kept for all processes; None: those of this one alone.
         clock: s; any steady clock.
 
@@ -77,7 +80,7 @@ class Demonstrator:
         self.said = ""
         self.failed = False
         self.told = 0
-        self.asked: TargetsAsked | None = None
+        self.asked: Asked | None = None
         # Hands on: the topic is open before it is needed, so that a stop arrives at once.
         self.switch = EmergencySwitch(agents.link.node, hands_on=True)
         self._stops = Stops(agents.link, switch=self.switch)
@@ -140,22 +143,54 @@ class Demonstrator:
         elif action in ("previous", "next"):
             self._step(1 if action == "next" else -1)
         else:
-            self._wait(self._pressed(action))
+            self._wait(self.pressed("", action))
 
-    def press_behavior(self, behavior: str) -> None:
-        """Have a behavior be commanded, or in no training performed."""
-        self._wait(self._pressed(behavior, behavior))
+    def pressed(self, behavior: str, what: str = "") -> Pressed:
+        """Return what is pressed now: a behavior, or something else."""
+        now = self._clock()
+        state = self._world.state
+        seen = 0 if state is None or self._world.status is None else int(state.cycle)
+        return Pressed(what or behavior, self.agent, behavior, now, now, seen)
 
-    def answer(self, number: int) -> None:
-        """Take the target with this number, from 1; any other number gives the command up."""
+    def press_behavior(self, behavior: str, first: Pressed | None = None) -> None:
+        """Have a behavior be commanded, or in no training performed.
+
+        Args:
+            behavior: with its targets and numbers.
+            first: the key that was pressed before these were given; None: it is this one.
+        """
+        now = self.pressed(behavior)
+        self._wait(now if first is None else replace(first, behavior=behavior, at=now.at))
+
+    def answer(self, key: str) -> None:
+        """Take a key of a person who is asked; any that is no answer gives the command up.
+
+        Args:
+            key: the number of a target, from 1; or a part of a number, Backspace, or Enter.
+        """
         asked, self.asked = self.asked, None
-        if asked is None or not 1 <= number <= len(asked.targets):
-            self.tell("")
+        if asked is None:
             return
-        arguments = list(asked.use.arguments)
-        arguments[asked.place] = asked.targets[number - 1]
-        use = Use(asked.use.name, tuple(arguments))
-        self._wait(replace(asked.pressed, behavior=str(use), at=self._clock()))
+        self.tell("")
+        number = asked.number
+        if number is None:
+            target = dict(zip("123456789", asked.targets, strict=False)).get(key)
+            if target is not None:
+                self.press_behavior(str(asked.with_target(target)), asked.pressed)
+        elif key in PARTS:
+            self.asked = replace(asked, typed=asked.typed + key)
+        elif key in BACKSPACES:
+            self.asked = replace(asked, typed=asked.typed[:-1])
+        elif key in ENTERS:
+            given = f"{number.name}={asked.typed}"
+            try:
+                numbers_of(Use(asked.use.name, (given,)), [number])
+            except HitabError as error:
+                self.tell(str(error), failed=True)
+                self.asked = replace(asked, typed="")
+                return
+            use = Use(asked.use.name, (*asked.use.arguments, given))
+            self.press_behavior(str(use), asked.pressed)
 
     def steer(self, velocity: Sequence[float], seconds: float) -> None:
         """Drive the robot by hand for so long, unless it is said again; zeros: not any more.
@@ -186,7 +221,7 @@ class Demonstrator:
         elif not self._is_at_rest() and self._is_driven:
             self._refuse_steering(f"{self.agent} acts again: let go, then drive it again")
         elif not self._is_at_rest() and begins:
-            self._wait(self._pressed(BY_HAND))
+            self._wait(self.pressed("", BY_HAND))
 
     def _refuse_steering(self, why: str) -> None:
         self.let_go()
@@ -198,12 +233,6 @@ class Demonstrator:
             self._refused_until = self.steering.until
         self._is_driven = False
         self.steering.release()
-
-    def _pressed(self, what: str, behavior: str = "") -> Pressed:
-        now = self._clock()
-        state = self._world.state
-        seen = 0 if state is None or self._world.status is None else int(state.cycle)
-        return Pressed(what, self.agent, behavior, now, now, seen)
 
     def _wait(self, pressed: Pressed) -> None:
         if len(self._pending) < PENDING_MAX:
@@ -281,9 +310,13 @@ class Demonstrator:
         self.let_go()
         words = self._words.ask(agent)
         use = Use.parse(pressed.behavior)
-        place = self._open_parameter(use, words)
+        place, numbers = self._open_parameter(use, words), words.open_numbers(use)
         if place is not None:
             self._ask(pressed, use, place, words)
+            return ""
+        if numbers and self._asks:
+            self.asked = Asked(use, pressed, number=numbers[0])
+            self.tell("")
             return ""
         reaction = reaction_time.of(agents.demonstrator)
         if reaction and not pressed.seen:
@@ -300,6 +333,7 @@ class Demonstrator:
 
     def _open_parameter(self, use: Use, words: Words) -> int | None:
         """Return the place of a parameter that is bound to no target; None: there is none."""
+        use = without_numbers(use)
         for declared in map(Use.parse, words.behaviors):
             if declared.name == use.name and len(declared.arguments) == len(use.arguments):
                 pairs = enumerate(zip(use.arguments, declared.arguments, strict=True))
@@ -317,7 +351,7 @@ class Demonstrator:
                 f"{use} needs a target for {parameter}: name the behavior with one, such as "
                 f"{use.name}({words.targets[0]}); the targets are {some(words.targets)}"
             )
-        self.asked = TargetsAsked(use, place, pressed, words.targets)
+        self.asked = Asked(use, pressed, place, words.targets)
         self.tell("")
 
     def _toggle(self, agent: str) -> str:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from sensor_msgs.msg import Joy
 
 from hitab_client.demonstrating.demonstrator import Demonstrator
 from hitab_client.demonstrating.joystick_mapping import Mapping
+from hitab_client.demonstrating.pressed import Pressed
 from hitab_client.demonstrating.stick import Stick
 from hitab_client.ros_link import RosLink
-from hitab_core import quantity
+from hitab_core import Number, Use, quantity, with_numbers
 from hitab_ros import qos, steady_timer
 from hitab_ros.stamps import seconds_of
 
@@ -19,6 +22,16 @@ LOOK_S = 0.1
 
 FOUND_S = 3.0
 """How long a joystick may take to be found, s."""
+
+
+@dataclass(frozen=True)
+class _Held:
+    """A button that is held until its behavior's numbers are right."""
+
+    button: str
+    behavior: str
+    wanted: list[Number]
+    first: Pressed
 
 
 class JoystickInput:
@@ -42,6 +55,7 @@ class JoystickInput:
         self._was_there = False
         self._trouble = ""
         self._topic = topic
+        self._held: _Held | None = None
         # Unchecked: what the guard would drop, such as NaN, has to stop the robot.
         self._node.create_subscription(Joy, topic, self._take, qos.STREAM, checked=False)
         steady_timer(self._node, LOOK_S, self._look)
@@ -61,10 +75,14 @@ class JoystickInput:
             demonstrator.tell(f"the joystick is there; nothing counts unless {hold} is held")
         if taken.trouble:
             demonstrator.let_go()
-        else:
+        elif self._held is None:
             demonstrator.steer(taken.velocity, self._mapping.timeout)
         for button in taken.pressed:
             self._press(button)
+        if self._held is not None and self._held.button not in taken.down:
+            held, self._held = self._held, None
+            if self._mapping.hold in taken.down:
+                self._command(held, message.axes)
 
     def _press(self, button: str) -> None:
         demonstrator = self._demonstrator
@@ -83,8 +101,31 @@ class JoystickInput:
                 )
                 return
             behavior = named
-        if behavior:
+        if not behavior:
+            return
+        wanted = demonstrator.words.open_numbers(Use.parse(behavior))
+        if wanted and all(number.name in self._mapping.numbers for number in wanted):
+            demonstrator.let_go()
+            self._held = _Held(button, behavior, wanted, demonstrator.pressed(behavior))
+            names = ", ".join(number.name for number in wanted)
+            demonstrator.tell(f"{behavior}: its {names} counts when you let {button} go")
+        else:
             demonstrator.press_behavior(behavior)
+
+    def _command(self, held: _Held, axes: Sequence[float]) -> None:
+        """Command what was held, with the numbers that the sticks give now."""
+        values = [self._mapping.numbers[n.name].read(n, axes) for n in held.wanted]
+        if None in values:
+            name = held.wanted[values.index(None)].name
+            self._demonstrator.tell(
+                f"{held.behavior} is left out: the stick gave no {name}; hold {held.button}, "
+                f"push the stick, and let {held.button} go",
+                failed=True,
+            )
+            return
+        given = [round(value, 3) for value in values if value is not None]
+        use = with_numbers(Use.parse(held.behavior), given, held.wanted)
+        self._demonstrator.press_behavior(str(use), held.first)
 
     def _look(self) -> None:
         """Let go of the robot when the joystick is lost."""
@@ -92,7 +133,7 @@ class JoystickInput:
         if not self._stick.is_lost(now):
             return
         if self._was_there:
-            self._was_there = False
+            self._was_there, self._held = False, None
             self._demonstrator.let_go()
             self._tell_trouble("the joystick is silent: driving by hand has stopped")
         elif not self._trouble and now > self._began + FOUND_S:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from hitab_client.demonstrating.pressed import ACTIONS
 from hitab_client.errors import DescriptionError
-from hitab_core import Use, VocabularyError, has
+from hitab_core import Number, Use, VocabularyError, has
 from hitab_core.library import kind_of
 from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, Record, among, open_record
 from hitab_core.library.yaml_places import Complaints, Place, read_text, read_yaml
@@ -22,6 +23,9 @@ FORMAT = 1
 SHIPPED = Path(__file__).parent / "joysticks"
 WAYS = ("ahead", "left", "turn")
 """Of the numbers of a velocity."""
+
+POINTS = 0.5
+"""How far from its center, of 1, a stick points somewhere."""
 
 TIMEOUT_MAX_S = 2.0
 """Nobody notices a lost joystick later than this."""
@@ -67,6 +71,48 @@ class Axis(Record):
     speed: Annotated[float, AfterValidator(_moving)]
 
 
+def _gauge(value: Any) -> Any:
+    if isinstance(value, dict) and ("axis" in value) is ("ahead" in value and "left" in value):
+        raise ValueError(
+            "needs either `axis:`, or `ahead:` and `left:`, the two axes of a stick, such as "
+            "{ahead: 1, left: 0}"
+        )
+    return value
+
+
+class Gauge(Record):
+    """What gives a number of a behavior: where a stick points, or how far an axis is pushed.
+
+    Attributes:
+        ahead, left: the axes of a stick, for a number on a circle.
+        axis: for another number.
+        low, high: where this axis is for the number's bounds.
+    """
+
+    ahead: int | None = Field(default=None, ge=0)
+    left: int | None = Field(default=None, ge=0)
+    axis: int | None = Field(default=None, ge=0)
+    low: float = Field(default=-1.0, ge=-1.0, le=1.0)
+    high: float = Field(default=1.0, ge=-1.0, le=1.0)
+
+    @property
+    def axes(self) -> list[int]:
+        """The axes that it reads."""
+        return [i for i in (self.ahead, self.left, self.axis) if i is not None]
+
+    def read(self, number: Number, axes: Sequence[float]) -> float | None:
+        """Return the value of a number; None: the stick does not point anywhere, or cannot."""
+        if self.axis is not None:
+            share = (axes[self.axis] - self.low) / ((self.high - self.low) or 1.0)
+            return number.low + min(max(share, 0.0), 1.0) * (number.high - number.low)
+        ahead, left = (axes[i] for i in self.axes)
+        if not number.circular or math.hypot(ahead, left) < POINTS:
+            return None
+        period = number.high - number.low
+        turn = math.atan2(left, ahead) / math.tau * period
+        return number.low + (turn - number.low) % period
+
+
 def _behavior(value: Any) -> str | int:
     if isinstance(value, int) and not isinstance(value, bool) and value >= 1:
         return value
@@ -88,6 +134,7 @@ class Mapping(Record):
         behaviors: by button: a behavior with its targets, or its number in the agent's order.
         actions: by button: one of the demonstrator's actions.
         driving: which axis drives ahead, to the left and turns; a missing one does not.
+        numbers: what gives the numbers of behaviors, by name.
         deadzone: how far from its center an axis counts as released, of 1.
         timeout: how long the joystick may be silent, s.
     """
@@ -105,6 +152,9 @@ class Mapping(Record):
     driving: Annotated[dict[Annotated[str, among(WAYS)], Axis], NONE_IS_EMPTY] = Field(
         default_factory=dict
     )
+    numbers: Annotated[dict[str, Annotated[Gauge, BeforeValidator(_gauge)]], NONE_IS_EMPTY] = (
+        Field(default_factory=dict)
+    )
     deadzone: float = Field(default=0.1, ge=0.0, le=0.9)
     timeout: float = Field(default=0.5, ge=0.05, le=TIMEOUT_MAX_S)
 
@@ -117,8 +167,10 @@ class Mapping(Record):
     @property
     def axes_min(self) -> int:
         """The least number of axes that a message must have."""
-        halves = [b.index for b in self.buttons.values() if b.is_axis]
-        return max([*halves, *(axis.index for axis in self.driving.values())], default=-1) + 1
+        used = [b.index for b in self.buttons.values() if b.is_axis]
+        used += [axis.index for axis in self.driving.values()]
+        used += [axis for gauge in self.numbers.values() for axis in gauge.axes]
+        return max(used, default=-1) + 1
 
 
 def shipped_mappings() -> list[str]:

@@ -67,7 +67,7 @@ class KeyboardInput:
         if ACTION_KEYS.get(key) == "stop":
             demonstrator.press("stop")  # whatever else is going on
         elif demonstrator.asked is not None:
-            demonstrator.answer(int(key) if key in "123456789" and len(key) == 1 else 0)
+            demonstrator.answer(key)
         elif key in ARROWS:
             self._drive(*ARROWS[key])
         elif key in ACTION_KEYS:

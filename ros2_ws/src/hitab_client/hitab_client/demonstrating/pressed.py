@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from hitab_core import Use
+from hitab_core import Number, Use
 
 ACTIONS = {
     "test": "test what was learned; again: take over",
@@ -31,7 +31,7 @@ class Pressed:
         agent: whom it is for.
         behavior: that is commanded; empty: none.
         at: when, s, by the demonstrator's clock.
-        due: when what it answers was seen, s; differs from `at` if a target was asked for.
+        due: when what it answers was seen, s; differs from `at` if more had to be given first.
         seen: the world's cycle that the person saw; 0: unknown.
     """
 
@@ -44,17 +44,27 @@ class Pressed:
 
 
 @dataclass(frozen=True)
-class TargetsAsked:
-    """A behavior whose next target is still to be chosen.
+class Asked:
+    """A behavior of which a target or a number is still to be given.
 
     Attributes:
-        use: the behavior, with its parameters and the targets chosen so far.
-        place: of the parameter in question.
+        use: the behavior, with its parameters, and what was given so far.
         pressed: the key that commanded it.
+        place: of the parameter in question.
         targets: among which to choose.
+        number: in question, instead of a parameter; None: none.
+        typed: of the number so far.
     """
 
     use: Use
-    place: int
     pressed: Pressed
-    targets: tuple[str, ...]
+    place: int = 0
+    targets: tuple[str, ...] = ()
+    number: Number | None = None
+    typed: str = ""
+
+    def with_target(self, target: str) -> Use:
+        """Return the behavior with a target in the place of the parameter."""
+        arguments = list(self.use.arguments)
+        arguments[self.place] = target
+        return Use(self.use.name, tuple(arguments))

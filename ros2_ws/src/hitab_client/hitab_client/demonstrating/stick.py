@@ -24,11 +24,13 @@ class Taken:
 
     Attributes:
         pressed: names of the buttons that have just been pressed and count.
+        down: names of the buttons that are down; none unless the switch is held.
         velocity: that is wanted; zeros: none.
         trouble: why the message does not count; empty: it does.
     """
 
     pressed: tuple[str, ...] = ()
+    down: frozenset[str] = frozenset()
     velocity: Velocity = STILL
     trouble: str = ""
 
@@ -80,7 +82,7 @@ class Stick:
             self._down = {*self._mapping.buttons} - self._stops | (self._down & self._stops)
             self._pressed_at.clear()
         if trouble:
-            return Taken(tuple(stops), STILL, trouble)
+            return Taken(tuple(stops), trouble=trouble)
         self._heard = now
         if 0.0 < stamp <= wall:
             self._stamp = stamp
@@ -94,7 +96,7 @@ class Stick:
             self._pressed_at[name] = now
         ahead, left, turn = (self._speed(way, axes) for way in WAYS)
         velocity = (ahead, left, turn) if held or hold in others else STILL
-        return Taken((*stops, *pressed), velocity)
+        return Taken((*stops, *pressed), frozenset(self._down) if held else frozenset(), velocity)
 
     def _newly_down(
         self, names: set[str], axes: Sequence[float], buttons: Sequence[int]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus
 
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import FLAGS, Use
+from hitab_core import FLAGS, Number, Use
+from hitab_ros.conversions import numbers_of_behaviors
 
 
 @dataclass(frozen=True)
@@ -22,6 +24,7 @@ class Words:
         keys: of the behaviors that have one.
         targets: of parameters; in training its own parameters are among them.
         training: name of the training that is under way, or kept with its examples; "": none.
+        numbers: of the behaviors that take some, by name.
     """
 
     domain: str = ""
@@ -29,6 +32,12 @@ class Words:
     keys: tuple[tuple[str, str], ...] = ()
     targets: tuple[str, ...] = ()
     training: str = ""
+    numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=dict)
+
+    def open_numbers(self, use: Use) -> list[Number]:
+        """Return the numbers that a behavior takes and is not given."""
+        given = {argument.partition("=")[0] for argument in use.arguments if "=" in argument}
+        return [n for n in self.numbers.get(use.name, ()) if n.name not in given]
 
     def on_key(self, key: str) -> str:
         """Return the behavior on a key; "" if there is none."""
@@ -91,6 +100,7 @@ class WordsOfAgents:
             tuple(k for k in keys if k[0]),
             tuple(targets),
             status.training,
+            numbers_of_behaviors(told.behaviors),
         )
 
 
