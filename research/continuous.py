@@ -8,7 +8,8 @@ all else is hard-coded. All teams play the same episodes in one process.
     scripts/python research/continuous.py --json continuous.json
     scripts/python research/continuous.py --task meet --episodes 20
 
-The moments are shown in other episodes than those of the figures.
+The moments are shown in other episodes than those of the figures. Each of several demonstrations
+is played for its share of the episodes.
 """
 
 from __future__ import annotations
@@ -19,14 +20,16 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from random import Random
-from statistics import fmean, stdev
+from statistics import fmean
 from typing import Annotated, Any
 
 import numpy as np
 import typer
+from scipy.stats import sem
+from scipy.stats import t as student_t
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
@@ -48,10 +51,9 @@ from keepaway_world.percept import BALL
 from keepaway_world.physics import Mover
 from keepaway_world.world import KeepawayWorld
 
-SHOWN_SEED, PLAYED_SEED = 411, 31415
+SHOWN_SEED, PLAYED_SEED = 52_000, 60_221
 EVERY = 5  # cycles between two commands
 ERROR_DEG = 10.0  # standard deviation of what the script commands
-CONFIDENT = 1.96
 Policy = Callable[[KeeperBody], "float | None"]
 """Returns a direction relative to the body, degrees; None: stand still."""
 
@@ -154,9 +156,11 @@ EXPERIMENTS = {
 class Driven:
     """keeper_1 of a hard-coded team, driven by a script while it should do what is shown."""
 
-    def __init__(self, shown: Experiment, relative: bool, moments: int, error: float) -> None:
+    def __init__(
+        self, shown: Experiment, relative: bool, moments: int, error: float, seed: int
+    ) -> None:
         self._shown, self._left = shown, moments
-        self._random, self._error = Random(5), error
+        self._random, self._error = Random(seed), error
         self._word = f"RunBeside({shown.relative_to}, " if relative else "RunTowards("
         self._relative = _towards(shown.relative_to, 0.0) if relative else None
         self._hand = AutomatonPlayer(Repertoire(DOMAIN), Use("Keepaway"), "keeper_1")
@@ -219,7 +223,7 @@ class Driven:
 def drive(shown: Experiment, relative: bool, moments: int, error: float, seed: int) -> Automaton:
     """Return what is learned from moments."""
     world = KeepawayWorld(replace(PAPER, taker_speed=0.25), seed=seed)
-    driven = Driven(shown, relative, moments, error)
+    driven = Driven(shown, relative, moments, error, seed)
     players: dict[str, Any] = dict(perform(world, Repertoire(DOMAIN), "Keepaway"))
     players["keeper_1"] = driven
     while not driven.done:
@@ -302,26 +306,48 @@ LEARNERS: dict[str, Callable[[], Any]] = {
 
 @dataclass(frozen=True)
 class Row:
-    """A team: how long it kept the ball, s, and the 95% interval of the mean."""
+    """A kind of team: for how long each demonstration's team kept the ball, s, by episode."""
 
     name: str
     moments: int
-    mean: float
-    interval: float
-    passes: float
-    episodes: int
+    seconds: list[list[float]] = field(default_factory=list)
+
+    def __str__(self) -> str:
+        """Return the mean with its 95% interval over demonstrations, or episodes if one."""
+        means = [fmean(s) for s in self.seconds]
+        values = means if len(means) > 1 else self.seconds[0]
+        few = len(values) < 2
+        half = math.inf if few else student_t.ppf(0.975, len(values) - 1) * sem(values)
+        return f"{self.name:45} {self.moments:4d} moments  {fmean(means):6.2f} ± {half:5.2f} s"
 
 
-def score(name: str, moments: int, domain: Domain, episodes: int) -> Row:
-    """Play a team."""
+def score(domain: Domain, episodes: range) -> list[float]:
+    """Return for how long a team keeps the ball in each of some episodes, s."""
     world = KeepawayWorld(replace(PAPER, taker_speed=0.25), seed=PLAYED_SEED)
-    results = play(
-        world, perform(world, Repertoire(domain), "Keepaway"), episodes, cycles_max=3000
-    )
-    seconds = [r.seconds for r in results]
-    half = CONFIDENT * stdev(seconds) / math.sqrt(len(seconds)) if len(seconds) > 1 else math.inf
-    passes = fmean(r.measures["passes"] for r in results)
-    return Row(name, moments, fmean(seconds), half, passes, episodes)
+    players = perform(world, Repertoire(domain), "Keepaway")
+    results = play(world, players, len(episodes), first=episodes.start, cycles_max=3000)
+    return [result.seconds for result in results]
+
+
+def teams(shown: Experiment, moments: int, seed: int) -> list[tuple[str, int, Domain]]:
+    """Return the teams of one demonstration: name, number of moments, domain."""
+    learned = drive(shown, False, moments, ERROR_DEG, seed)
+    beside = drive(shown, True, moments, ERROR_DEG, seed)
+    few = drive(shown, True, moments // 4, ERROR_DEG, seed)
+    found = [
+        ("hard-coded", 0, team_of(shown, shown.hard_coded)),
+        ("regression, RunTowards", moments, team(shown, learned)),
+        (f"regression, RunBeside({shown.relative_to})", moments, team(shown, beside)),
+        (f"regression, RunBeside({shown.relative_to})", moments // 4, team(shown, few)),
+        *(
+            (f"cloned: {title}", moments, team_of(shown, clone(shown, learned, make())))
+            for title, make in LEARNERS.items()
+        ),
+        *((title, 0, team_of(shown, policy)) for title, policy in shown.rules.items()),
+    ]
+    if shown.replaces == "GotoBall":
+        found.insert(1, ("hard-coded GotoBall of the team", 0, DOMAIN))
+    return found
 
 
 def costs() -> list[dict[str, float]]:
@@ -348,6 +374,7 @@ def run(
     task: Annotated[list[str] | None, typer.Option(help="open or meet. Default: both.")] = None,
     episodes: int = 200,
     moments: int = 200,
+    demonstrations: int = 10,
     json: Path | None = None,
 ) -> None:
     """Show moments, learn from them in several ways, and play."""
@@ -357,37 +384,19 @@ def run(
             f"{cost['moments']:6.0f} moments: learned in {cost['learn_ms']:8.2f} ms, "
             f"{cost['tick_us']:5.1f} us a tick"
         )
+    share = episodes // demonstrations
     for name in task or EXPERIMENTS:
-        shown = EXPERIMENTS[name]
-        learned = drive(shown, False, moments, ERROR_DEG, SHOWN_SEED)
-        beside = drive(shown, True, moments, ERROR_DEG, SHOWN_SEED)
-        few = drive(shown, True, moments // 4, ERROR_DEG, SHOWN_SEED)
-        teams = [
-            ("hard-coded", 0, team_of(shown, shown.hard_coded)),
-            ("regression, RunTowards", moments, team(shown, learned)),
-            (f"regression, RunBeside({shown.relative_to})", moments, team(shown, beside)),
-            (f"regression, RunBeside({shown.relative_to})", moments // 4, team(shown, few)),
-            *(
-                (f"cloned: {title}", moments, team_of(shown, clone(shown, learned, make())))
-                for title, make in LEARNERS.items()
-            ),
-            *((title, 0, team_of(shown, policy)) for title, policy in shown.rules.items()),
-        ]
-        if name == "meet":
-            teams.insert(1, ("hard-coded GotoBall of the team", 0, DOMAIN))
-        rows = []
-        print(f"{name}: {episodes} episodes of seed {PLAYED_SEED}")
-        for title, count, domain in teams:
-            row = score(title, count, domain, episodes)
-            rows.append(vars(row))
-            print(
-                f"{title:45} {count:4d} moments  {row.mean:6.2f} ± {row.interval:5.2f} s  "
-                f"{row.passes:5.2f} passes",
-                flush=True,
-            )
-        found[name] = rows
-        if json is not None:
-            json.write_text(js.dumps(found, indent=1))
+        print(f"{name}: {demonstrations} x {share} episodes of seed {PLAYED_SEED}")
+        rows: dict[tuple[str, int], Row] = {}
+        for number in range(demonstrations):
+            for title, count, domain in teams(EXPERIMENTS[name], moments, SHOWN_SEED + number):
+                seconds = score(domain, range(number * share, (number + 1) * share))
+                rows.setdefault((title, count), Row(title, count)).seconds.append(seconds)
+                print(f"  demonstration {number}: {title}, {fmean(seconds):.1f} s", flush=True)
+            found[name] = [vars(row) for row in rows.values()]
+            if json is not None:
+                json.write_text(js.dumps(found, indent=1))
+        print(*rows.values(), sep="\n", flush=True)
 
 
 if __name__ == "__main__":
