@@ -35,6 +35,7 @@ from keepaway_world.domain import DOMAIN
 
 app = typer.Typer(add_completion=False, help=__doc__)
 TOP = "Keepaway"
+REPAIRED = "repaired by five corrections"
 BLOCK, APART = 20, 10_000
 """Episodes between two entries of the file of finished runs; between two people's first ones."""
 
@@ -48,7 +49,7 @@ def teams(name: str, seed: int) -> tuple[Mapping[str, Mapping[str, Automaton]], 
     """Return the automata of each team after a change, and what their training took."""
     change = CHANGES[name]
     pupils = {
-        "repaired by five corrections": corrected(change, seed),
+        REPAIRED: corrected(change, seed),
         "its automaton from nothing, five commands": corrected(change, seed, afresh=True),
         "all from nothing, five commands": retrained(change, seed, MOST),
         COMPLETE: retrained(change, seed),
@@ -75,12 +76,17 @@ def hold_times(
 
 
 def measured(name: str, person: int, block: int, seed: int) -> dict[str, Any]:
-    """Return for how long the teams of a person hold the ball in some episodes."""
+    """Return for how long the teams of a person hold the ball in some episodes.
+
+    From the second block on only the two that the goal is about play.
+    """
     change, first = CHANGES[name], person * APART + block * BLOCK
     made, took = teams(name, seed * 1000 + person)
     span = range(first, first + BLOCK)
     seconds = {
-        team: hold_times(change, automata, seed + 7, span) for team, automata in made.items()
+        team: hold_times(change, automata, seed + 7, span)
+        for team, automata in made.items()
+        if block == 0 or team in (REPAIRED, COMPLETE)
     }
     where = {"change": name, "world": repr(change), "person": person, "block": block}
     return {**where, "seconds": seconds, "learning_ms": took}

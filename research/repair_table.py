@@ -39,15 +39,16 @@ def table(name: str, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     figures: dict[str, Any] = {}
     people = sorted({run["person"] for run in runs})
 
-    def by_person(team: str) -> list[list[float]]:
+    def by_person(team: str, beside: str) -> list[list[float]]:
+        played = [run for run in runs if beside in run["seconds"]]
         return [
-            [s for run in runs if run["person"] == p for s in run["seconds"][team]] for p in people
+            [s for run in played if run["person"] == p for s in run["seconds"][team]]
+            for p in people
         ]
 
-    complete = by_person(COMPLETE)
-    print(f"{name}: {len(people)} people, {sum(map(len, complete))} paired episodes")
+    print(f"{name}: {len(people)} people")
     for team in runs[0]["seconds"]:
-        times = by_person(team)
+        times, complete = by_person(team, team), by_person(COMPLETE, team)
         every = list(chain(*times))
         learning = list(chain(*(r["learning_ms"].get(team, []) for r in runs if not r["block"])))
         figures[team] = {
@@ -62,8 +63,8 @@ def table(name: str, runs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         if learning:
             told += f", learned in {median(learning):.1f} ms, at most {max(learning):.1f} ms"
         print(
-            f"  {team:44} {f['hold_s']:6.2f} ± {f['se']:.2f} s  ratio {f['ratio']:.2f} "
-            f"({f['low']:.2f} to {f['high']:.2f}; over people "
+            f"  {team:44} n {len(every):4d} {f['hold_s']:6.2f} ± {f['se']:.2f} s  "
+            f"ratio {f['ratio']:.2f} ({f['low']:.2f} to {f['high']:.2f}; over people "
             f"{f['low_people']:.2f} to {f['high_people']:.2f})  {told}"
         )
     return figures
