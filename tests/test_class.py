@@ -65,7 +65,7 @@ def test_the_steps_of_the_page_solve_the_exercises(student):
     graded = student("hitab lesson check chase approach correction team")
     assert "FAIL" not in graded
 
-    # What is trained later and breaks what is expected is told by everything that learns it again.
+    # What breaks what is expected is reported by everything that learns it again.
     student("hitab train keeper_1 Chase --resume")
     student("hitab examples delete keeper_1 6 7")
     broken = 'expectation "expectation_1": in GoFast it decides GoFast, not TurnToBall'

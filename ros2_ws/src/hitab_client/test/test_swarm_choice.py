@@ -1,4 +1,4 @@
-"""Swarms are told apart where several are meant."""
+"""Swarms are distinguished where several are meant."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -116,7 +116,7 @@ class Known:
         """
         lost = self.robots.lost if self.robots is not None else ()
         return {
-            name: (s.mode, state_shown(s.active_path))
+            name: (s.mode, state_shown(s))
             if self.answers(name) and name not in lost
             else (SILENT, "")
             for name, s in self.statuses.items()

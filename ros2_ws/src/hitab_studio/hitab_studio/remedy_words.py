@@ -26,7 +26,7 @@ BUTTONS = {
     Do.ARM: "Re-arm",
     Do.DOWN: "Stop in Swarm",
 }
-"""The button, key or tab; without one, a remedy is told in plain words."""
+"""The button, key or tab; without one, a remedy is put in plain words."""
 
 
 def in_studio(remedy: Remedy) -> str:

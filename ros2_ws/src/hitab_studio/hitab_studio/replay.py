@@ -100,10 +100,7 @@ class Recording:
 
     def doing(self, seconds: float) -> dict[str, tuple[str, str]]:
         """Return the mode and the active state of each agent at that time."""
-        return {
-            agent: (s.mode, state_shown(s.active_path))
-            for agent, s in self.statuses(seconds).items()
-        }
+        return {agent: (s.mode, state_shown(s)) for agent, s in self.statuses(seconds).items()}
 
     def events(self, seconds: float, agent: str, count: int = 12) -> list[Any]:
         """Return an agent's last state changes until then, newest first."""

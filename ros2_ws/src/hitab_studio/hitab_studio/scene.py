@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import Any
@@ -203,6 +203,12 @@ def said_message(scene: Scene) -> str:
     return json.dumps({"t": "say", "said": [[i, text] for i, text in scene.said.items()]})
 
 
-def state_shown(path: Sequence[str]) -> str:
-    """Return the state by which an agent is colored: the outermost, without its targets."""
-    return path[0].partition("(")[0] if path else ""
+def state_shown(status: msg.AgentStatus) -> str:
+    """Return by what an agent is colored, without its targets.
+
+    That is its outermost state, or the role that its commander has given it.
+    """
+    path = status.active_path
+    if status.superior and status.mode == status.PERFORMING:
+        path = [status.behavior]
+    return str(path[0].partition("(")[0]) if path else ""

@@ -21,7 +21,7 @@ from hitab_studio.known import Known
 from hitab_studio.learned import Vocabulary, effect, is_contradicted
 from hitab_studio.page import perform
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
-from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of
+from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of, state_shown
 from hitab_studio.store import Store
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
@@ -180,6 +180,15 @@ def test_a_frame_holds_places_states_and_modes_as_the_page_reads_them():
     assert list(data[40:42]) == [palette.index("GoFast"), NO_COLOR]
     assert list(data[42:44]) == [3, 0]
     assert len(data) == 16 + 14 * 2
+
+
+def test_an_agent_is_colored_by_the_role_that_its_commander_gives_it():
+    status = AgentStatus(mode="performing", behavior="Winger", active_path=["RunTo(spot)"])
+    assert state_shown(status) == "RunTo"
+    status.superior = "captain"
+    assert state_shown(status) == "Winger"
+    status.mode = "training"
+    assert state_shown(status) == "RunTo"
 
 
 def test_the_moment_of_an_example_is_kept_when_recent_moments_are_forgotten():

@@ -21,7 +21,7 @@ def transcript():
 
 
 def rounds(lines, client):
-    """Return what a client was told: at first, and then before each of its answers."""
+    """Return what a client was sent: at first, and then before each of its answers."""
     told = [[]]
     for line in lines:
         if line["client"] == client and line["dir"] == "recv":

@@ -50,7 +50,7 @@ FAR = 1e6
 """The distance of the nearest example where there is none."""
 
 LEAST = 0.1
-"""What an answer has to tell: a tenth of all that can be told of one kind of situation."""
+"""What an answer has to add: a tenth of all that can be learned of one kind of situation."""
 
 
 @dataclass(frozen=True)

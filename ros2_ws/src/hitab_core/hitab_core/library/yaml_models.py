@@ -1,4 +1,4 @@
-"""Typed models of YAML files; what is wrong with a file is told by line.
+"""Typed models of YAML files; errors name the line.
 
 Import this where a file is read, not at the top: pydantic takes a while to load.
 """

@@ -21,7 +21,7 @@ VERSION = 1
 
 
 def read_people(folder: Path | None) -> dict[str, Lateness]:
-    """Return how late each person's commands come; nothing of whom nothing usable is kept."""
+    """Return how late each person's commands come; people without a usable entry are left out."""
     people: dict[str, Lateness] = {}
     if folder is None:
         return people

@@ -41,7 +41,7 @@ async def delete_dialog(session: Session, data: Data) -> None:
 
 @action("behavior-delete")
 async def delete(session: Session, data: Data) -> None:
-    """Delete a behavior, also if others use it and the person was told so."""
+    """Delete a behavior, also if others use it and the person was warned."""
     name, told = session.dialog["name"], bool(session.dialog["users"])
     await _change(
         session,

@@ -99,7 +99,7 @@ def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
     """Return what an agent does; of a commander, its order and how many obey it."""
     store, live = session.shared.store, session.player is None
     holder = session.shared.held.get(name) if live else None
-    state = state_shown(status.active_path) if status is not None else ""
+    state = state_shown(status) if status is not None else ""
     index = store.palette.index(state)
     group = store.known.groups.get(name)
     return {

@@ -22,7 +22,7 @@ def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     store = session.shared.store
     statuses = store.known.statuses.values()
-    states = Counter(state_shown(s.active_path) or s.behavior or "nothing" for s in statuses)
+    states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)
     return {
         "shares": [
             (state, count, 100 * count / len(statuses), _color(store.palette.index(state)))
