@@ -21,7 +21,6 @@ from typing import Annotated, Any
 
 import typer
 from finished_runs import FinishedRuns, Resume
-from hierarchy_players import Commander, HierarchyPlayers, Member
 from scipy.stats import t as student_t
 
 from foraging_world.domain import DOMAIN
@@ -29,6 +28,7 @@ from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core import has

@@ -9,7 +9,6 @@ from functools import cached_property
 from math import hypot
 from types import MappingProxyType
 
-from hierarchy_players import Commander, HierarchyPlayers, Member
 from peers import Command, Learner, Policy
 from school import School
 from takeovers import Takeovers
@@ -34,6 +33,7 @@ from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Use

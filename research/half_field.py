@@ -27,10 +27,10 @@ import typer
 from finished_runs import FinishedRuns, Resume
 from half_field_attackers import RULE_BASED, RandomAttacker
 from half_field_rules import DEFAULT, SWAPS, Numbers, rules
-from hierarchy_players import Commander, HierarchyPlayers, Member
 
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind_reader import KIND_FILE, read_kind
 from hitab_core import Automaton, BehaviorLibrary, Example, Repertoire, Use
 from hitab_core.learning import relearned

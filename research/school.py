@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from hierarchy_players import HierarchyPlayers
 from peers import Command as Shown
 
 from hitab_client.errors import LessonError
@@ -37,6 +36,7 @@ from hitab_client.lessons.lesson import (
     Until,
 )
 from hitab_client.world_view import WorldView, speakers
+from hitab_commander.inprocess import HierarchyPlayers
 from hitab_core import START, Agent, Automaton, HitabError, Use
 from hitab_core.running import RunningAutomaton
 from hitab_core.running.senses import value_or_nan

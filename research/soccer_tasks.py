@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
-from hierarchy_players import Commander, HierarchyPlayers, Member
 from peers import Learner, Policy
 from school import School
 from takeovers import Takeovers
@@ -30,6 +29,7 @@ from tasks import (
 
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, described_kind, read_kind
 from hitab_core import Automaton, Domain, Repertoire, Use

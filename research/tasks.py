@@ -18,13 +18,13 @@ from random import Random
 from types import MappingProxyType
 from typing import Any
 
-from hierarchy_players import Commander
 from peers import Command, Learner, Policy
 from school import School, basic_behavior
 from takeovers import Takeovers
 
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander
 from hitab_commander.kind import CommanderKind
 from hitab_core import (
     START,

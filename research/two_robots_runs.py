@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 import yaml
-from hierarchy_players import Commander, HierarchyPlayers, Member
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Bool
@@ -25,6 +24,7 @@ from hitab_bringup import read_swarm, temporary_swarm
 from hitab_client import RosLink
 from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_core import START, Automaton, Domain, HandWritten, HitabError
 from hitab_robots import Mount
 from hitab_ros.stamps import seconds_of

@@ -7,16 +7,34 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
+from graphlib import TopologicalSorter
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from hitab_bringup.library_choice import holds_behaviors, named_library
 from hitab_bringup.opened_library import open_library
-from hitab_bringup.swarm_description import AgentDescription, SwarmDescription, WorldDescription
+from hitab_bringup.swarm_description import (
+    AgentDescription,
+    CommanderDescription,
+    SwarmDescription,
+    WorldDescription,
+)
 from hitab_bringup.swarm_processes import library_of
 from hitab_client import DescriptionError
 from hitab_client.run_folder import RunFolder
-from hitab_core import HitabError, LibraryError, Repertoire, Use, has, load_domain, some
+from hitab_commander import Commander, CommanderKind, HierarchyPlayers, Member
+from hitab_commander.commander_domain import commander_domain
+from hitab_core import (
+    BehaviorLibrary,
+    HitabError,
+    LibraryError,
+    Repertoire,
+    Use,
+    has,
+    load_domain,
+    some,
+)
 from hitab_core.library.yaml_places import read_yaml
 from hitab_world import World
 from hitab_world.evaluation import Game
@@ -33,14 +51,16 @@ class Part:
 
     Attributes:
         repertoire: its behaviors.
-        behavior: that it performs from the beginning of each episode.
+        behavior: that it performs from the beginning of each episode; None: what it is ordered.
+        opened: its library; None: it has learned nothing.
         library: the folder of its trained behaviors; None: there are none.
         digest: of what is learned there.
         versions: of its behaviors, where it is not the present one.
     """
 
     repertoire: Repertoire
-    behavior: Use
+    behavior: Use | None
+    opened: BehaviorLibrary | None = None
     library: Path | None = None
     digest: str = ""
     versions: Mapping[str, int] = field(default_factory=dict)
@@ -51,6 +71,7 @@ def part_of(
     behavior: str,
     *,
     domain: str = "",
+    kind: CommanderKind | None = None,
     without: Sequence[str] = (),
     versions: Mapping[str, int] | None = None,
 ) -> Part:
@@ -58,30 +79,35 @@ def part_of(
 
     Args:
         library: its folder.
-        behavior: of the library or the domain.
+        behavior: of the library or the domain; empty: what it is ordered.
         domain: of an agent without a library.
+        kind: of a commander; None: it is an agent.
         without: hand-written automata that are taken out.
         versions: of behaviors of the library, instead of the present ones.
 
     Raises:
         LibraryError: if the library cannot be used, or has no such behavior or version.
     """
-    use = Use.parse(behavior)
+    use = Use.parse(behavior) if behavior else None
     if library is None:
         repertoire = Repertoire(load_domain(domain).without(without))
-        repertoire.check_performable(use)
+        if use is not None:
+            repertoire.check_performable(use)
         return Part(repertoire, use)
-    opened = open_library(library)
+    opened = (
+        open_library(library) if kind is None else BehaviorLibrary(library, commander_domain(kind))
+    )
     automata = opened.load()
     versions = versions or {}
     for name, number in versions.items():
         automata[name] = opened.version(name, number).automaton
     repertoire = Repertoire(opened.domain.without(without), automata)
-    if use.name not in repertoire:
+    if use is not None and use.name not in repertoire:
         there = [*automata, *opened.domain.automata]
         raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
-    repertoire.check_performable(use)
-    return Part(repertoire, use, library, opened.digest, versions)
+    if use is not None:
+        repertoire.check_performable(use)
+    return Part(repertoire, use, opened, library, opened.digest, versions)
 
 
 def players_of(world: World, parts: Mapping[str, Part]) -> dict[str, Player]:
@@ -94,13 +120,18 @@ def players_of(world: World, parts: Mapping[str, Part]) -> dict[str, Player]:
     def time() -> float:
         return world.episode_cycle * world.cycle_seconds
 
-    there = [name for name in world.agents if name in parts]
+    return {
+        name: AutomatonPlayer(part.repertoire, part.behavior, name, time=time)
+        for name, part in _there(world, parts).items()
+        if part.behavior is not None
+    }
+
+
+def _there(world: World, parts: Mapping[str, Part]) -> dict[str, Part]:
+    there = {name: parts[name] for name in world.agents if name in parts}
     if not there:
         raise DescriptionError(f"the world has none of {some([*parts])} {has(world.agents)}")
-    return {
-        name: AutomatonPlayer(parts[name].repertoire, parts[name].behavior, name, time=time)
-        for name in there
-    }
+    return there
 
 
 @contextmanager
@@ -147,9 +178,11 @@ class Cast:
 
     def __init__(self, swarm: SwarmDescription, run_dir: Path | None = None) -> None:
         self._agents = {agent.name: agent for agent in swarm.agents}
+        self._commanders = {commander.name: commander for commander in swarm.commanders}
+        self._members = {**self._agents, **self._commanders}
         self._folder = RunFolder.of_swarm(swarm.name, run_dir).path
-        self._behaviors = {agent.name: agent.behavior for agent in swarm.agents}
-        self._libraries = {agent.name: self._own(agent) for agent in swarm.agents}
+        self._behaviors = {agent.name: agent.behavior for agent in swarm.members}
+        self._libraries = {agent.name: self._own(agent) for agent in swarm.members}
         self._versions: dict[str, dict[str, int]] = {}
 
     def _own(self, agent: AgentDescription) -> Path | None:
@@ -173,40 +206,63 @@ class Cast:
                 self._libraries |= dict.fromkeys(agents, named_library(text))
 
     def choose_behaviors(self, texts: Sequence[str]) -> None:
-        """Give agents behaviors: ``[AGENT=]BEHAVIOR``, or ``nothing``."""
+        """Give agents behaviors: ``[AGENT=]BEHAVIOR``, or ``nothing``.
+
+        If all agents are given one, their commanders order nothing.
+        """
         for agents, text in map(self._whose, texts):
+            if agents == [*self._agents]:
+                self._behaviors |= dict.fromkeys(self._commanders, "")
             self._behaviors |= dict.fromkeys(agents, "" if text == NOTHING else text)
 
     def _whose(self, text: str) -> tuple[list[str], str]:
-        """Return the agents that a choice is for, and the choice."""
+        """Return whom a choice is for, and the choice; without a name it is for all agents."""
         name, equals, rest = text.partition("=")
-        if equals and name in self._agents:
+        if equals and name in self._members:
             return [name], rest
         if equals and not Path(text).exists():
-            raise HitabError(f'no agent "{name}" {has(self._agents, name)}')
+            raise HitabError(f'no agent "{name}" {has(self._members, name)}')
         return [*self._agents], text
 
     def parts(self) -> dict[str, Part]:
-        """Return what each agent performs; those that perform nothing are left out.
+        """Return what agents and commanders perform; who does nothing is left out.
 
         Raises:
             HitabError: if nobody performs anything, or somebody something that is not there.
         """
         parts = {}
+        ordered = self._ordered()
         for name, behavior in self._behaviors.items():
-            agent, library = self._agents[name], self._libraries[name]
-            if not behavior:
+            member, library = self._members[name], self._libraries[name]
+            if not behavior and name not in ordered:
                 continue
+            kind = member.kind if isinstance(member, CommanderDescription) else None
+            if kind is not None and library is None:
+                raise HitabError(
+                    f"{name} has learned nothing that it could perform; give it a library with "
+                    f"-l {name}=LIBRARY, or have it order nothing with -b {name}=nothing"
+                )
             parts[name] = part_of(
                 library,
                 behavior,
-                domain=agent.domain,
-                without=agent.without,
+                domain=member.domain,
+                kind=kind,
+                without=member.without,
                 versions=self._versions.get(name),
             )
         if not parts:
             raise HitabError("no agent performs anything; name a behavior with -b NAME")
         return parts
+
+    def _ordered(self) -> set[str]:
+        """Return who obeys a commander that performs something, or one that obeys such a one."""
+        found: set[str] = set()
+        superiors = [name for name in self._commanders if self._behaviors[name]]
+        while superiors:
+            below = {*self._commanders[superiors.pop()].subordinates} - found
+            found |= below
+            superiors += below & self._commanders.keys()
+        return found
 
 
 @contextmanager
@@ -220,4 +276,53 @@ def games_of(swarm: SwarmDescription, casts: Sequence[Mapping[str, Part]]) -> It
     assert described is not None
     with ExitStack() as stack:
         worlds = [stack.enter_context(world_of(described)) for _ in casts]
-        yield [(w, players_of(w, parts)) for w, parts in zip(worlds, casts, strict=True)]
+        yield [
+            _commanded(world, parts, swarm.commanders, stack)
+            for world, parts in zip(worlds, casts, strict=True)
+        ]
+
+
+def _commanded(
+    world: World,
+    parts: Mapping[str, Part],
+    commanders: Sequence[CommanderDescription],
+    leaving: ExitStack,
+) -> Game:
+    """Return a game in which those commanders give orders that perform something."""
+    by_name = {one.name: one for one in commanders if one.name in parts}
+    if not by_name:
+        return Game(world, players_of(world, parts))
+    agents = _there(world, parts)
+    there, made = {*agents}, []
+    for name in TopologicalSorter(
+        {n: [*c.subordinates] for n, c in by_name.items()}
+    ).static_order():
+        one = by_name.get(name)
+        group = tuple(sub for sub in one.subordinates if sub in there) if one else ()
+        if one is None or not group:
+            continue  # an agent, or the commander of some that this world does not have
+        there.add(name)
+        behavior = str(parts[name].behavior or "")
+        library = _library(parts[name], leaving)
+        roles, asks = one.subordinates, one.asks_position
+        made.append(Commander(name, one.kind, library, behavior, group, roles, asks))
+    members = [
+        Member(name, _library(part, leaving), str(part.behavior or ""))
+        for name, part in agents.items()
+    ]
+    hierarchy = HierarchyPlayers(members, made, world.cycle_seconds)
+    return Game(world, hierarchy.players, hierarchy.confer)
+
+
+def _library(part: Part, leaving: ExitStack) -> BehaviorLibrary:
+    """Return a library with what a part can perform, a copy if that is not what its own has."""
+    domain = part.repertoire.domain
+    if part.opened is not None and not part.versions and not domain.taken_out:
+        return part.opened
+    folder = leaving.enter_context(TemporaryDirectory(prefix="hitab-"))
+    made = BehaviorLibrary(folder, domain)
+    if part.opened is not None:
+        made.install(part.opened.texts())
+        for name in part.versions:
+            made.save(part.repertoire.automata[name])
+    return made

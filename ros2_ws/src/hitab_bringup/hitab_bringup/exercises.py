@@ -189,7 +189,7 @@ class Reaches(Record):
         swarm = read_swarm(find_file(exercise.swarm, "swarms", "swarm")).with_world(seed=SEED)
         part = part_of(student.libraries[exercise.agent], self.performing)
         reached: set[int] = set()
-        with games_of(swarm, [{exercise.agent: part}]) as ((world, players),):
+        with games_of(swarm, [{exercise.agent: part}]) as ((world, players, _),):
 
             def look() -> None:
                 things: Any = world.entities()

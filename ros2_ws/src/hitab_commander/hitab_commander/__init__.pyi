@@ -1,4 +1,7 @@
 from . import commander_domain as commander_domain
+from .inprocess import Commander as Commander
+from .inprocess import HierarchyPlayers as HierarchyPlayers
+from .inprocess import Member as Member
 from .kind import CommanderKind as CommanderKind
 from .kind import OrderMap as OrderMap
 from .kind_reader import KIND_FILE as KIND_FILE

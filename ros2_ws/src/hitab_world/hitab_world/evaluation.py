@@ -7,13 +7,23 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from statistics import NormalDist, fmean, stdev
-from typing import Any
+from typing import Any, NamedTuple
 
-from hitab_world.inprocess import Player, play
+from hitab_world.inprocess import Between, Player, play
 from hitab_world.world import MORE, SECONDS, EpisodeResult, Measure, World
 
-Game = tuple[World, Mapping[str, Player]]
-"""A world in this process, and what plays its agents."""
+
+class Game(NamedTuple):
+    """A world in this process, and what plays its agents.
+
+    Attributes:
+        between: called when all have perceived and nobody has acted yet, such as for commanders.
+    """
+
+    world: World
+    players: Mapping[str, Player]
+    between: Between | None = None
+
 
 CERTAIN = 0.95
 """How often an interval has the true mean in it."""
@@ -93,12 +103,12 @@ def play_alike(
     for number in range(episodes):
         yield tuple(
             play(
-                world,
-                players,
+                *(game.world, game.players),
+                between=game.between,
                 first=number,
-                cycles_max=math.ceil(longest / world.cycle_seconds) or None,
+                cycles_max=math.ceil(longest / game.world.cycle_seconds) or None,
             )[0]
-            for world, players in games
+            for game in games
         )
 
 

@@ -41,8 +41,8 @@ def evaluate(
     """Play episodes of a swarm without ROS, and sum up what its world measures.
 
     With --against, each episode is played twice from the same beginning. The difference is
-    `better` or `worse` if its 95 % interval leaves out 0. Commanders give no orders here. Ctrl-C
-    ends it with the figures so far.
+    `better` or `worse` if its 95 % interval leaves out 0. Commanders order as in the swarm, unless
+    all agents are given a behavior. Ctrl-C ends it with the figures so far.
 
     Args:
         swarm: A swarm description, or the name of a shipped one; it need not be up.
@@ -63,6 +63,8 @@ def evaluate(
       hitab evaluate keepaway_trained -n 100 --plot hold.png
 
       hitab evaluate keepaway -b keeper_1=Chase --against Chase@1 --longest 30
+
+      hitab evaluate half_field -n 200
 
       hitab evaluate foraging -l my_library --against foraging -n 5 --set foragers=20
     """
@@ -156,7 +158,7 @@ def _show(
 def _told(parts: Mapping[str, Part]) -> dict[str, Any]:
     return {
         name: {
-            "behavior": str(part.behavior),
+            "behavior": str(part.behavior or ""),
             "library": str(part.library or ""),
             "digest": part.digest,
             "versions": dict(part.versions),

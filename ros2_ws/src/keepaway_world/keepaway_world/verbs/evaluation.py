@@ -35,9 +35,11 @@ from keepaway_world.verbs import paper
 if TYPE_CHECKING:
     from hitab_client.console import Advance
     from hitab_world import EpisodeResult, World
-    from hitab_world.evaluation import Game
     from hitab_world.inprocess import Player
     from keepaway_world.world import KeepawayWorld
+
+    Game = tuple[World, Mapping[str, Player]]
+    """A world in this process, and what plays its agents."""
 
 PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
@@ -242,10 +244,10 @@ def play_lockstep(
 
 
 def _play_inprocess(game: Game, episodes: int, advance: Advance) -> list[EpisodeResult]:
-    from hitab_world.evaluation import play_alike
+    from hitab_world.evaluation import Game, play_alike
 
     played = []
-    for (result,) in play_alike([game], episodes):
+    for (result,) in play_alike([Game(*game)], episodes):
         played.append(result)
         advance(len(played), episodes, "playing episodes")
     return played

@@ -3,9 +3,8 @@
 import math
 from dataclasses import replace
 
-from hierarchy_players import Commander, HierarchyPlayers, Member
-
 from hitab_commander.commander_domain import commander_domain
+from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind_reader import described_kind
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature

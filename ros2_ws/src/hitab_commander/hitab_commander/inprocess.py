@@ -50,6 +50,7 @@ class Commander:
         behavior: what it performs until it is ordered otherwise; empty: nothing.
         subordinates: names of agents, or of commanders that were listed before.
         roles: of subordinates that have one, by name.
+        asks_position: whether a superior asks it for positions.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Commander:
     behavior: str
     subordinates: tuple[str, ...]
     roles: Mapping[str, str] = field(default_factory=dict)
+    asks_position: bool = False
 
 
 class HierarchyPlayers:
@@ -90,9 +92,8 @@ class HierarchyPlayers:
             agent = Agent(commander.name, commander_domain(commander.kind), commander.library)
             node = _CommanderNode(
                 agent,
-                commander.behavior,
+                commander,
                 [nodes[name] for name in commander.subordinates],
-                commander.roles,
             )
             nodes[commander.name] = node
             self._commanders.append(node)
@@ -161,11 +162,10 @@ class _CommanderNode(_Node):
     def __init__(
         self,
         agent: Agent,
-        behavior: str,
+        made: Commander,
         subordinates: Sequence[_Node],
-        roles: Mapping[str, str],
     ) -> None:
-        super().__init__(agent, behavior)
+        super().__init__(agent, made.behavior)
         body = agent.body
         assert isinstance(body, CommanderBody)
         self._body = body
@@ -173,9 +173,10 @@ class _CommanderNode(_Node):
         self._subordinates = subordinates
         self._present: Round | None = None
         names = [node.agent.name for node in subordinates]
-        body.enlist({name: roles.get(name, "") for name in names}, 1)
+        roles = {name: made.roles.get(name, "") for name in names}
+        body.enlist(roles, 1, asks_position=made.asks_position)
         for node in subordinates:
-            node.subordinate.role = roles.get(node.agent.name, "")
+            node.subordinate.role = roles[node.agent.name]
             node.superior = self
             # It asks for values before it orders anything.
             node.subordinate.take(body.order)
