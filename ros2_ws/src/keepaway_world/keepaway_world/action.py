@@ -85,4 +85,4 @@ def orders_of(
         yield name, order, say
     for name in actions:
         if name not in agents:
-            refused[name] = f'no keeper "{name}" (known: {", ".join(agents)})'
+            refused[name] = f'no agent "{name}" (known: {", ".join(agents)})'

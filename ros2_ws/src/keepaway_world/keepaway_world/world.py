@@ -100,7 +100,7 @@ class KeepawayWorld:
         """
         keeper = self._keepers.get(agent)
         if keeper is None:
-            raise WorldError(f'no keeper "{agent}" (known: {", ".join(self.agents)})')
+            raise WorldError(f'no agent "{agent}" (known: {", ".join(self.agents)})')
         return perceive(self._physics, keeper), list(self._heard.get(agent, ()))
 
     def step(self, actions: Mapping[str, Action]) -> str | None:

@@ -122,7 +122,7 @@ def test_a_bad_action_is_named_and_counts_as_none(quiet, action, message):
 def test_an_action_of_a_stranger_is_named():
     world = KeepawayWorld()
     world.step({"keeper_9": ([1.0, 100.0], "")})
-    assert 'no keeper "keeper_9"' in world.refused["keeper_9"]
+    assert 'no agent "keeper_9"' in world.refused["keeper_9"]
     with pytest.raises(WorldError, match="keeper_9"):
         world.percept("keeper_9")
 

@@ -156,9 +156,9 @@ def check(
 
     wrong, data = [], {}
     for name in names or sorted(shipped_names("exercises")):
-        exercise = name in shipped_names("exercises")
-        path = find_file(name, *(("exercises", "exercise") if exercise else ("lessons", "lesson")))
-        if exercise or is_exercise(path):
+        lesson = name in shipped_names("lessons") and name not in shipped_names("exercises")
+        path = find_file(name, *(("lessons", "lesson") if lesson else ("exercises", "exercise")))
+        if not lesson and is_exercise(path):
             data[name] = _graded(name, path, library, swarm)
             continue
         try:
