@@ -18,10 +18,10 @@ Ties (differences below `gain_ratio.TIE`, so that they are the same on all machi
   always differs a little between two examples, then in favour of the lower index; the former can
   be switched off (``boolean_first``), and `hitab_core.advice.alternatives` asks about such ties.
 
-One look ahead: if examples of several classes lie on the demonstrated side of a boundary, it is
-beside one of them, and another class that a test further down separates would reach as far (a pass
-shown for takers at 2.5 m, where the ball was lost with a taker at 5 m, would be made at 5 m). A
-boolean or categorical feature comes first then, if the tree has no more leaves for that.
+One look ahead: a boolean or categorical feature comes before a measured one if the tree has no
+more leaves for that. Below a boundary that comes first, what was shown with the ball would be done
+without it too; and a boundary that serves several classes is beside an example of only one (a pass
+shown for takers at 2.5 m, where the ball was lost with a taker at 5 m, would be made at 5 m).
 
 References:
     J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapters 2 and 3.
@@ -34,7 +34,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -54,15 +54,12 @@ class Split:
         gain: information gain in bits, at least 0.
         ratio: gain over split information.
         parts: the positions of each branch's examples, ascending.
-        is_shared: whether a boundary lies beside a demonstrated example (`boundaries`) on whose
-            side there are examples of several classes, so that it serves them all.
     """
 
     test: Test
     gain: float
     ratio: float
     parts: tuple[Integers, ...]
-    is_shared: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,24 +145,7 @@ def split_continuous(examples: Examples, min_branch: float = 1) -> Split | None:
         below_is_default=groups.is_default[best],
         above_is_default=groups.is_default[best + 1],
     )
-    split = _two_way(examples, groups.group_of <= best, Threshold(threshold))
-    return _noting_shared(examples, split, [groups.is_default[best : best + 2]])
-
-
-def _noting_shared(examples: Examples, split: Split, beside: Sequence[Sequence[bool]]) -> Split:
-    """Return a split in two with `Split.is_shared`.
-
-    Args:
-        examples: that are split.
-        split: of them.
-        beside: for each boundary, whether its neighbor on the side of the first branch, and that
-            on the side of the second one, are default ones.
-    """
-    for first, second in beside:
-        demonstrated = split.parts[1 if first else 0]
-        if first != second and len(np.unique(examples.classes[demonstrated])) > 1:
-            return replace(split, is_shared=True)
-    return split
+    return _two_way(examples, groups.group_of <= best, Threshold(threshold))
 
 
 def split_toroidal(
@@ -228,11 +208,7 @@ def split_toroidal(
     def is_default(place: int) -> bool:
         return groups.is_default[(place + origin) % k]
 
-    beside = [
-        (is_default(last_outside + 1), is_default(last_outside)),
-        (is_default(last_inside), is_default(last_inside + 1)),
-    ]
-    return _noting_shared(examples, _two_way(examples, inside, arc), beside)
+    return _two_way(examples, inside, arc)
 
 
 def _best_arc(up_to: Counts, totals: Counts, min_branch: float) -> tuple[int, int] | None:
@@ -339,8 +315,7 @@ def choose_split(
         scales: how the values of each feature compare.
         leaves: grows the trees below; None: the split is chosen without looking ahead.
         boolean_first: whether ties are broken in favor of boolean and categorical features before
-            lower indices; and whether these come before a boundary that would be shared, if the
-            tree has no more leaves for that.
+            lower indices; and whether these come first if the tree has no more leaves for that.
     """
     worthy = worthy_splits(candidates)
     if not worthy:
@@ -350,7 +325,7 @@ def choose_split(
         ((f, split) for f, split in worthy if split.ratio >= best - TIE),
         key=lambda choice: (boolean_first and scales[choice[0]].kind.is_measured, choice[0]),
     )
-    if leaves is None or not boolean_first or not chosen[1].is_shared:
+    if leaves is None or not boolean_first or not scales[chosen[0]].kind.is_measured:
         return chosen
     fewest = leaves(chosen)
     for feature, split in enumerate(candidates):
