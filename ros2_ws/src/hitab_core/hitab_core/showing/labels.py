@@ -112,7 +112,7 @@ def label(
     spread = spread_of(every)
     functions: Functions = {}
     before: Integers | None = None
-    for done in range(rounds + 1):  # noqa: B007
+    for done in range(rounds + 1):
         drawn, beliefs = [], []
         for run in runs:
             start, steps = _prior(functions, behaviors, run.features)
