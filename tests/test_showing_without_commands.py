@@ -129,14 +129,14 @@ def test_a_program_is_labeled_moment_by_moment_and_copied(
     strip = strip_of(path)
     assert [strip.behaviors[i] for i in strip.labels] == did
     assert not strip.unexplained.any()
-    saved = strip.train("Copied", tmp_path / "library", path.name)
+    library = BehaviorLibrary(tmp_path / "library", DOMAIN)
+    saved = strip.train("Copied", library, path.name)
     episodes = groupby(zip((m.episode for m in strip.moments), did, strict=True))
     commands = sum(1 for _ in episodes)
     assert commands == len(strip.spans)
     assert len(saved.automaton.examples) == 2 * commands  # each with its default example
     text = yaml.safe_load(saved.path.read_text(encoding="utf-8"))
     assert "labeled from program.mcap" in text["provenance"]["note"]
-    library = BehaviorLibrary(tmp_path / "library", DOMAIN)
     world = KeepawayWorld(replace(PAPER, taker_speed=0.25), 99)
     player = perform(world, Repertoire(DOMAIN, library.load()), "Copied")[ONE]
     world.reset(0)

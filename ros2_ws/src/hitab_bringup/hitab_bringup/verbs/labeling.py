@@ -78,7 +78,9 @@ def label(
     console.show(json, [asdict(span) for span in spans], *drawn, shown)
     if library is None:
         return
-    saved = strip.train(name, library, recording.name)
+    from hitab_core import BehaviorLibrary
+
+    saved = strip.train(name, BehaviorLibrary(library, strip.domain), recording.name)
     for note in saved.notes:
         console.note(note)
     examples = quantity(len(saved.automaton.examples), "example")

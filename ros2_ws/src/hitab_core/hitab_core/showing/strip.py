@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
-from pathlib import Path
 
 import numpy as np
 
 from hitab_core.agent import Agent
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Domain
-from hitab_core.errors import TrainingError
+from hitab_core.errors import LibraryError, TrainingError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.saving import Saved
 from hitab_core.showing.labels import Run, label
@@ -162,11 +161,10 @@ class Strip:
             zip((m.episode for m in self.moments), self.labels.tolist(), strict=True)
         ):
             end = begin + len(list(group))
-            following = self.moments[min(end, len(self.moments) - 1)]
             found.append(
                 Span(
                     self.moments[begin].when,
-                    following.when,
+                    self.moments[end].when if end < len(self.moments) else self._end,
                     self.behaviors[which],
                     float(self.confidence[begin:end].mean()),
                     end - begin,
@@ -177,18 +175,29 @@ class Strip:
             begin = end
         return found
 
-    def train(self, name: str, library: Path | str, source: str) -> Saved:
+    @property
+    def _end(self) -> float:
+        """When the last moment ends: it is as long as the one before."""
+        return 2 * self.moments[-1].when - self.moments[-2].when
+
+    def train(self, name: str, library: BehaviorLibrary, source: str) -> Saved:
         """Train a behavior as if each change of the label had been commanded, and save it.
 
         Args:
             name: of the behavior.
-            library: folder of the library to save it in.
+            library: to save it in.
             source: the name of what the demonstration was recorded in, for its provenance.
 
         Raises:
-            TrainingError, VocabularyError, LibraryError: as any training.
+            LibraryError: if the library has another domain, or cannot be written.
+            TrainingError, VocabularyError: as any training.
         """
-        agent = Agent(self.agent, self.domain, BehaviorLibrary(library, self.domain))
+        if library.domain.name != self.domain.name:
+            raise LibraryError(
+                f'{library.folder} is of domain "{library.domain.name}", what {self.agent} did of '
+                f'"{self.domain.name}"; choose another library'
+            )
+        agent = Agent(self.agent, self.domain, library)
         agent.begin(Curriculum(name, self._features))
         for moment, use, begins in self._changes():
             agent.sense(moment.values, moment.heard, moment.cycle, moment.time)
