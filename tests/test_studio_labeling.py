@@ -43,8 +43,8 @@ def test_a_run_without_commands_is_labeled_corrected_trained_and_performed(
     person.click("replay-file")
     person.sees("replay-band", recorded)
     person.click(f"agent-{ONE}")
+    person.click("label-dialog")
     for feature in ("DistanceTo(ball)", "BallIsKickable"):
-        person.page.locator('[data-test="label-features"]').evaluate("e => e.open = true")
         person.tick(f"feature-{feature}")
     person.click("label")
     person.sees("strip")
@@ -77,5 +77,7 @@ def test_what_cannot_be_labeled_is_said(swarm: RunningSwarm, person, recorded: s
     person.click("tab-record")
     person.click("replay-file")
     person.click(f"agent-{ONE}")
+    person.click("label-dialog")
     person.click("label")
-    person.sees("message", "choose at least one feature")
+    person.sees("refused", "choose at least one feature")
+    person.page.keyboard.press("Escape")

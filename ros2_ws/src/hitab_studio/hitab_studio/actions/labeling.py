@@ -19,19 +19,28 @@ from hitab_studio.session import Session
 T = TypeVar("T")
 
 
+@action("label-dialog")
+async def ask(session: Session, data: Data) -> None:
+    """Ask by which features the agent may have chosen among which behaviors."""
+    if session.status is None:
+        raise SwarmError("Choose an agent of the recording first.")
+    domain = named_domain(session.status.domain)
+    session.dialog = {"kind": "label", "agent": session.agent, "domain": domain}
+
+
 @action("label")
 async def label(session: Session, data: Data) -> None:
     """Find which behavior each moment of what the agent did was."""
-    player, agent, chosen = player_of(session), session.agent, data["values"]
+    player, dialog, chosen = player_of(session), session.dialog, data["values"]
     features, behaviors = chosen.get("features", []), chosen.get("states", [])
 
     def made() -> Labels:
-        driven = driving_of(player.recording.path, agent)
-        domain = named_domain(driven.domain)
-        strip = Strip(driven.moments, domain, driven.agent, behaviors, features)
+        driven = driving_of(player.recording.path, dialog["agent"])
+        strip = Strip(driven.moments, dialog["domain"], driven.agent, behaviors, features)
         return Labels(strip, driven.start - player.recording.start)
 
     player.labels = await _meanwhile_busy(session, made)
+    session.close_dialog()
 
 
 @action("label-span", repeats=True)

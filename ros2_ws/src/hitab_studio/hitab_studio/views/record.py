@@ -7,7 +7,6 @@ from typing import Any
 
 from hitab_client.recording.recordings import recordings, recordings_folder
 from hitab_studio.session import Session
-from hitab_studio.views.strip import words
 
 MOST = 30
 
@@ -25,7 +24,5 @@ def context(session: Session) -> dict[str, Any]:
             for r in done[:MOST]
         ],
         "more": max(0, len(done) - MOST),
-        "agent": session.agent,
-        "words": words(session) if session.player is not None else None,
         "shown": session.player.recording.path.name if session.player is not None else "",
     }

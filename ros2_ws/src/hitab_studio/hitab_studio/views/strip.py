@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core import Domain, HitabError, Use, named_domain
+from hitab_core import Domain, Use
 from hitab_core.showing import UNSURE
 from hitab_studio.learned import uses
 from hitab_studio.markers import STATE_COLORS
@@ -42,17 +42,10 @@ def _said(span: Any, offset: float) -> str:
     return f"{begin:.1f} to {end:.1f} s: {span.behavior}, {sure}{odd}"
 
 
-def words(session: Session) -> dict[str, Any]:
-    """Return the features and behaviors to choose from; why there are none, if so."""
-    if session.status is None:
-        return {"problem": "Choose an agent of the recording first.", "features": [], "states": []}
-    try:
-        domain = named_domain(session.status.domain)
-    except HitabError as error:
-        return {"problem": str(error), "features": [], "states": []}
-    features = _bound(domain, domain.features)
+def words(domain: Domain) -> dict[str, Any]:
+    """Return the features and behaviors of a domain to choose from."""
     behaviors = {name: b for name, b in domain.behaviors.items() if not b.numbers}
-    return {"problem": "", "features": features, "states": _bound(domain, behaviors)}
+    return {"features": _bound(domain, domain.features), "states": _bound(domain, behaviors)}
 
 
 def _bound(domain: Domain, there: Any) -> list[tuple[str, str, str, str]]:
