@@ -206,7 +206,7 @@ def test_three_moments_can_be_labeled(tmp_path: Path) -> None:
 def test_a_recording_without_the_agent_or_without_actions_is_refused(
     program_driven: tuple[Path, list[str]], tmp_path: Path
 ) -> None:
-    with pytest.raises(SwarmError, match=r'no percepts of "keeper_7".*known: /keeper_1'):
+    with pytest.raises(SwarmError, match=r'nothing of an agent "keeper_7".*known: /keeper_1'):
         driving_of(program_driven[0], "keeper_7")
     only = write(tmp_path / "only.mcap", ("/keeper_1/percept", 0.0, Percept(sequence=1)))
     with pytest.raises(SwarmError, match="1 percept of keeper_1, but not what was done: it lacks"):

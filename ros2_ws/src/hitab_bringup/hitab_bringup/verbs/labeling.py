@@ -109,10 +109,11 @@ def _strip(
     from hitab_core import named_domain
     from hitab_core.showing import ROUNDS, Strip
 
-    with console.progress("labeling", "steps", line_every=10_000) as advance:
-        driven = driving_of(recording, agent, lambda n: advance(n, n, "reading"))
-        total = len(driven.moments)
-        strip = Strip(
+    console.note(f"reading {recording}")
+    driven = driving_of(recording, agent)
+    total = len(driven.moments)
+    with console.progress("labeling", "moments", line_every=10_000) as advance:
+        return Strip(
             driven.moments,
             named_domain(driven.domain),
             driven.agent,
@@ -120,9 +121,8 @@ def _strip(
             features,
             corrections,
             pulsed=lambda n: advance(n, total, "asking each behavior"),
-            told=lambda n: advance(n, ROUNDS, "labeling in rounds"),
+            told=lambda n: advance(n * total // ROUNDS, total, "alternating"),
         )
-    return strip
 
 
 def _drawn(strip: Strip) -> Text:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hitab_client.errors import SwarmError
-from hitab_client.recording.reading import opened
-from hitab_core import Do, has, quantity
+from hitab_client.recording.reading import agent_meant, opened
+from hitab_core import Do, quantity
 from hitab_core.showing import Moment
 from hitab_ros import names, session_topics
 from hitab_ros.stamps import seconds_of
@@ -19,6 +18,7 @@ VELOCITY = "cmd_vel"
 """Topic of the velocity that a robot was driven with, in the agent's namespace."""
 
 NANOSECONDS = 1e9
+_PERCEPTS = (session_topics.PERCEIVED, names.PERCEPT)
 
 
 @dataclass(frozen=True)
@@ -38,18 +38,7 @@ class Driven:
     moments: list[Moment]
 
 
-def driven_agents(path: Path) -> list[str]:
-    """Return the agents, with their namespaces, of which a recording has percepts.
-
-    Raises:
-        SwarmError: if it cannot be read.
-    """
-    with opened(path) as messages:
-        topics = {message.topic for message in messages}
-    return sorted({t.rpartition("/")[0] for t in topics if _last(t) in _PERCEPTS})
-
-
-def driving_of(path: Path, agent: str = "", told: Callable[[int], None] | None = None) -> Driven:
+def driving_of(path: Path, agent: str = "") -> Driven:
     """Return what was done with an agent, whoever drove it.
 
     An agent, and whoever answers percepts in its place, publishes actions. A robot's are the
@@ -58,97 +47,61 @@ def driving_of(path: Path, agent: str = "", told: Callable[[int], None] | None =
     Args:
         path: of the recording.
         agent: its name, with its namespace if there are several; empty: the only one.
-        told: is called with the number of messages that were read.
 
     Raises:
         SwarmError: if it has no percepts of the agent, or nothing of what was done.
     """
-    there = driven_agents(path)
-    found = [n for n in there if agent in ("", n, n.removeprefix("/"), n.rpartition("/")[2])]
+    with opened(path) as messages:
+        parts = {message.topic.rpartition("/") for message in messages}
+    there = sorted({namespace for namespace, _, name in parts if name in _PERCEPTS})
     if not there:
         raise SwarmError(f"{path.name} has no percepts of any agent", Do.RECORD())
-    if len(found) != 1:
-        what = "has percepts of several agents" if found else f'has no percepts of "{agent}"'
-        raise SwarmError(f"{path.name} {what}; choose one with --agent {has(there, agent)}")
-    return _Reading(path, found[0], told).driven()
+    namespace = agent_meant(path, there, agent)
+    swarm, _, name = namespace.rpartition("/")
+    world = f"{swarm}/{names.WORLD}"
+    told = [f"{namespace}/{topic}" for topic in (*_PERCEPTS, VELOCITY, names.STATUS)]
+    told += [f"{world}/{names.ACTIONS}", f"{world}/{names.STATUS}"]
+    percepts: dict[int, tuple[float, Any]] = {}
+    actions: dict[int, Any] = {}
+    velocities: list[tuple[float, Any]] = []
+    domain = ""
+    with opened(path) as messages:
+        for message in messages:
+            if message.topic not in told:
+                continue
+            when, content = message.received / NANOSECONDS, message.decoded()
+            topic = message.topic.rpartition("/")[2]
+            if topic in _PERCEPTS and not content.look:
+                percepts.setdefault(content.sequence, (when, content))
+            elif topic == names.ACTIONS and content.agent == name:
+                actions[content.sequence] = content.values
+            elif topic == VELOCITY:
+                twist = getattr(content, "twist", content)
+                velocities.append((when, (twist.linear.x, twist.linear.y, twist.angular.z)))
+            elif message.topic == told[-1]:
+                domain = domain or content.world  # who answers in its place has no status
+            elif topic == names.STATUS:
+                domain = content.domain
+    seen = [percepts[sequence] for sequence in sorted(percepts)]
+    did = [actions.get(percept.sequence) for _, percept in seen]
+    if velocities:
+        did = _driven([when for when, _ in seen], velocities)
+    if not any(action is not None for action in did):
+        raise SwarmError(
+            f"{path.name} has {quantity(len(seen), 'percept')} of {name}, but not what was done: "
+            f"it lacks its actions on {world}/{names.ACTIONS}, or of a robot {told[2]}",
+            Do.RECORD(),
+        )
+    moments, episode = [], 0
+    for (when, p), action in zip(seen, did, strict=True):
+        episode += p.restart
+        time, after = seconds_of(p.stamp), when - seen[0][0]
+        moments.append(Moment(after, time, p.cycle, episode, p.values, p.heard, action))
+    return Driven(name, domain, seen[0][0], moments)
 
 
-_PERCEPTS = (session_topics.PERCEIVED, names.PERCEPT)
-
-
-def _last(topic: str) -> str:
-    return topic.rpartition("/")[2]
-
-
-class _Reading:
-    """The messages of a recording that say what an agent perceived and did."""
-
-    def __init__(self, path: Path, namespace: str, told: Callable[[int], None] | None) -> None:
-        self._path, self._namespace = path, namespace
-        self._agent = _last(namespace)
-        self._percepts: dict[int, tuple[float, Any]] = {}
-        self._actions: dict[int, Any] = {}
-        self._velocities: list[tuple[float, tuple[float, ...]]] = []
-        self._domain = self._world = ""
-        own = {f"{namespace}/{name}" for name in (*_PERCEPTS, names.STATUS, VELOCITY)}
-        swarm = namespace.rpartition("/")[0]
-        world = {f"{swarm}/{names.WORLD}/{name}" for name in (names.ACTIONS, names.STATUS)}
-        with opened(path) as messages:
-            for done, message in enumerate(messages, 1):
-                if message.topic in own | world:
-                    self._take(message)
-                if told is not None:
-                    told(done)
-
-    def _take(self, message: Any) -> None:
-        name, content = _last(message.topic), message.decoded()
-        when = message.received / NANOSECONDS
-        if name in _PERCEPTS:
-            if not content.look:
-                self._percepts.setdefault(content.sequence, (when, content))
-        elif name == names.ACTIONS:
-            if content.agent == self._agent:
-                self._actions[content.sequence] = content.values
-        elif name == VELOCITY:
-            twist = getattr(content, "twist", content)
-            self._velocities.append((when, (twist.linear.x, twist.linear.y, twist.angular.z)))
-        elif hasattr(content, "world"):
-            self._world = content.world
-        else:
-            self._domain = content.domain
-
-    def driven(self) -> Driven:
-        """Return what was done."""
-        percepts = sorted(self._percepts.values(), key=lambda one: one[1].sequence)
-        did = self._did(percepts)
-        if all(action is None for action in did):
-            wanted = f"{names.WORLD}/{names.ACTIONS}, or of a robot {self._namespace}/{VELOCITY}"
-            raise SwarmError(
-                f"{self._path.name} has {quantity(len(percepts), 'percept')} of {self._agent}, "
-                f"but not what was done: it lacks its actions on the topic {wanted}",
-                Do.RECORD(),
-            )
-        moments, episode, start = [], 0, percepts[0][0]
-        for (when, percept), action in zip(percepts, did, strict=True):
-            episode += percept.restart
-            moments.append(
-                Moment(
-                    when - start,
-                    seconds_of(percept.stamp),
-                    percept.cycle,
-                    episode,
-                    percept.values,
-                    percept.heard,
-                    action,
-                )
-            )
-        return Driven(self._agent, self._domain or self._world, start, moments)
-
-    def _did(self, percepts: list[tuple[float, Any]]) -> list[Any]:
-        """Return the action after each percept; None: not known."""
-        if not self._velocities:
-            return [self._actions.get(percept.sequence) for _, percept in percepts]
-        times = [when for when, _ in self._velocities]
-        ends = [when for when, _ in percepts[1:]] + [times[-1] + 1]
-        before = [bisect_left(times, end) - 1 for end in ends]
-        return [None if i < 0 else self._velocities[i][1] for i in before]
+def _driven(times: list[float], velocities: list[tuple[float, Any]]) -> list[Any]:
+    """Return the last velocity before each next percept; None: there was none yet."""
+    sent = [when for when, _ in velocities]
+    before = [bisect_left(sent, end) - 1 for end in [*times[1:], sent[-1] + 1]]
+    return [None if i < 0 else velocities[i][1] for i in before]
