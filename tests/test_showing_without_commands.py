@@ -104,7 +104,9 @@ def test_what_a_keeper_does_becomes_a_behavior_that_it_performs(
     agents.perform(ONE, "ServoBall")
     places = {ONE: {"x": -6.0, "y": 1.0, "heading": 180.0}, "ball": {"x": 0.0, "y": 0.0}}
     world.shown(world.place({**places, "taker_1": {"x": 9.0}, "taker_2": {"x": 8.0}}))
-    world.step(60)
+    before = recorder.count
+    world.step(60)  # of three keepers, each with a percept and an action
+    assert keepers.link.spin_until(lambda: recorder.count > before + 6 * 60, SECONDS)
     keepers.link.spin(0.5)
     recorder.close()
     agents.perform(ONE, "")

@@ -55,8 +55,17 @@ def label(
       hitab library label session.mcap Chase -a keeper_1 -f "DistanceTo(ball)" -b GoFast -b Stop
       --was 3.2-4.1=Stop -l trained
     """
+    from hitab_client.recording import driving_of
+    from hitab_core import BehaviorLibrary, named_domain
+    from hitab_core.showing import Strip
+
     corrections = [_correction(text) for text in was or ()]
-    strip = _strip(recording, agent, behavior or [], feature, corrections)
+    console.note(f"reading {recording}")
+    driven = driving_of(recording, agent)
+    domain = named_domain(driven.domain)
+    asked = driven.moments, domain, driven.agent, behavior or [], feature, corrections
+    with console.progress("labeling", line_every=10_000) as advance:
+        strip = Strip(*asked, told=advance)
     spans = strip.spans
     console.note(
         f"{quantity(len(strip.moments), 'moment')} of {strip.agent} in {recording.name}: "
@@ -78,13 +87,12 @@ def label(
     console.show(json, [asdict(span) for span in spans], *drawn, shown)
     if library is None:
         return
-    from hitab_core import BehaviorLibrary
-
-    saved = strip.train(name, BehaviorLibrary(library, strip.domain), recording.name)
+    saved = strip.train(name, BehaviorLibrary(library, domain), recording.name)
     for note in saved.notes:
         console.note(note)
-    examples = quantity(len(saved.automaton.examples), "example")
-    console.note(f"saved {name} with {examples} in {library}")
+    if json != "-":
+        examples = quantity(len(saved.automaton.examples), "example")
+        console.say(f"saved {name} with {examples} in {library}")
 
 
 def _correction(text: str) -> tuple[float, float, str]:
@@ -95,34 +103,6 @@ def _correction(text: str) -> tuple[float, float, str]:
         raise typer.BadParameter(
             f'"{text}" is not FROM-TO=BEHAVIOR, such as 3.2-4.1=Stop'
         ) from None
-
-
-def _strip(
-    recording: Path,
-    agent: str,
-    behaviors: list[str],
-    features: list[str],
-    corrections: list[tuple[float, float, str]],
-) -> Strip:
-    """Return the labels; meanwhile show how far it is."""
-    from hitab_client.recording import driving_of
-    from hitab_core import named_domain
-    from hitab_core.showing import ROUNDS, Strip
-
-    console.note(f"reading {recording}")
-    driven = driving_of(recording, agent)
-    total = len(driven.moments)
-    with console.progress("labeling", "moments", line_every=10_000) as advance:
-        return Strip(
-            driven.moments,
-            named_domain(driven.domain),
-            driven.agent,
-            behaviors,
-            features,
-            corrections,
-            pulsed=lambda n: advance(n, total, "asking each behavior"),
-            told=lambda n: advance(n * total // ROUNDS, total, "alternating"),
-        )
 
 
 def _drawn(strip: Strip) -> Text:

@@ -28,7 +28,7 @@ class Driven:
     Attributes:
         agent: its name.
         domain: the name of its domain.
-        start: when the first percept was recorded, s since 1970.
+        start: when the first percept was sent, s since 1970.
         moments: each cycle; they are so many s after the start.
     """
 
@@ -69,7 +69,7 @@ def driving_of(path: Path, agent: str = "") -> Driven:
         for message in messages:
             if message.topic not in told:
                 continue
-            when, content = message.received / NANOSECONDS, message.decoded()
+            when, content = message.sent / NANOSECONDS, message.decoded()
             topic = message.topic.rpartition("/")[2]
             if topic in _PERCEPTS and not content.look:
                 percepts.setdefault(content.sequence, (when, content))

@@ -1,4 +1,3 @@
-from .labels import ROUNDS as ROUNDS
 from .labels import Run as Run
 from .labels import Shown as Shown
 from .labels import examples_of as examples_of

@@ -44,6 +44,12 @@ SETTLED = 0.002
 """The share of moments whose label may still change when the labels have settled."""
 
 Functions = Mapping[str, LearnedTransition]
+Told = Callable[[int, int, str], None]
+"""Is told the amount done, the total and the current activity."""
+
+
+def untold(done: int, total: int, doing: str) -> None:
+    """Tell nobody."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +95,7 @@ def label(
     *,
     rounds: int = ROUNDS,
     seed: int = 0,
-    told: Callable[[int], None] = lambda _: None,
+    told: Told = untold,
 ) -> Shown:
     """Return which behavior each moment of some runs was.
 
@@ -99,7 +105,7 @@ def label(
         scales: of the m features.
         rounds: of alternating at most; 0: labels by a sticky prior alone.
         seed: of the draws.
-        told: is called with the number of rounds that are done.
+        told: is told the number of rounds that are done.
 
     Raises:
         TrainingError: if there is nothing to label.
@@ -127,7 +133,7 @@ def label(
             break
         before = now
         functions = learn_transitions(list(examples_of(runs, drawn, behaviors)), scales, BETWEEN)
-        told(done + 1)
+        told(done + 1, rounds, "alternating")
     return Shown(
         tuple(labels),
         tuple(belief.max(axis=1) for belief in beliefs),

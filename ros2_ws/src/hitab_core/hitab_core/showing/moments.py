@@ -14,7 +14,7 @@ from hitab_core.arrays import Floats
 from hitab_core.domain import OWN, Domain
 from hitab_core.errors import VocabularyError
 from hitab_core.running.senses import Senses, resolved, value_or_nan
-from hitab_core.showing.labels import Run
+from hitab_core.showing.labels import Run, Told, untold
 from hitab_core.showing.likelihood import apart
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -87,7 +87,7 @@ def runs_of(
     agent: str,
     behaviors: Sequence[Use],
     features: Sequence[Use],
-    told: Callable[[int], None] = lambda _: None,
+    told: Told = untold,
 ) -> tuple[list[Run], Floats]:
     """Return the episodes of some moments as runs to label, and what was done, shape (n, d).
 
@@ -100,7 +100,7 @@ def runs_of(
         agent: its name.
         behaviors: that it may have been.
         features: by which they may have been chosen.
-        told: is called with the number of moments that are done.
+        told: is told the number of moments that are done.
     """
     body = domain.body(agent)
     senses = Senses(body, domain)
@@ -112,7 +112,7 @@ def runs_of(
         seen.append([value_or_nan(senses.look, use) for use in features])
         did.append(moment.did)
         would.append([pulse(moment) for pulse in pulses])
-        told(done)
+        told(done, len(moments), "asking each behavior")
     every = [*(d for d in did if d is not None), *(w for outputs in would for w in outputs)]
     width = max(1, max(map(len, every), default=0))
     acted = np.array([_padded(d, width) for d in did])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -14,7 +14,7 @@ from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError, TrainingError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.saving import Saved
-from hitab_core.showing.labels import Run, label
+from hitab_core.showing.labels import Run, Told, label, untold
 from hitab_core.showing.moments import Moment, behaviors_meant, features_meant, runs_of
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.use import Use
@@ -26,13 +26,6 @@ UNSURE = 0.8
 
 MOST = 0.5
 """The share of moments that may be explained by no behavior."""
-
-Told = Callable[[int], None]
-"""Is called with how much is done."""
-
-
-def _untold(_: int) -> None:
-    pass
 
 
 @dataclass(frozen=True)
@@ -75,8 +68,7 @@ class Strip:
         features: Iterable[str],
         corrections: Iterable[tuple[float, float, str]] = (),
         *,
-        pulsed: Told = _untold,
-        told: Told = _untold,
+        told: Told = untold,
     ) -> None:
         """Label a demonstration.
 
@@ -87,8 +79,7 @@ class Strip:
             behaviors: basic ones, that moments may have been; none: all without targets.
             features: by which they may have been chosen.
             corrections: see `correct`.
-            pulsed: is called with the number of moments at which the behaviors were pulsed.
-            told: is called with the number of rounds of labeling.
+            told: is told how far it is.
 
         Raises:
             TrainingError: if there is nothing to label, or the behaviors do not explain it.
@@ -100,14 +91,14 @@ class Strip:
         self.behaviors = tuple(map(str, self._uses))
         if len(moments) < 2 or all(moment.did is None for moment in moments):
             raise TrainingError(f"there are not two moments of which is known what {agent} did")
-        self._runs, done = runs_of(moments, domain, agent, self._uses, self._features, pulsed)
+        self._runs, done = runs_of(moments, domain, agent, self._uses, self._features, told)
         self._varied = np.nanstd(done, axis=0)
         self.known: dict[int, int] = {}
         for begin, end, behavior in corrections:
             self.correct(begin, end, behavior)
         self.label(told)
 
-    def label(self, told: Told = _untold) -> None:
+    def label(self, told: Told = untold) -> None:
         """Find the labels again, with what is known."""
         runs: list[Run] = []
         begin = 0
