@@ -19,12 +19,11 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import typer
-from shown_labels import Run, Shown, label, steps_of
-from shown_likelihood import apart
-from shown_paths import forward
 
 from hitab_core import Scale
 from hitab_core.arrays import Floats, Integers
+from hitab_core.learning import learn_transitions
+from hitab_core.showing import Run, Shown, apart, examples_of, forward, label, steps_of
 
 SOURCE = "https://github.com/ut-amrl/plunder"
 CACHE = Path("~/.cache/hitab/plunder").expanduser()
@@ -181,24 +180,38 @@ def read(task: Task, file: Path) -> Given:
     return Given(run, now["HA"].astype(np.int64))
 
 
-def policy_accuracy(shown: Shown, task: Task, given: list[Given], *, sure: bool = False) -> float:
+Functions = Mapping[str, Any]
+
+
+def learned(shown: Shown, task: Task, runs: list[Run]) -> Functions:
+    """Return the transition functions that the labels of runs teach."""
+    alone = [one[None] for one in shown.labels]
+    scales = [Scale()] * runs[0].features.shape[1]
+    return learn_transitions(
+        list(examples_of(runs, alone, task.behaviors)), scales, "tree(prune=True)"
+    )
+
+
+def policy_accuracy(
+    functions: Functions, task: Task, given: list[Given], *, sure: bool = False
+) -> float:
     """Return the share of moments, in %, where the policy alone is in the right state.
 
     The exact mean over what it may draw, where they draw 100 times. It sees each moment as it was
     recorded, never what was done. As theirs, it leaves out a run's first moment.
 
     Args:
-        shown: what was learned.
+        functions: what was learned.
         task: of the runs.
         given: the runs.
         sure: whether it takes the most probable state rather than drawing one.
     """
     right = total = 0.0
     for run, truth in given:
-        start, steps = steps_of(shown.functions, task.behaviors, run.features)
+        start, steps = steps_of(functions, task.behaviors, run.features)
         if sure:
             start, steps = (np.eye(len(start))[p.argmax(axis=-1)] for p in (start, steps))
-        belief = forward(start, steps)
+        belief = forward(start, steps, np.ones(steps.shape[:2]))
         right += belief[np.arange(1, len(truth)), truth[1:]].sum()
         total += len(truth) - 1
     return 100 * right / total
@@ -216,11 +229,12 @@ def measured(task: Task, data: Path, seed: int) -> dict[str, float]:
     train, test = given[:TRAINED], given[TRAINED:]
     scales = [Scale()] * train[0].run.features.shape[1]
     runs = [g.run for g in train]
-    ours = label(runs, task.behaviors, scales, seed=seed)
-    sticky = label(runs, task.behaviors, scales, rounds=0, seed=seed)
+    shown = label(runs, task.behaviors, scales, seed=seed)
+    prior = label(runs, task.behaviors, scales, rounds=0, seed=seed)
     told = [Run(g.run.features, g.run.apart, dict(enumerate(g.truth.tolist()))) for g in train]
-    given_labels = label(told, task.behaviors, scales, rounds=0, seed=seed)
-    nearest = [np.abs(g.run.apart / ours.spread).sum(axis=2).argmin(axis=1) for g in train]
+    given_labels = learned(label(told, task.behaviors, scales, rounds=0, seed=seed), task, told)
+    ours, sticky = learned(shown, task, runs), learned(prior, task, runs)
+    nearest = [np.abs(g.run.apart / shown.spread).sum(axis=2).argmin(axis=1) for g in train]
     return {
         "policy, runs shown": policy_accuracy(ours, task, train),
         "policy, unseen": policy_accuracy(ours, task, test),
@@ -228,10 +242,10 @@ def measured(task: Task, data: Path, seed: int) -> dict[str, float]:
         "sticky, runs shown": policy_accuracy(sticky, task, train),
         "sticky, unseen": policy_accuracy(sticky, task, test),
         "true labels, unseen": policy_accuracy(given_labels, task, test),
-        "labels": label_accuracy(ours.labels, train),
-        "labels, sticky": label_accuracy(sticky.labels, train),
+        "labels": label_accuracy(shown.labels, train),
+        "labels, sticky": label_accuracy(prior.labels, train),
         "labels, likelihood alone": label_accuracy(nearest, train),
-        "rounds": ours.rounds,
+        "rounds": shown.rounds,
     }
 
 

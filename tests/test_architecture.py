@@ -30,7 +30,7 @@ CORE_FLOORS = (
     ("exporting", "training"),
     ("caution", "saving"),
     ("agent",),
-    ("commanding", "learning_agent", "plain"),
+    ("commanding", "learning_agent", "plain", "showing"),
 )
 
 PACKAGES = [name for floor in FLOORS for name in floor]

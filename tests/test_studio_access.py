@@ -164,6 +164,9 @@ def test_axe_finds_nothing_wrong_from_a_training_to_its_library(swarm, teaching,
     look("recordings", "replay-file")
     person.click("replay-file")
     look("a replay", "replay-band")
+    person.click("label-dialog")
+    look("what is labeled", "label")
+    close_dialog(person)
     person.page.keyboard.press("Escape")
     person.does_not_see("replay-band")
     for path in (home / "recordings").glob("*.mcap"):

@@ -459,6 +459,7 @@ class Agent:
         description: str = "",
         *,
         keep_unused: bool = False,
+        note: str = "",
     ) -> Saved:
         """Trim what was learned, add it to the library and end the training.
 
@@ -468,6 +469,7 @@ class Agent:
             description: for people who browse the library.
             keep_unused: keep features that no transition function uses yet, so that training can
                 be resumed with them, as in behavior bootstrapping.
+            note: on where it comes from, for its provenance.
 
         If the agent is performing another behavior that does not fit what is saved, saving wins;
         the agent becomes idle and the notes say so.
@@ -487,7 +489,9 @@ class Agent:
         if self.mode is Mode.TESTING and automaton.parameters == curriculum.parameters:
             then = Use(automaton.name, curriculum.arguments)
         with self.library.change() as change:
-            saved = change.save(automaton, curriculum.classifier, Provenance(agent=self.name))
+            saved = change.save(
+                automaton, curriculum.classifier, Provenance(agent=self.name, note=note)
+            )
             edition = edition_with(saved, change, self.library, self.edition)
             try:
                 state = self._state(edition, then)

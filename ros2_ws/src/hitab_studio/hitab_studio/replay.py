@@ -13,6 +13,7 @@ from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
 
 from hitab_client import SwarmError
 from hitab_client.recording import Received, opened, type_name
+from hitab_core.showing import Strip
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9
@@ -109,6 +110,21 @@ class Recording:
 
 
 @dataclass
+class Labels:
+    """Which behavior each moment of an agent in a recording was.
+
+    Attributes:
+        strip: it.
+        offset: when its first moment is, s after the beginning of the recording.
+        chosen: the number of the span that a person looks at; -1: none.
+    """
+
+    strip: Strip
+    offset: float
+    chosen: int = -1
+
+
+@dataclass
 class Player:
     """Plays a recording for one page.
 
@@ -116,12 +132,14 @@ class Player:
         at: seconds since the beginning.
         playing: whether it is playing.
         speed: of playback.
+        labels: of one agent, if a person has asked for them.
     """
 
     recording: Recording
     at: float = 0.0
     playing: bool = True
     speed: float = 1.0
+    labels: Labels | None = None
 
     def advance(self, seconds: float) -> bool:
         """Advance the time; return whether the moment changed."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -186,9 +186,6 @@ def session_of(path: Path, agent: str) -> Session:
 def _namespace(path: Path, agent: str) -> str:
     """Return the namespace of an agent in a recording; of the only one, if none is named."""
     there = trained_agents(path)
-    found = [n for n in there if agent in ("", n, n.removeprefix("/"), n.rpartition("/")[2])]
-    if len(found) == 1:
-        return found[0]
     if not there:
         raise SwarmError(
             f"no agent can be trained from {path.name}: it lacks the topic "
@@ -196,5 +193,22 @@ def _namespace(path: Path, agent: str) -> str:
             "their own have it",
             Do.RECORD(),
         )
-    what = "has several such sessions" if found else f'has no session of an agent "{agent}"'
+    return agent_meant(path, there, agent)
+
+
+def agent_meant(path: Path, there: Sequence[str], agent: str) -> str:
+    """Return which of the agents in a recording is meant, with its namespace.
+
+    Args:
+        path: of the recording.
+        there: the agents, with their namespaces.
+        agent: its name, with its namespace if there are several of that name; empty: the only one.
+
+    Raises:
+        SwarmError: if it is not there, or there are several.
+    """
+    found = [n for n in there if agent in ("", n, n.removeprefix("/"), n.rpartition("/")[2])]
+    if len(found) == 1:
+        return found[0]
+    what = "has several agents" if found else f'has nothing of an agent "{agent}"'
     raise SwarmError(f"{path.name} {what}; choose one with --agent {has(found or there, agent)}")

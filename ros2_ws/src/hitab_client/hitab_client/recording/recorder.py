@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_msgs.msg import (
+    Action,
     AgentStatus,
     Command,
     CommanderStatus,
@@ -30,6 +31,7 @@ from hitab_ros import own_hash, qos, session_topics
 
 KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
     "state": (WorldState, qos.LATCHED),
+    "actions": (Action, qos.ROLL_CALL),
     "episodes": (Episode, qos.EVENTS),
     "transitions": (TransitionEvent, qos.EVENTS),
     "command": (Command, qos.EVENTS),

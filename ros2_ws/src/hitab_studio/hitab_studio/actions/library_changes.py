@@ -25,7 +25,7 @@ async def rename_dialog(session: Session, data: Data) -> None:
 async def rename(session: Session, data: Data) -> None:
     """Rename a behavior, also in what uses it."""
     old, new = session.dialog["name"], str(data["values"].get("name", "")).strip()
-    await _change(
+    await change_library(
         session,
         lambda library: library.rename(old, new, with_users=True),
         f"{old} is called {new} now",
@@ -43,7 +43,7 @@ async def delete_dialog(session: Session, data: Data) -> None:
 async def delete(session: Session, data: Data) -> None:
     """Delete a behavior, also if others use it and the person was warned."""
     name, told = session.dialog["name"], bool(session.dialog["users"])
-    await _change(
+    await change_library(
         session,
         lambda library: library.remove(name, anyway=told),
         f"{name} is deleted; its versions are kept: `{called()} library restore {name}`",
@@ -65,7 +65,9 @@ def _ask(session: Session, kind: str, name: str) -> None:
     }
 
 
-async def _change(session: Session, what: Callable[[BehaviorLibrary], Any], done: str) -> None:
+async def change_library(
+    session: Session, what: Callable[[BehaviorLibrary], Any], done: str
+) -> None:
     """Change the library of the agent, and have all who use it read it again.
 
     Raises:

@@ -79,7 +79,7 @@ def _not_being_recorded(session: Session, name: str) -> None:
 @action("replay-play")
 async def replay_play(session: Session, data: Data) -> None:
     """Play or pause; restart at the end."""
-    player = _player(session)
+    player = player_of(session)
     if not player.playing and player.at >= player.recording.seconds:
         player.seek(0.0)
     player.playing = not player.playing
@@ -88,14 +88,14 @@ async def replay_play(session: Session, data: Data) -> None:
 @action("replay-seek", repeats=True)
 async def replay_seek(session: Session, data: Data) -> None:
     """Go to a moment."""
-    _player(session).seek(float(data["value"]))
+    player_of(session).seek(float(data["value"]))
     session.show_moment()
 
 
 @action("replay-speed", repeats=True)
 async def replay_speed(session: Session, data: Data) -> None:
     """Set the playback speed."""
-    _player(session).speed = float(data["value"])
+    player_of(session).speed = float(data["value"])
 
 
 @action("replay-close")
@@ -105,7 +105,12 @@ async def replay_close(session: Session, data: Data) -> None:
     session.show_again()
 
 
-def _player(session: Session) -> Player:
+def player_of(session: Session) -> Player:
+    """Return what plays the recording that is open.
+
+    Raises:
+        SwarmError: if none is.
+    """
     if session.player is None:
         raise SwarmError("No recording is open.")
     return session.player

@@ -16,6 +16,7 @@ from hitab_studio.session import Session
 from hitab_studio.views import generations
 from hitab_studio.views.numbers import counted, measure
 from hitab_studio.views.questions import WHEN_UNSURE
+from hitab_studio.views.strip import words
 
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
 
@@ -66,6 +67,8 @@ def context(session: Session) -> dict[str, Any]:
         }
     if kind == "generations":
         found |= generations.context(session)
+    if kind == "label":
+        found |= words(dialog["domain"])
     if kind == "caution":
         found |= {
             "when_unsure": WHEN_UNSURE,

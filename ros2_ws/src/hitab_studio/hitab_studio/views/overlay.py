@@ -14,6 +14,7 @@ from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.perceived import plotted
+from hitab_studio.views.strip import strip
 from hitab_studio.views.swarm import choices
 
 MODE_WORDS = {
@@ -68,6 +69,7 @@ def context(session: Session) -> dict[str, Any]:
         "stopped": "; ".join(faults) if may_not_act else "",
         "faults": [] if may_not_act else faults,
         "player": session.player,
+        "strip": strip(session),
         "empty": nothing,
         "plots": plotted(session),
         "choices": choices(session) if nothing[0] else [],

@@ -10,13 +10,11 @@ Reference: J. Xin et al., Programmatic Imitation Learning from Unlabeled and Noi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from shown_likelihood import log_likelihoods, spread_of, unexplained
-from shown_paths import draw, forward, posterior
 
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.automaton import START
@@ -24,6 +22,8 @@ from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.learning import learn_transitions
+from hitab_core.showing.likelihood import log_likelihoods, spread_of, unexplained
+from hitab_core.showing.paths import draw, forward, posterior
 from hitab_core.transition_function import LearnedTransition
 
 STAY = 0.9
@@ -36,11 +36,20 @@ DRAWS, MOMENTS = 10, 20_000
 """How many sequences are drawn of each run, and of how many moments in all at most, if several."""
 
 BETWEEN = "tree(prune=True, min_samples_leaf=40)"
+"""Learns from the drawn sequences; with smaller leaves, it would confirm whatever was drawn."""
+
+ROUNDS = 12
 
 SETTLED = 0.002
 """The share of moments whose label may still change when the labels have settled."""
 
 Functions = Mapping[str, LearnedTransition]
+Told = Callable[[int, int, str], None]
+"""Is told the amount done, the total and the current activity."""
+
+
+def untold(done: int, total: int, doing: str) -> None:
+    """Tell nobody."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +75,6 @@ class Shown:
         labels: of each run, the index of the most probable behavior at each moment.
         confidence: of each run, how probable that is.
         unexplained: of each run, at which moments no behavior would have done what was done.
-        functions: the transition functions that the labels teach, by behavior, and of Start.
         spread: shape (d,), of what was done around what the behaviors would have done.
         rounds: of alternating; 0: none, by a sticky prior alone.
         settled: whether the labels no longer changed.
@@ -75,7 +83,6 @@ class Shown:
     labels: tuple[Integers, ...]
     confidence: tuple[Floats, ...]
     unexplained: tuple[Booleans, ...]
-    functions: Functions
     spread: Floats
     rounds: int
     settled: bool
@@ -86,26 +93,19 @@ def label(
     behaviors: Sequence[str],
     scales: Sequence[Scale],
     *,
-    classifier: str = "tree(prune=True)",
-    between: str = BETWEEN,
-    rounds: int = 12,
-    draws: int = DRAWS,
-    spread: Floats | None = None,
+    rounds: int = ROUNDS,
     seed: int = 0,
+    told: Told = untold,
 ) -> Shown:
-    """Return which behavior each moment of some runs was, and the automaton's functions.
+    """Return which behavior each moment of some runs was.
 
     Args:
         runs: that were shown, of one person or script.
         behaviors: names of the k behaviors.
         scales: of the m features.
-        classifier: the tree that learns the transition functions from the final labels.
-        between: the one that learns from drawn sequences while alternating; with smaller leaves,
-            it would confirm whatever was drawn.
         rounds: of alternating at most; 0: labels by a sticky prior alone.
-        draws: sequences drawn of each run, from which the functions are learned.
-        spread: of what is done around what a behavior would do; None: estimated.
         seed: of the draws.
+        told: is told the number of rounds that are done.
 
     Raises:
         TrainingError: if there is nothing to label.
@@ -113,36 +113,32 @@ def label(
     if not runs or min(len(run.features) for run in runs) == 0 or not behaviors:
         raise TrainingError("nothing was shown: give at least one moment and one behavior")
     rng = np.random.default_rng(seed)
-    draws = max(1, min(draws, MOMENTS // sum(len(run.features) for run in runs)))
+    draws = max(1, min(DRAWS, MOMENTS // sum(len(run.features) for run in runs)))
     every = np.concatenate([run.apart for run in runs])
-    width = spread_of(every) if spread is None else spread
+    spread = spread_of(every)
     functions: Functions = {}
     before: Integers | None = None
-    for done in range(rounds + 1):  # noqa: B007
+    for done in range(rounds + 1):
         drawn, beliefs = [], []
         for run in runs:
             start, steps = _prior(functions, behaviors, run.features)
-            ahead = forward(start, steps, _odds(run, width))
+            ahead = forward(start, steps, _odds(run, spread))
             beliefs.append(posterior(ahead, steps))
             drawn.append(draw(ahead, steps, draws, rng))
         labels = [belief.argmax(axis=1) for belief in beliefs]
         now = np.concatenate(labels)
-        if spread is None:
-            width = spread_of(every, now)
-        taught = list(_examples(runs, drawn, behaviors))
-        functions = learn_transitions(taught, scales, between)
+        spread = spread_of(every, now)
         settled = before is not None and float((now != before).mean()) <= SETTLED
-        before = now
-        if settled:
+        if settled or done == rounds:
             break
-    alone = [one[None] for one in labels]
-    functions = learn_transitions(list(_examples(runs, alone, behaviors)), scales, classifier)
+        before = now
+        functions = learn_transitions(list(examples_of(runs, drawn, behaviors)), scales, BETWEEN)
+        told(done + 1, rounds, "alternating")
     return Shown(
         tuple(labels),
         tuple(belief.max(axis=1) for belief in beliefs),
-        tuple(unexplained(run.apart, width) for run in runs),
-        functions,
-        width,
+        tuple(unexplained(run.apart, spread) for run in runs),
+        spread,
         done,
         settled,
     )
@@ -151,7 +147,7 @@ def label(
 def steps_of(
     functions: Functions, behaviors: Sequence[str], features: Floats
 ) -> tuple[Floats, Floats]:
-    """Return where an automaton starts and how probable each step is, for `paths.forward`.
+    """Return where an automaton starts and how probable each step is, for `forward`.
 
     A behavior without a transition function stays. The start is as if the first step stayed.
 
@@ -192,7 +188,7 @@ def _odds(run: Run, spread: Floats) -> Floats:
     return np.asarray(odds)
 
 
-def _examples(
+def examples_of(
     runs: Sequence[Run], drawn: Sequence[Integers], behaviors: Sequence[str]
 ) -> Iterator[Example]:
     """Yield what each moment of each sequence says: where it went from the moment before."""

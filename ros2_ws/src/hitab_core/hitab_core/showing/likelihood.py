@@ -16,6 +16,15 @@ SURE = 4.0
 _FLOOR = 1e-3
 """The least spread, as a share of the largest difference: exact scripts have none."""
 
+_EXACT = 0.02
+"""A driver that does exactly what two behaviors would, this share of the time each: a program.
+
+Then whatever else was done is explained by none. People hit only rest exactly.
+"""
+
+_EQUAL = 1e-6
+"""A share of the least spread; numbers that are closer are equal."""
+
 _NEAR, _OF_A_BELL = 0.95, 1.148
 """A share of moments; what their root mean square is to be multiplied by."""
 
@@ -43,7 +52,7 @@ def spread_of(apart: Floats, labels: Integers | None = None) -> Floats:
     """Return the usual distance between what was done and the behavior that it was, shape (d,).
 
     One standard deviation of a bell, by the nearest 95 % of the moments, so that a few that no
-    behavior explains do not widen it.
+    behavior explains do not widen it; the least, if a program did it (`_EXACT`).
 
     Args:
         apart: shape (n, k, d).
@@ -54,7 +63,11 @@ def spread_of(apart: Floats, labels: Integers | None = None) -> Floats:
     least = np.maximum(_FLOOR * size.max(axis=(0, 1)), 1e-9)
     if labels is None:
         labels = (size / np.maximum(size.mean(axis=(0, 1)), 1e-9)).sum(axis=2).argmin(axis=1)
-    own = np.sort(size[np.arange(len(size)), labels], axis=0)
+    own = size[np.arange(len(size)), labels]
+    exact = (own <= _EQUAL * least).all(axis=1)
+    if np.sort(np.bincount(labels[exact], minlength=2))[-2] >= _EXACT * len(own):
+        return np.asarray(least)
+    own = np.sort(own, axis=0)
     near = own[: int(np.ceil(_NEAR * len(own)))]
     return np.asarray(np.maximum(_OF_A_BELL * np.sqrt((near**2).mean(axis=0)), least))
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from shown_labels import Run, label, steps_of
-from shown_likelihood import apart
-from shown_paths import forward
 
 from hitab_core import FeatureKind, Scale
 from hitab_core.errors import TrainingError
+from hitab_core.learning import learn_transitions
+from hitab_core.showing import Run, apart, examples_of, forward, label, steps_of
 
 BEHAVIORS = ("Left", "Right")
 SPREAD = 0.6
@@ -38,7 +37,11 @@ def test_labels_and_automaton_are_found_without_a_command():
     assert shown.settled
     assert shown.spread[0] == pytest.approx(SPREAD, rel=0.1)
     unseen, truth = run(99)
-    belief = forward(*steps_of(shown.functions, BEHAVIORS, unseen.features))
+    alone = [one[None] for one in shown.labels]
+    taught = list(examples_of([r for r, _ in made], alone, BEHAVIORS))
+    functions = learn_transitions(taught, [Scale()], "tree(prune=True)")
+    start, steps = steps_of(functions, BEHAVIORS, unseen.features)
+    belief = forward(start, steps, np.ones((len(truth), 2)))
     assert (belief.argmax(axis=1) == truth).mean() > 0.95
 
 

@@ -12,20 +12,18 @@ import numpy as np
 from hitab_core.arrays import Floats, Integers
 
 
-def forward(start: Floats, steps: Floats, odds: Floats | None = None) -> Floats:
+def forward(start: Floats, steps: Floats, odds: Floats) -> Floats:
     """Return the probability of each state at each moment given all until then, shape (n, k).
 
     Args:
         start: shape (k,), of the states before the first moment.
         steps: shape (n, k, k), rows sum to 1.
-        odds: shape (n, k); None: nothing is known of what was done, as when a policy runs.
+        odds: shape (n, k); all the same: nothing is known of what was done.
     """
     found = np.empty(steps.shape[:2])
     now = start
     for t, step in enumerate(steps):
-        now = now @ step
-        if odds is not None:
-            now = now * odds[t]
+        now = (now @ step) * odds[t]
         now = now / now.sum()
         found[t] = now
     return found

@@ -1,0 +1,11 @@
+from .labels import Run as Run
+from .labels import Shown as Shown
+from .labels import examples_of as examples_of
+from .labels import label as label
+from .labels import steps_of as steps_of
+from .likelihood import apart as apart
+from .moments import Moment as Moment
+from .paths import forward as forward
+from .strip import UNSURE as UNSURE
+from .strip import Span as Span
+from .strip import Strip as Strip

@@ -1,0 +1,154 @@
+"""What somebody did at each moment, and what each basic behavior would have done instead."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+
+from hitab_core.action_behavior import ActionBehavior
+from hitab_core.arrays import Floats
+from hitab_core.domain import OWN, Domain
+from hitab_core.errors import VocabularyError
+from hitab_core.running.senses import Senses, resolved, value_or_nan
+from hitab_core.showing.labels import Run, Told, untold
+from hitab_core.showing.likelihood import apart
+from hitab_core.use import Use
+from hitab_core.vocabulary import has
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """One cycle of an agent that somebody drove.
+
+    Attributes:
+        when: it was, s, as the one who shows it counts.
+        time: simulated, or the robot's, s.
+        cycle: of the world.
+        episode: number of it; each is a run of its own.
+        values, heard: the percept.
+        did: the action, in the layout of the domain; empty: none; None: not known.
+    """
+
+    when: float
+    time: float
+    cycle: int
+    episode: int
+    values: Sequence[float]
+    heard: Sequence[str]
+    did: Sequence[float] | None
+
+
+def behaviors_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Use, ...]:
+    """Return the behaviors that moments may have been; if none are chosen, all without targets.
+
+    Raises:
+        VocabularyError: naming what is no basic behavior, or if there are fewer than two.
+    """
+    known = {
+        name: behavior.parameters
+        for name, behavior in domain.behaviors.items()
+        if not (behavior.numbers or isinstance(behavior, ActionBehavior))
+    }
+    uses = tuple(dict.fromkeys(map(Use.parse, chosen)))
+    for use in uses:
+        domain.check_use(use, known, what="basic behavior without numbers")
+    uses = uses or tuple(Use(name) for name, parameters in known.items() if not parameters)
+    if len(uses) < 2:
+        raise VocabularyError(f"choose at least two basic behaviors to tell apart {has(known)}")
+    return uses
+
+
+def features_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Use, ...]:
+    """Return the features by which the behaviors may have been chosen.
+
+    Raises:
+        VocabularyError: naming what does not exist, or is not known before the behaviors are.
+    """
+    uses = tuple(dict.fromkeys(map(Use.parse, chosen)))
+    for use in uses:
+        if use.name in OWN:
+            raise VocabularyError(
+                f'"{use}" depends on which behavior was active, which is what is looked for; '
+                f"choose other features {has(domain.features)}"
+            )
+        domain.check_feature(use)
+    if not uses:
+        raise VocabularyError(f"choose at least one feature {has(domain.features)}")
+    return uses
+
+
+def runs_of(
+    moments: Sequence[Moment],
+    domain: Domain,
+    agent: str,
+    behaviors: Sequence[Use],
+    features: Sequence[Use],
+    told: Told = untold,
+) -> tuple[list[Run], Floats]:
+    """Return the episodes of some moments as runs to label, and what was done, shape (n, d).
+
+    Each behavior has a body of its own and is pulsed at each moment. Actions that are shorter than
+    others count as if they ended in zeros.
+
+    Args:
+        moments: in their order.
+        domain: of the agent.
+        agent: its name.
+        behaviors: that it may have been.
+        features: by which they may have been chosen.
+        told: is told the number of moments that are done.
+    """
+    body = domain.body(agent)
+    senses = Senses(body, domain)
+    pulses = [_pulsed(domain, agent, use) for use in behaviors]
+    seen, did, would = [], [], []
+    for done, moment in enumerate(moments, 1):
+        body.sense(moment.values, moment.heard)
+        senses.forget()
+        seen.append([value_or_nan(senses.look, use) for use in features])
+        did.append(moment.did)
+        would.append([pulse(moment) for pulse in pulses])
+        told(done, len(moments), "asking each behavior")
+    every = [*(d for d in did if d is not None), *(w for outputs in would for w in outputs)]
+    width = max(1, max(map(len, every), default=0))
+    acted = np.array([_padded(d, width) for d in did])
+    found = apart(acted, [[_padded(w, width) for w in outputs] for outputs in would])
+    table = np.array(seen)
+    runs, begin = [], 0
+    for _, group in groupby(moments, key=lambda moment: moment.episode):
+        end = begin + len(list(group))
+        runs.append(Run(table[begin:end], found[begin:end]))
+        begin = end
+    return runs, acted
+
+
+def _pulsed(domain: Domain, agent: str, use: Use) -> Callable[[Moment], Sequence[float]]:
+    """Return what tells what a behavior would do at a moment; nothing if it cannot."""
+    body, behavior = domain.body(agent), domain.behaviors[use.name]
+    pulse = resolved(behavior.pulse, body, domain, use)
+    begin = resolved(behavior.start, body, domain, use)
+    begun = False
+
+    def does(moment: Moment) -> Sequence[float]:
+        nonlocal begun
+        try:
+            body.sense(moment.values, moment.heard)
+            if not begun:
+                begin()
+                begun = True
+            pulse()
+            return tuple(body.act()[0])
+        except Exception:  # domain code; an agent does nothing then, too
+            return ()
+
+    return does
+
+
+def _padded(action: Sequence[float] | None, width: int) -> list[float]:
+    if action is None:
+        return [math.nan] * width
+    return [*map(float, action), *[0.0] * (width - len(action))]

@@ -1,0 +1,209 @@
+"""The strip of a demonstration: which behavior it was from when to when, and how sure that is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+import numpy as np
+
+from hitab_core.agent import Agent
+from hitab_core.arrays import Booleans, Floats, Integers
+from hitab_core.domain import Domain
+from hitab_core.errors import LibraryError, TrainingError
+from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.saving import Saved
+from hitab_core.showing.labels import Run, Told, label, untold
+from hitab_core.showing.moments import Moment, behaviors_meant, features_meant, runs_of
+from hitab_core.training.curriculum import Curriculum
+from hitab_core.use import Use
+from hitab_core.vocabulary import check_known
+from hitab_core.wording import quantity
+
+UNSURE = 0.8
+"""What is less probable is unsure."""
+
+MOST = 0.5
+"""The share of moments that may be explained by no behavior."""
+
+
+@dataclass(frozen=True)
+class Span:
+    """Moments in a row that were one behavior.
+
+    Attributes:
+        begin, end: s; the end is when the next one begins.
+        behavior: that it was.
+        sure: how probable that is, the mean of its moments.
+        moments: how many they are.
+        unexplained: at how many of them no behavior would have done what was done.
+        corrected: whether a person said what it was, of some of them.
+    """
+
+    begin: float
+    end: float
+    behavior: str
+    sure: float
+    moments: int
+    unexplained: int
+    corrected: bool
+
+
+class Strip:
+    """Labels of what one agent did, to be corrected by hand and trained on.
+
+    Attributes:
+        behaviors: that moments may have been.
+        known: by moment, the index of the behavior that a person said it was.
+        rounds: of alternating that the labels took.
+    """
+
+    def __init__(
+        self,
+        moments: Sequence[Moment],
+        domain: Domain,
+        agent: str,
+        behaviors: Iterable[str],
+        features: Iterable[str],
+        corrections: Iterable[tuple[float, float, str]] = (),
+        *,
+        told: Told = untold,
+    ) -> None:
+        """Label a demonstration.
+
+        Args:
+            moments: in their order.
+            domain: of the agent.
+            agent: its name.
+            behaviors: basic ones, that moments may have been; none: all without targets.
+            features: by which they may have been chosen.
+            corrections: see `correct`.
+            told: is told how far it is.
+
+        Raises:
+            TrainingError: if there is nothing to label, or the behaviors do not explain it.
+            VocabularyError: naming what does not exist.
+        """
+        self.agent, self.domain, self.moments = agent, domain, moments
+        self._uses = behaviors_meant(domain, behaviors)
+        self._features = features_meant(domain, features)
+        self.behaviors = tuple(map(str, self._uses))
+        if len(moments) < 2 or all(moment.did is None for moment in moments):
+            raise TrainingError(f"there are not two moments of which is known what {agent} did")
+        self._runs, done = runs_of(moments, domain, agent, self._uses, self._features, told)
+        self._varied = np.nanstd(done, axis=0)
+        self.known: dict[int, int] = {}
+        for begin, end, behavior in corrections:
+            self.correct(begin, end, behavior)
+        self.label(told)
+
+    def label(self, told: Told = untold) -> None:
+        """Find the labels again, with what is known."""
+        runs: list[Run] = []
+        begin = 0
+        for run in self._runs:
+            end = begin + len(run.features)
+            known = {i - begin: which for i, which in self.known.items() if begin <= i < end}
+            runs.append(replace(run, known=known))
+            begin = end
+        scales = [self.domain.scale_of(use) for use in self._features]
+        shown = label(runs, self.behaviors, scales, told=told)
+        unexplained = np.concatenate(shown.unexplained)
+        unexplained[[*self.known]] = False
+        varies = self._varied > 0
+        in_vain = varies.any() and (shown.spread >= self._varied)[varies].all()
+        if in_vain or unexplained.mean() > MOST:
+            what = "" if in_vain else f" at {unexplained.mean():.0%} of the moments"
+            raise TrainingError(
+                f"these behaviors do not explain what {self.agent} did{what}: "
+                f"{', '.join(self.behaviors)}; choose those that it may have been"
+            )
+        self.labels: Integers = np.concatenate(shown.labels)
+        self.confidence: Floats = np.concatenate(shown.confidence)
+        self.unexplained: Booleans = unexplained
+        self.rounds = shown.rounds
+
+    def correct(self, begin: float, end: float, behavior: str) -> None:
+        """Say what it was from when to when; `label` then labels the rest again.
+
+        Raises:
+            TrainingError: if there is no moment then.
+            VocabularyError: if it is none of the behaviors.
+        """
+        check_known("behavior", behavior, self.behaviors)
+        there = [i for i, moment in enumerate(self.moments) if begin <= moment.when < end]
+        if not there:
+            raise TrainingError(
+                f"there is no moment from {begin:g} to {end:g} s; they are from "
+                f"{self.moments[0].when:.2f} to {self.moments[-1].when:.2f} s"
+            )
+        self.known |= dict.fromkeys(there, self.behaviors.index(behavior))
+
+    def is_sure(self, moment: int) -> bool:
+        """Whether the label of a moment is probable enough."""
+        return bool(self.confidence[moment] >= UNSURE)
+
+    @property
+    def spans(self) -> list[Span]:
+        """The spans, in their order; a new one begins with each episode."""
+        found, begin = [], 0
+        for (_, which), group in groupby(
+            zip((m.episode for m in self.moments), self.labels.tolist(), strict=True)
+        ):
+            end = begin + len(list(group))
+            found.append(
+                Span(
+                    self.moments[begin].when,
+                    self.moments[end].when if end < len(self.moments) else self._end,
+                    self.behaviors[which],
+                    float(self.confidence[begin:end].mean()),
+                    end - begin,
+                    int(self.unexplained[begin:end].sum()),
+                    any(i in self.known for i in range(begin, end)),
+                )
+            )
+            begin = end
+        return found
+
+    @property
+    def _end(self) -> float:
+        """When the last moment ends: it is as long as the one before."""
+        return 2 * self.moments[-1].when - self.moments[-2].when
+
+    def train(self, name: str, library: BehaviorLibrary, source: str) -> Saved:
+        """Train a behavior as if each change of the label had been commanded, and save it.
+
+        Args:
+            name: of the behavior.
+            library: to save it in.
+            source: the name of what the demonstration was recorded in, for its provenance.
+
+        Raises:
+            LibraryError: if the library has another domain, or cannot be written.
+            TrainingError, VocabularyError: as any training.
+        """
+        if library.domain.name != self.domain.name:
+            raise LibraryError(
+                f'{library.folder} is of domain "{library.domain.name}", what {self.agent} did of '
+                f'"{self.domain.name}"; choose another library'
+            )
+        agent = Agent(self.agent, self.domain, library)
+        agent.begin(Curriculum(name, self._features))
+        for moment, use, begins in self._changes():
+            agent.sense(moment.values, moment.heard, moment.cycle, moment.time)
+            if begins:
+                agent.restart(0, moment.episode)
+            if use is not None:
+                agent.command(use)
+        said = f", {quantity(len(self.known), 'moment')} corrected" if self.known else ""
+        note = f"labeled from {source}: {quantity(len(self.moments), 'moment')}{said}"
+        return agent.save(note=note)
+
+    def _changes(self) -> Iterator[tuple[Moment, Use | None, bool]]:
+        """Yield each moment, the behavior that is commanded then, and if an episode begins."""
+        episode, before = None, -1
+        for moment, which in zip(self.moments, self.labels.tolist(), strict=True):
+            begins = moment.episode != episode
+            yield moment, self._uses[which] if begins or which != before else None, begins
+            episode, before = moment.episode, which
