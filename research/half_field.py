@@ -123,7 +123,11 @@ def teams() -> dict[str, Team]:
 
 def played(team: Team, seed: int, episodes: range, offside: bool) -> list[EpisodeResult]:
     """Play some episodes with a team."""
-    world = half_field(HalfFieldParameters(offside=offside), seed)
+    return play_with(team, half_field(HalfFieldParameters(offside=offside), seed), episodes)
+
+
+def play_with(team: Team, world: World, episodes: range) -> list[EpisodeResult]:
+    """Play some episodes of a world with a team."""
     players, between = team(world)
     return play(world, players, len(episodes), first=episodes.start, between=between)
 
@@ -144,6 +148,19 @@ def compare(
 ) -> None:
     """Have all teams play the same episodes."""
     finished = FinishedRuns(resume, {"seed": seed, "block": BLOCK, "offside": offside})
+    tell_teams(
+        lambda team, block: played(team, seed, block, offside), episodes, only, finished, json
+    )
+
+
+def tell_teams(
+    play: Callable[[Team, range], list[EpisodeResult]],
+    episodes: int,
+    only: Sequence[str] | None,
+    finished: FinishedRuns,
+    json: str,
+) -> None:
+    """Have teams play the same episodes, block by block; print and write how they did."""
     figures: dict[str, Any] = {}
     for name, team in teams().items():
         if only and name not in only:
@@ -152,7 +169,7 @@ def compare(
         for first in range(0, episodes, BLOCK):
             unit = f"{name}, {first}"
             if unit not in finished.figures:
-                results = played(team, seed, range(first, first + BLOCK), offside)
+                results = play(team, range(first, first + BLOCK))
                 finished.add(unit, [[r.ended, r.seconds, r.measures["passes"]] for r in results])
             runs += finished.figures[unit]
         figures[name] = told(name, runs[:episodes], figures)
