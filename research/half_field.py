@@ -16,7 +16,7 @@ import json as js
 import math
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -212,9 +212,17 @@ def search(
 ) -> None:
     """Try other numbers for the rules."""
     choices = product((2.5, 4.0, 5.5), (-5.5, -4.0, -2.5, -1.0, 0.5), (18.0,), (0.0,), (7.0, 12.0))
+    try_numbers(lambda team: played(team, seed, range(episodes), False), choices)
+
+
+def try_numbers(
+    play: Callable[[Team], list[EpisodeResult]], choices: Iterable[Sequence[float]]
+) -> None:
+    """Have the rules with captain play with each choice of their numbers; print how they did."""
     for numbers in (Numbers(*choice) for choice in choices):
-        results = played(captained(rules(numbers)), seed, range(episodes), False)
-        print(f"{100.0 * goals_of(results):5.1f} % goals: {numbers}", flush=True)
+        results = play(captained(rules(numbers)))
+        ended = dict(Counter(result.ended for result in results))
+        print(f"{100.0 * goals_of(results):5.1f} % goals: {numbers}, {ended}", flush=True)
 
 
 if __name__ == "__main__":

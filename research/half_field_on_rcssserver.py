@@ -5,21 +5,23 @@ needs rcssserver 19, which is not part of this project, and for --helios a helio
 built as its README says. Each block of episodes is played on a server of its own; they begin as in
 the simulated game of the same seed, but the server draws its own noise.
 
-    scripts/python research/half_field_on_rcssserver.py --resume server.jsonl --json server.json
-    scripts/python research/half_field_on_rcssserver.py --helios helios-base/src --episodes 60
+    scripts/python research/half_field_on_rcssserver.py compare --resume server.jsonl
+    scripts/python research/half_field_on_rcssserver.py compare --helios helios-base/src
+    scripts/python research/half_field_on_rcssserver.py search --helios helios-base/src
 """
 
 from __future__ import annotations
 
 import tempfile
 from contextlib import ExitStack, closing
+from itertools import product
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from finished_runs import FinishedRuns, Resume
-from half_field import BLOCK, Team, play_with, tell_teams
-from rcss_programs import PATIENCE_SECONDS, join, options, start
+from half_field import BLOCK, Team, play_with, tell_teams, try_numbers
+from rcss_programs import PATIENCE_SECONDS, given, join, options, start
 
 from hitab_world import EpisodeResult
 from keepaway_world.half_field.game import rules_of
@@ -27,6 +29,7 @@ from keepaway_world.half_field.parameters import HalfFieldParameters
 from keepaway_world.rcss.rcss_world import RcssWorld
 from keepaway_world.rcss.server_settings import ServerSettings
 
+app = typer.Typer(add_completion=False, help=__doc__)
 HELIOS = "HELIOS_base"
 
 
@@ -45,20 +48,26 @@ def start_helios(stack: ExitStack, folder: Path, sources: Path, port: int) -> No
     start(stack, folder, *command, count=HalfFieldParameters().takers - 1)
 
 
-def main(
-    helios: Annotated[Path | None, typer.Option(help="helios-base's folder src, built.")] = None,
-    server: Annotated[str, typer.Option(help="The rcssserver program.")] = "rcssserver",
-    episodes: Annotated[int, typer.Option(help="Of each team.", min=2)] = 100,
-    seed: Annotated[int, typer.Option(help="Of the episodes' beginnings.")] = 80_217,
-    offside: Annotated[bool, typer.Option(help="With offside.")] = False,
-    only: Annotated[list[str] | None, typer.Option(help="Only these teams.")] = None,
-    port: Annotated[int, typer.Option(help="Port of the server.")] = 6700,
-    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
-    resume: Resume = "",
-) -> None:
-    """Have all teams play the same episodes."""
+Helios = Annotated[Path | None, typer.Option(help="helios-base's folder src, built.")]
+Server = Annotated[str, typer.Option(help="The rcssserver program.")]
+Options = Annotated[
+    list[str] | None, typer.Option(help="Another server option, as server::NAME=VALUE.")
+]
+Port = Annotated[int, typer.Option(help="Port of the server.")]
+
+
+def played(
+    team: Team,
+    seed: int,
+    block: range,
+    helios: Path | None,
+    server: str,
+    port: int,
+    option: list[str] | None,
+) -> list[EpisodeResult]:
+    """Play some episodes with a team, on a server that is started for them."""
     others = {"keepaway": 0, "keepaway_logging": 0, "text_logging": 0, "fullstate_r": 0}
-    others |= {"coach_w_referee": 1, "use_offside": int(offside)}
+    others |= {"coach_w_referee": 1, **given(option)}
     parameters = HalfFieldParameters()
     settings = ServerSettings(
         port=port,
@@ -67,25 +76,56 @@ def main(
         taker_team=HELIOS if helios else "defenders",
         our_takers=helios is None,
     )
+    with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
+        folder = Path(name)
+        start(stack, folder, server, *options(port, folder, True, 20, others))
+        world = RcssWorld(
+            settings, parameters, seed, rules_of(parameters), patience=PATIENCE_SECONDS
+        )
+        stack.enter_context(closing(world))
+        join(world)
+        if helios:
+            start_helios(stack, folder, helios, port)
+        return play_with(team, world, block)
 
-    def played(team: Team, block: range) -> list[EpisodeResult]:
-        with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
-            folder = Path(name)
-            start(stack, folder, server, *options(port, folder, True, 20, others))
-            world = RcssWorld(
-                settings, parameters, seed, rules_of(parameters), patience=PATIENCE_SECONDS
-            )
-            stack.enter_context(closing(world))
-            join(world)
-            if helios:
-                start_helios(stack, folder, helios, port)
-            return play_with(team, world, block)
 
-    finished = FinishedRuns(
-        resume, {"seed": seed, "block": BLOCK, "offside": offside, "helios": helios is not None}
+@app.command()
+def compare(
+    helios: Helios = None,
+    server: Server = "rcssserver",
+    episodes: Annotated[int, typer.Option(help="Of each team.", min=2)] = 100,
+    seed: Annotated[int, typer.Option(help="Of the episodes' beginnings.")] = 80_217,
+    only: Annotated[list[str] | None, typer.Option(help="Only these teams.")] = None,
+    option: Options = None,
+    port: Port = 6700,
+    json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
+    resume: Resume = "",
+) -> None:
+    """Have all teams play the same episodes."""
+    same = {"seed": seed, "block": BLOCK, "helios": helios is not None, "options": option or []}
+    finished = FinishedRuns(resume, same)
+
+    def play(team: Team, block: range) -> list[EpisodeResult]:
+        return played(team, seed, block, helios, server, port, option)
+
+    tell_teams(play, episodes, only, finished, json)
+
+
+@app.command()
+def search(
+    helios: Helios = None,
+    server: Server = "rcssserver",
+    episodes: Annotated[int, typer.Option(help="Of each choice.", min=2)] = 40,
+    seed: Annotated[int, typer.Option(help="Of the episodes; not that of `compare`.")] = 5,
+    option: Options = None,
+    port: Port = 6700,
+) -> None:
+    """Try other numbers for the rules."""
+    choices = product((4.0, 8.0, 12.0, 18.0), (-8.0, -4.0), (18.0,), (-1.0, 0.0, 1.5), (12.0,))
+    try_numbers(
+        lambda team: played(team, seed, range(episodes), helios, server, port, option), choices
     )
-    tell_teams(played, episodes, only, finished, json)
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    app()

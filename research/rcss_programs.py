@@ -17,6 +17,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import typer
 from report import tell
 
 from hitab_world.evaluation import mean_and_error
@@ -72,6 +73,17 @@ def options(
     values["text_log_compression"] = 0
     values |= others
     return [f"server::{name}={value}" for name, value in values.items()]
+
+
+def given(texts: Sequence[str] | None) -> dict[str, object]:
+    """Return rcssserver's options that are given as ``server::NAME=VALUE``, by name."""
+    values: dict[str, object] = {}
+    for text in texts or ():
+        name, equals, value = text.removeprefix("server::").partition("=")
+        if not (name and equals):
+            raise typer.BadParameter(f'"{text}" is not server::NAME=VALUE', param_hint="--option")
+        values[name] = value
+    return values
 
 
 def start(stack: ExitStack, folder: Path, *command: str, count: int = 1) -> None:
