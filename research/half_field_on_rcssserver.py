@@ -24,6 +24,7 @@ from half_field import BLOCK, Team, play_with, tell_teams, try_numbers
 from rcss_programs import PATIENCE_SECONDS, given, join, options, start
 
 from hitab_world import EpisodeResult
+from keepaway_world.half_field import domain
 from keepaway_world.half_field.game import rules_of
 from keepaway_world.half_field.parameters import HalfFieldParameters
 from keepaway_world.rcss.rcss_world import RcssWorld
@@ -97,13 +98,17 @@ def compare(
     seed: Annotated[int, typer.Option(help="Of the episodes' beginnings.")] = 80_217,
     only: Annotated[list[str] | None, typer.Option(help="Only these teams.")] = None,
     option: Options = None,
+    touch: Annotated[
+        float, typer.Option(help="Speed of the ball in a dribble, m/cycle.")
+    ] = domain.TOUCH,
     port: Port = 6700,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
     resume: Resume = "",
 ) -> None:
     """Have all teams play the same episodes."""
     same = {"seed": seed, "block": BLOCK, "helios": helios is not None, "options": option or []}
-    finished = FinishedRuns(resume, same)
+    finished = FinishedRuns(resume, {**same, "touch": touch})
+    vars(domain)["TOUCH"] = touch
 
     def play(team: Team, block: range) -> list[EpisodeResult]:
         return played(team, seed, block, helios, server, port, option)
@@ -121,7 +126,7 @@ def search(
     port: Port = 6700,
 ) -> None:
     """Try other numbers for the rules."""
-    choices = product((4.0, 8.0, 12.0, 18.0), (-8.0, -4.0), (18.0,), (-1.0, 0.0, 1.5), (12.0,))
+    choices = product((6.0, 10.0, 15.0, 25.0), (-8.0, -4.0), (18.0,), (0.0, 1.5), (12.0,))
     try_numbers(
         lambda team: played(team, seed, range(episodes), helios, server, port, option), choices
     )
