@@ -55,6 +55,7 @@ Options = Annotated[
     list[str] | None, typer.Option(help="Another server option, as server::NAME=VALUE.")
 ]
 Port = Annotated[int, typer.Option(help="Port of the server.")]
+Touch = Annotated[float, typer.Option(help="Speed of the ball in a dribble, m/cycle.")]
 
 
 def played(
@@ -67,8 +68,8 @@ def played(
     option: list[str] | None,
 ) -> list[EpisodeResult]:
     """Play some episodes with a team, on a server that is started for them."""
-    others = {"keepaway": 0, "keepaway_logging": 0, "text_logging": 0, "fullstate_r": 0}
-    others |= {"coach_w_referee": 1, **given(option)}
+    match = {"keepaway": 0, "keepaway_logging": 0, "text_logging": 0, "fullstate_r": 0}
+    others: dict[str, object] = {**match, "coach_w_referee": 1, **given(option)}
     parameters = HalfFieldParameters()
     settings = ServerSettings(
         port=port,
@@ -98,9 +99,7 @@ def compare(
     seed: Annotated[int, typer.Option(help="Of the episodes' beginnings.")] = 80_217,
     only: Annotated[list[str] | None, typer.Option(help="Only these teams.")] = None,
     option: Options = None,
-    touch: Annotated[
-        float, typer.Option(help="Speed of the ball in a dribble, m/cycle.")
-    ] = domain.TOUCH,
+    touch: Touch = domain.TOUCH,
     port: Port = 6700,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
     resume: Resume = "",
@@ -123,9 +122,11 @@ def search(
     episodes: Annotated[int, typer.Option(help="Of each choice.", min=2)] = 40,
     seed: Annotated[int, typer.Option(help="Of the episodes; not that of `compare`.")] = 5,
     option: Options = None,
+    touch: Touch = domain.TOUCH,
     port: Port = 6700,
 ) -> None:
     """Try other numbers for the rules."""
+    vars(domain)["TOUCH"] = touch
     choices = product((6.0, 10.0, 15.0, 25.0), (-8.0, -4.0), (18.0,), (0.0, 1.5), (12.0,))
     try_numbers(
         lambda team: played(team, seed, range(episodes), helios, server, port, option), choices
