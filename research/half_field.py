@@ -16,7 +16,7 @@ import json as js
 import math
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -123,7 +123,11 @@ def teams() -> dict[str, Team]:
 
 def played(team: Team, seed: int, episodes: range, offside: bool) -> list[EpisodeResult]:
     """Play some episodes with a team."""
-    world = half_field(HalfFieldParameters(offside=offside), seed)
+    return play_with(team, half_field(HalfFieldParameters(offside=offside), seed), episodes)
+
+
+def play_with(team: Team, world: World, episodes: range) -> list[EpisodeResult]:
+    """Play some episodes of a world with a team."""
     players, between = team(world)
     return play(world, players, len(episodes), first=episodes.start, between=between)
 
@@ -144,6 +148,19 @@ def compare(
 ) -> None:
     """Have all teams play the same episodes."""
     finished = FinishedRuns(resume, {"seed": seed, "block": BLOCK, "offside": offside})
+    tell_teams(
+        lambda team, block: played(team, seed, block, offside), episodes, only, finished, json
+    )
+
+
+def tell_teams(
+    play: Callable[[Team, range], list[EpisodeResult]],
+    episodes: int,
+    only: Sequence[str] | None,
+    finished: FinishedRuns,
+    json: str,
+) -> None:
+    """Have teams play the same episodes, block by block; print and write how they did."""
     figures: dict[str, Any] = {}
     for name, team in teams().items():
         if only and name not in only:
@@ -152,7 +169,7 @@ def compare(
         for first in range(0, episodes, BLOCK):
             unit = f"{name}, {first}"
             if unit not in finished.figures:
-                results = played(team, seed, range(first, first + BLOCK), offside)
+                results = play(team, range(first, first + BLOCK))
                 finished.add(unit, [[r.ended, r.seconds, r.measures["passes"]] for r in results])
             runs += finished.figures[unit]
         figures[name] = told(name, runs[:episodes], figures)
@@ -195,9 +212,17 @@ def search(
 ) -> None:
     """Try other numbers for the rules."""
     choices = product((2.5, 4.0, 5.5), (-5.5, -4.0, -2.5, -1.0, 0.5), (18.0,), (0.0,), (7.0, 12.0))
+    try_numbers(lambda team: played(team, seed, range(episodes), False), choices)
+
+
+def try_numbers(
+    play: Callable[[Team], list[EpisodeResult]], choices: Iterable[Sequence[float]]
+) -> None:
+    """Have the rules with captain play with each choice of their numbers; print how they did."""
     for numbers in (Numbers(*choice) for choice in choices):
-        results = played(captained(rules(numbers)), seed, range(episodes), False)
-        print(f"{100.0 * goals_of(results):5.1f} % goals: {numbers}", flush=True)
+        results = play(captained(rules(numbers)))
+        ended = dict(Counter(result.ended for result in results))
+        print(f"{100.0 * goals_of(results):5.1f} % goals: {numbers}, {ended}", flush=True)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ Agents are points on a field that walk and turn. Each performs a trained automat
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -19,7 +18,6 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.use import Use
-from hitab_ros.spinning import run
 from hitab_world.world import Action, Entity, EpisodeResult, Look, Placement, Sensed, WorldError
 from hitab_world.world_node import run_world
 
@@ -177,4 +175,4 @@ def make_world(node: Node, seed: int) -> PlainWorld:
 
 
 if __name__ == "__main__":
-    sys.exit(run(lambda spinning: run_world(make_world, spinning)))
+    run_world(make_world)

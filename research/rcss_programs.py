@@ -11,19 +11,24 @@ import re
 import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+import typer
 from report import tell
 
 from hitab_world.evaluation import mean_and_error
+from keepaway_world.rcss import sentences
+from keepaway_world.rcss.rcss_world import RcssWorld
 
 GARBLED = re.compile(r'\tRecv \S+ \(say "[^"]*\(say "')
 """What the server logs of a player whose command was overwritten by what it says."""
 
 END_SECONDS = 5.0
+PATIENCE_SECONDS = 60.0  # for programs to start, and for an episode to begin
 JOIN_SECONDS = 1.5  # between the server, the keepers and the takers, in this order
 
 
@@ -68,6 +73,17 @@ def options(
     values["text_log_compression"] = 0
     values |= others
     return [f"server::{name}={value}" for name, value in values.items()]
+
+
+def given(texts: Sequence[str] | None) -> dict[str, object]:
+    """Return rcssserver's options that are given as ``server::NAME=VALUE``, by name."""
+    values: dict[str, object] = {}
+    for text in texts or ():
+        name, equals, value = text.removeprefix("server::").partition("=")
+        if not (name and equals):
+            raise typer.BadParameter(f'"{text}" is not server::NAME=VALUE', param_hint="--option")
+        values[name] = value
+    return values
 
 
 def start(stack: ExitStack, folder: Path, *command: str, count: int = 1) -> None:
@@ -115,6 +131,17 @@ def _end(program: subprocess.Popen[bytes]) -> None:
     except subprocess.TimeoutExpired:
         program.kill()
         program.wait()
+
+
+def join(world: RcssWorld) -> None:
+    """Have the world's players join the server: its keepers are the first team."""
+    joined = sentences.BEFORE_PLAY.format(world.server.where)
+    deadline = time.monotonic() + PATIENCE_SECONDS
+    while world.waiting != joined:
+        if time.monotonic() > deadline:
+            raise SystemExit(f"error: {world.waiting}")
+        world.idle()
+        time.sleep(0.001)
 
 
 def start_team(

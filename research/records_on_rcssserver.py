@@ -10,14 +10,21 @@ research/records_on_rcssserver.py --player keepaway_player --sight full --game 4
 from __future__ import annotations
 
 import tempfile
-import time
 from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from games import size_of
-from rcss_programs import options, start, start_team, tell_episodes, tell_lost_commands
+from rcss_programs import (
+    PATIENCE_SECONDS,
+    join,
+    options,
+    start,
+    start_team,
+    tell_episodes,
+    tell_lost_commands,
+)
 from records import TRAINED_AWAY, trained_team
 
 from hitab_bringup import players_of
@@ -26,7 +33,6 @@ from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
 from hitab_core import Use
 from hitab_world.inprocess import play
-from keepaway_world.rcss import sentences
 from keepaway_world.rcss.rcss_world import RcssWorld
 from keepaway_world.rcss.server_settings import settings_from_dict
 
@@ -35,18 +41,6 @@ VISIBLE_ANGLE = {  # degrees
     FULL: 360,  # as for UT's keepers; it does not matter
     NOISY: 541,  # our keepers see all around them in every cycle
 }
-PATIENCE_SECONDS = 60.0  # for programs to start, and for an episode to begin
-
-
-def join(world: RcssWorld) -> None:
-    """Have the world's keepers join the server: the first team is the keepers'."""
-    joined = sentences.BEFORE_PLAY.format(world.server.where)
-    deadline = time.monotonic() + PATIENCE_SECONDS
-    while world.waiting != joined:
-        if time.monotonic() > deadline:
-            raise SystemExit(f"error: {world.waiting}")
-        world.idle()
-        time.sleep(0.001)
 
 
 def main(

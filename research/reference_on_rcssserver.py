@@ -20,6 +20,7 @@ from typing import Annotated
 import typer
 from games import size_of
 from rcss_programs import (
+    given,
     options,
     start,
     start_team,
@@ -67,11 +68,7 @@ def main(
     """Play episodes and print hold time, passes and how episodes ended."""
     counts = size_of(game)
     others: dict[str, object] = {"keepaway_start": START_SECONDS, "visible_angle": 360}
-    for text in option or []:
-        name, equals, value = text.removeprefix("server::").partition("=")
-        if not (name and equals):
-            raise typer.BadParameter(f'"{text}" is not server::NAME=VALUE', param_hint="--option")
-        others[name] = value
+    others |= given(option)
     with tempfile.TemporaryDirectory() as temporary, ExitStack() as stack:
         folder = Path(temporary)
         start(stack, folder, server, *options(port, folder, fullstate, side, others))

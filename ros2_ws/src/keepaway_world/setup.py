@@ -47,6 +47,7 @@ setup(
         "hitab.verbs": ["keepaway = keepaway_world.verbs.commands"],
         "hitab.worlds": [
             "half_field = keepaway_world.half_field.world_main",
+            "half_field_rcssserver = keepaway_world.half_field.rcss_main",
             "rcssserver = keepaway_world.rcss.rcss_main",
         ],
     },

@@ -9,13 +9,10 @@ Figures of the world are parameters; see `foraging_world.parameters`.
 
 from __future__ import annotations
 
-import sys
-
 from rclpy.node import Node
 
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
-from hitab_ros import run
 from hitab_world import run_world
 from hitab_world.figures import declare_figures
 
@@ -31,7 +28,7 @@ def make_world(node: Node, seed: int) -> ForagingWorld:
 
 def main() -> None:
     """Run until stopped."""
-    sys.exit(run(lambda spinning: run_world(make_world, spinning)))
+    run_world(make_world)
 
 
 if __name__ == "__main__":

@@ -7,11 +7,8 @@ For example::
 
 from __future__ import annotations
 
-import sys
-
 from rclpy.node import Node
 
-from hitab_ros import run
 from hitab_world.figures import declare_figures
 from hitab_world.simulation import SimulationFigures, SimulationWorld
 from hitab_world.world_node import run_world
@@ -28,7 +25,7 @@ def make_world(node: Node, seed: int) -> SimulationWorld:
 
 def main() -> None:
     """Run until stopped."""
-    sys.exit(run(lambda spinning: run_world(make_world, spinning)))
+    run_world(make_world)
 
 
 if __name__ == "__main__":

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from array import array
 from collections.abc import Callable, Sequence
+from functools import partial
+from typing import NoReturn
 
 from hitab_msgs import msg
 from rclpy.node import Node
@@ -20,6 +23,7 @@ from hitab_ros import (
     names,
     qos,
     refuse_second_of_name,
+    run,
     steady_timer,
     stop_report,
 )
@@ -341,7 +345,12 @@ class WorldNode(GuardedNode):
         self._next_status_ns = min(self._next_status_ns, time.monotonic_ns() + FAULTS_PERIOD_NS)
 
 
-def run_world(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:
+def run_world(make_world: Callable[[Node, int], World]) -> NoReturn:
+    """Run a world as this process, until it is stopped; then close the world, if it can be."""
+    sys.exit(run(partial(_start, make_world)))
+
+
+def _start(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:
     """Create the node of a world and return the loop that runs it.
 
     Raises:
@@ -354,4 +363,12 @@ def run_world(make_world: Callable[[Node, int], World], spinning: Spinner) -> Lo
     if not node.world.agents:
         raise HitabError("the world has no agents; set its parameters so that it has some")
     give_signs_of_life(node, node.settings.swarm)
-    return node.run
+
+    def run_and_close(spinning: Spinner) -> int:
+        try:
+            return node.run(spinning)
+        finally:
+            if close := getattr(node.world, "close", None):
+                close()
+
+    return run_and_close

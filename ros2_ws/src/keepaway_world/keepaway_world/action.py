@@ -24,7 +24,8 @@ if TYPE_CHECKING:  # an agent needs no world
 NONE, DASH, TURN, KICK = 0.0, 1.0, 2.0, 3.0
 
 Order = tuple[str, float, float]
-"""("dash", power, 0), ("turn", moment, 0), ("kick", power, direction) or ("none", 0, 0)."""
+"""("dash", power, 0), ("turn", moment, 0), ("kick", power, direction) or ("none", 0, 0); of a
+goalie also ("catch", direction, 0)."""
 
 _KINDS = {NONE: ("none", 1), DASH: ("dash", 2), TURN: ("turn", 2), KICK: ("kick", 3)}
 

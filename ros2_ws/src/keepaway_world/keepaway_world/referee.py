@@ -90,8 +90,8 @@ class Referee:
     def saw_catch(self, player: Mover) -> None:
         """Note that a taker has tried to catch the ball: nobody catches in keepaway."""
 
-    def measures(self) -> dict[str, float]:
-        """Return the figures of the episode so far."""
+    def measures(self, ended: str) -> dict[str, float]:
+        """Return the figures of the episode so far; ``ended``: why it has ended, if it has."""
         return {"passes": float(self.passes)}
 
     def finds_stuck(self, ball: Mover) -> bool:

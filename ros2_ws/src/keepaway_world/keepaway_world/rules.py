@@ -29,6 +29,9 @@ class Rules:
         set_up: puts everything in its initial position.
         names: of the players; see `Physics`.
         marks: what viewers see besides, such as a goal.
+        center: of the field on an rcssserver: its x there, m.
+        stops: why an episode ends when an rcssserver stops a match, by how its word for that
+            begins, such as "goal_l"; empty: the server itself plays this game.
     """
 
     name: str
@@ -39,6 +42,8 @@ class Rules:
     set_up: Callable[[Physics, Random], None]
     names: Names | None = None
     marks: Sequence[Entity] = ()
+    center: float = 0.0
+    stops: Sequence[tuple[str, str]] = ()
 
 
 KEEPAWAY = Rules(

@@ -215,7 +215,7 @@ class KeepawayWorld:
 
     def result(self) -> EpisodeResult:
         """Return the result of the current episode so far; see `Referee.measures`."""
-        return EpisodeResult.of(self, self._referee.measures())
+        return EpisodeResult.of(self, self._referee.measures(self.ended))
 
 
 def _distance(a: Mover, b: Mover) -> float:

@@ -10,11 +10,8 @@ The game's parameters can be set as well, such as ``-p parameters.taker_speed:=1
 
 from __future__ import annotations
 
-import sys
-
 from rclpy.node import Node
 
-from hitab_ros import run
 from hitab_world import run_world
 from hitab_world.figures import declare_figures
 from keepaway_world.parameters import KeepawayParameters
@@ -32,7 +29,7 @@ def make_world(node: Node, seed: int) -> KeepawayWorld:
 
 def main() -> None:
     """Run until stopped."""
-    sys.exit(run(lambda spinning: run_world(make_world, spinning)))
+    run_world(make_world)
 
 
 if __name__ == "__main__":

@@ -11,12 +11,13 @@ import time
 from pathlib import Path
 
 TRANSCRIPT = Path(__file__).parent / "data" / "keepaway_transcript.jsonl.gz"
-KEEPER, TAKER = 0, 3  # whose messages the transcript holds
+HALF_FIELD = TRANSCRIPT.with_name("half_field_transcript.jsonl.gz")
+KEEPER, TAKER = 0, 3  # whose messages a transcript holds
 
 
-def transcript():
-    """Return the lines of the transcript."""
-    with gzip.open(TRANSCRIPT, "rt") as lines:
+def transcript(path=TRANSCRIPT):
+    """Return the lines of a transcript."""
+    with gzip.open(path, "rt") as lines:
         return [json.loads(line) for line in lines]
 
 
@@ -28,7 +29,9 @@ def rounds(lines, client):
             told[-1].append(line["msg"])
             if line["msg"].startswith(("(think)", "(player_type (id 17)")):
                 told.append([])
-    # The recording stops at the last episode's end; the next one begins like the first.
+    if not told[-1]:
+        return told[:-1]
+    # Keepaway's recording stops at the last episode's end; the next one begins like the first.
     last = told[-1][0].split()[1]
     first = next(r for r in told if any("referee play_on" in text for text in r))
     told[-1] += [re.sub(r"^(\(\w+) 0 ", rf"\1 {last} ", text) for text in first[1:]]
@@ -42,6 +45,7 @@ class StandIn:
     a round when everybody has answered the one before with ``(done)``.
 
     Args:
+        path: of the transcript.
         port: to be at; 0: any free one.
         players: how many must be there before it begins to play.
         version: the only protocol version that it speaks.
@@ -60,6 +64,7 @@ class StandIn:
         edit=lambda text: text,
         synch=True,
         begun=True,
+        path=TRANSCRIPT,
     ):
         self.players, self.version, self.edit, self.synch = players, version, edit, synch
         self.begun = begun
@@ -67,7 +72,7 @@ class StandIn:
         self.received = []
         self.errors = []
         self.silent = False
-        lines = transcript()
+        lines = transcript(path)
         self._told = {"l": rounds(lines, KEEPER), "r": rounds(lines, TAKER)}
         if players:
             self._told["l"].pop(1)  # its client was there a round before the others
@@ -80,6 +85,7 @@ class StandIn:
         self._trainer.bind(("127.0.0.1", 0))
         self.trainer_port = self._trainer.getsockname()[1]
         self.moves = []
+        self.goalies = []  # which of the players asked to be one
         self._clients = []  # [socket, address, side, number, done]
         self._round = 0
         self._due = 0.0
@@ -150,17 +156,19 @@ class StandIn:
             self._clients[number][4] = True
 
     def _train(self, text, address):
-        if text.startswith("(init"):
-            self._trainer.sendto(b"(init ok)\0", address)
-        elif text.startswith("(move"):
+        command = text.strip("()").split()[0]
+        if command == "move":
             self.moves.append(text)
-            self._trainer.sendto(b"(ok move)\0", address)
+        self.begun = self.begun or text == "(change_mode play_on)"
+        answer = "(init ok)" if command == "init" else f"(ok {command})"
+        self._trainer.sendto(answer.encode() + b"\0", address)
 
     def _take_in(self, text, address):
         if text.startswith("(dispinit"):
             self._monitor.sendto(b"(server_param (keepaway 1))\0", address)
             return
-        if not text.endswith(f"(version {self.version}))"):
+        self.goalies.append("(goalie)" in text)
+        if f"(version {self.version})" not in text:
             self._init.sendto(
                 b"(error no_more_player_or_goalie_or_illegal_client_version)\0", address
             )

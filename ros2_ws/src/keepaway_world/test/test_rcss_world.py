@@ -19,6 +19,7 @@ from keepaway_world.rcss.game import Game
 from keepaway_world.rcss.messages import EPISODE_OVER, FullState, PlayerState
 from keepaway_world.rcss.rcss_world import RcssWorld
 from keepaway_world.rcss.server_settings import ServerSettings
+from keepaway_world.rules import KEEPAWAY
 
 _spec = importlib.util.spec_from_file_location(
     "rcss_stand_in", Path(__file__).parent / "rcss_stand_in.py"
@@ -134,7 +135,7 @@ def reported(game, time, ball, kicker=0, over=False):
     [(3, (0.5, 0, 0, 0), "out"), (4, (0.5, 0, 0, 0), "taken"), (5, (9.5, 0, 1, 0), "out")],
 )
 def test_why_an_episode_is_over_follows_from_what_was_seen(cycles, ball, why):
-    game = Game(PAPER, (), by_sight=False)
+    game = Game(PAPER, KEEPAWAY, by_sight=False)
     game.mode = "play_on"
     for cycle in range(cycles - 1):
         assert reported(game, cycle, (0.5, 0, 0, 0)).ended == ""
@@ -144,12 +145,12 @@ def test_why_an_episode_is_over_follows_from_what_was_seen(cycles, ball, why):
 
 
 def test_a_pass_is_a_kick_and_another_keepers_kick_after_it():
-    game = Game(PAPER, (), by_sight=False)
+    game = Game(PAPER, KEEPAWAY, by_sight=False)
     game.mode = "play_on"
     for cycle, kicker in enumerate((1, 1, 2, 3, 3)):
         reported(game, cycle, (0, 4 * kicker, 0, 0))
         turn = reported(game, cycle, (0, 4 * kicker, 0, 0), kicker)
-    assert turn.passes == 2
+    assert turn.measures == {"passes": 2.0}
 
 
 def test_a_percept_is_the_full_state_in_the_keepers_own_layout():

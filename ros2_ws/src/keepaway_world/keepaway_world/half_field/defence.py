@@ -81,7 +81,8 @@ class Defence:
         ball = self._physics.ball
         away = _apart(goalie, ball)
         if away <= field.CATCHABLE and field.in_area(ball.x, ball.y):
-            return "catch", 0.0, 0.0
+            bearing = math.atan2(ball.y - goalie.y, ball.x - goalie.x)
+            return "catch", wrapped(bearing - goalie.heading), 0.0
         if away <= self._p.kickable:
             return stop_ball(self._p, goalie, ball)
         cycles, order = self._own.intercept(goalie, track)

@@ -25,6 +25,15 @@ from keepaway_world.world import KeepawayWorld
 GOAL, CAUGHT, OFFSIDE, TIME = "goal", "caught", "offside", "time"
 OFFSIDE_AREA = 2.5  # m: how near to the ball a player in an offside position takes part in play
 
+STOPS = (
+    ("goal_l", GOAL),
+    ("goalie_catch_ball_r", CAUGHT),
+    ("free_kick_r", CAUGHT),  # is said next; after a foul, another word is said first
+    ("offside_l", OFFSIDE),
+    *((word, OUT) for word in ("kick_in", "corner_kick", "goal_kick")),
+)
+"""Why an episode ends when an rcssserver stops play."""
+
 BALL_FROM_MIDLINE, BALL_ASIDE = (5.0, 15.0), 15.0
 BEHIND_BALL = 2.0
 MATES_AHEAD, MATES_ASIDE = (0.0, 6.0), (8.0, 14.0)
@@ -53,7 +62,7 @@ class HalfFieldReferee(Referee):
     def begin(self) -> None:
         """Forget the last episode."""
         super().begin()
-        self._cycles = self._goals = 0
+        self._cycles = 0
         self._caught = False
         self._offside: list[str] = []
 
@@ -90,7 +99,6 @@ class HalfFieldReferee(Referee):
         ended = super().judge(physics)
         if ended is None and self._cycles >= self._time_limit:
             return TIME
-        self._goals += ended == GOAL
         return ended
 
     def crossed(self, ball: Mover) -> str:
@@ -102,14 +110,13 @@ class HalfFieldReferee(Referee):
         out = ball.x < -field.GOAL_X - ball.radius or abs(ball.y) > field.WIDTH / 2.0 + ball.radius
         return OUT if out else ""
 
-    def measures(self) -> dict[str, float]:
+    def measures(self, ended: str) -> dict[str, float]:
         """Return the figures of the episode so far."""
-        return {**super().measures(), "goals": float(self._goals)}
+        return {**super().measures(ended), "goals": float(ended == GOAL)}
 
     def state(self) -> dict[str, Any]:
         """Return its counts as JSON-serializable data."""
-        more = {"cycles": self._cycles, "goals": self._goals, "offside": list(self._offside)}
-        return {**super().state(), **more}
+        return {**super().state(), "cycles": self._cycles, "offside": list(self._offside)}
 
     def restore(self, state: Mapping[str, Any], players: Sequence[Mover]) -> None:
         """Restore what `state` returned.
@@ -117,11 +124,11 @@ class HalfFieldReferee(Referee):
         Raises:
             KeyError, TypeError, ValueError: if it is not such a state; nothing has changed.
         """
-        cycles, goals = whole(state["cycles"]), whole(state["goals"])
+        cycles = whole(state["cycles"])
         names = {player.name: player.name for player in players}
         offside = [names[name] for name in state["offside"]]
         super().restore(state, players)
-        self._cycles, self._goals, self._offside, self._caught = cycles, goals, offside, False
+        self._cycles, self._offside, self._caught = cycles, offside, False
 
 
 def set_up(physics: Physics, random: Random) -> None:
@@ -177,6 +184,8 @@ def rules_of(p: HalfFieldParameters) -> Rules:
         set_up,
         names_of(p),
         POSTS,
+        field.GOAL_X,
+        STOPS,
     )
 
 

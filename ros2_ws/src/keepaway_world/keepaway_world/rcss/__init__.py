@@ -1,1 +1,1 @@
-"""Keepaway on a real RoboCup Soccer Simulator: rcssserver's protocol, and a world using it."""
+"""Soccer on a real RoboCup Soccer Simulator: rcssserver's protocol, and a world using it."""

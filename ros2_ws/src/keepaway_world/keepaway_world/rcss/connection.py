@@ -129,7 +129,12 @@ def udp_socket(family: int) -> socket.socket:
 
 
 def connect(
-    host: str, port: int, team: str = "", *, answer_seconds: float = ANSWER_SECONDS
+    host: str,
+    port: int,
+    team: str = "",
+    *,
+    goalie: bool = False,
+    answer_seconds: float = ANSWER_SECONDS,
 ) -> Connection:
     """Register a client with the server.
 
@@ -137,6 +142,7 @@ def connect(
         host: of the server.
         port: for players, usually 6000, or for the trainer, usually 6001.
         team: of the player; "" for a trainer.
+        goalie: whether the player may catch the ball.
         answer_seconds: how long to wait for the answer.
 
     Raises:
@@ -147,7 +153,7 @@ def connect(
     family, address = address_of(host, port)
     sock = udp_socket(family)
     try:
-        words = [team, f"(version {VERSION})"] if team else [f"(version {VERSION})"]
+        words = [*[team] * bool(team), f"(version {VERSION})", *["(goalie)"] * goalie]
         sock.sendto(f"(init {' '.join(words)})".encode("ascii") + b"\0", address)
         init, dedicated = _answer(sock, where, answer_seconds)
         sock.connect(dedicated)  # from now on the system reports when the server is gone

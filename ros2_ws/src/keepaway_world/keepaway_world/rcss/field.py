@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from operator import attrgetter
 from random import Random
 from typing import Any
 
@@ -18,10 +19,10 @@ from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.physics import Mover, Physics
 from keepaway_world.rcss.connection import ServerError
 from keepaway_world.rcss.messages import LEFT, RIGHT, FullState, Settings
+from keepaway_world.rules import Rules
 
+BOX: Mapping[str, str] = {"width": "keepaway_length", "height": "keepaway_width"}
 SETTINGS: Mapping[str, str] = {
-    "width": "keepaway_length",
-    "height": "keepaway_width",
     "player_radius": "player_size",
     "ball_radius": "ball_size",
     "player_acceleration_max": "player_accel_max",
@@ -35,45 +36,51 @@ SETTINGS: Mapping[str, str] = {
     **dict.fromkeys(("player_speed_max", "ball_speed_max"), ""),
     **dict.fromkeys(("player_rand", "ball_rand", "kick_rand"), ""),
 }
-"""Our parameters that the server decides, with its names for them; "": the same."""
+"""Our parameters that the server decides, with its names for them; "": the same. It decides `BOX`
+where it plays keepaway itself."""
 
 
-def parameters_of(server: Settings, ours: KeepawayParameters) -> KeepawayParameters:
+def parameters_of(server: Settings, ours: KeepawayParameters, rules: Rules) -> KeepawayParameters:
     """Return the parameters of the server's game.
 
     Raises:
         ServerError: if it plays an unknown game.
     """
+    decided = SETTINGS if rules.stops else {**BOX, **SETTINGS}
     figures: dict[str, Any] = {
         name: type(mine)(server.number(theirs or name, mine))
-        for name, theirs in SETTINGS.items()
+        for name, theirs in decided.items()
         for mine in [getattr(ours, name)]
     }
     try:
         return replace(ours, **figures)
     except ParameterError as error:
-        raise ServerError(f"the server's settings do not fit keepaway: {error}") from None
+        raise ServerError(f"the server's settings do not fit {rules.name}: {error}") from None
 
 
 class Field:
     """Everything on the field.
 
     Args:
-        parameters: of the game.
+        parameters, rules: of the game.
 
     Attributes:
         physics: the bodies at their last positions.
+        who: side and number of each player that the server has reported, by name.
     """
 
-    def __init__(self, parameters: KeepawayParameters) -> None:
-        self.physics = Physics(parameters, Random())
+    def __init__(self, parameters: KeepawayParameters, rules: Rules) -> None:
+        self.physics = Physics(parameters, Random(), rules.names)
+        self.who: dict[str, tuple[str, int]] = {}
+        self._center = rules.center
         self.movers: dict[str, Mover] = {mover.name: mover for mover in self.physics.movers}
         self._teams = (LEFT, self.physics.keepers), (RIGHT, self.physics.takers)
 
     def take(self, state: FullState) -> list[Mover]:
         """Take over the server's state; return the players that kick in this cycle.
 
-        The keepers are the left team and the takers the right one, each by rising number.
+        The keepers are the left team and the takers the right one, each by rising number, a
+        goalie last.
         """
         ball = self.physics.ball
         reach = self.physics.parameters.kickable * 1.05
@@ -83,13 +90,16 @@ class Field:
             if math.hypot(player.x - ball.x, player.y - ball.y) <= reach
         ]
         x, y, vx, vy = state.ball
-        self.physics.put(ball, x, -y, 0.0, vx, -vy)
+        self.physics.put(ball, x - self._center, -y, 0.0, vx, -vy)
         kicked = []
         for side, movers in self._teams:
-            team = sorted((p for p in state.players if p.side == side), key=lambda p: p.number)
+            team = [player for player in state.players if player.side == side]
+            team.sort(key=attrgetter("goalie", "number"))
             for mover, player in zip(movers, team, strict=False):
+                self.who[mover.name] = side, player.number
                 heading = math.remainder(-math.radians(player.body), 2.0 * math.pi)
-                self.physics.put(mover, player.x, -player.y, heading, player.vx, -player.vy)
+                x = player.x - self._center
+                self.physics.put(mover, x, -player.y, heading, player.vx, -player.vy)
                 if player.kicked and mover in could_kick:
                     kicked.append(mover)
         return kicked

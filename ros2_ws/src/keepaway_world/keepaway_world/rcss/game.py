@@ -1,13 +1,14 @@
 """The state of a server's game, cycle by cycle, with what its referee does not report.
 
-The referee only reports that an episode is over, after it has set up the next one. But it checks
-for a ball that is out before one that is taken, and its count of the takers' possession follows
-from earlier cycles. So the referee of the simulated world, which has the same rules, tells why.
+In keepaway, the referee only reports that an episode is over, after it has set up the next one.
+But it checks for a ball that is out before one that is taken, and its count of the takers'
+possession follows from earlier cycles. So the referee of the simulated world, which has the same
+rules, tells why. In a match, it stops play and tells why; the other reasons are our referee's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from hitab_world import Sensed
@@ -18,6 +19,7 @@ from keepaway_world.percept import perceive
 from keepaway_world.rcss.field import Field
 from keepaway_world.rcss.link import Link
 from keepaway_world.rcss.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
+from keepaway_world.rules import Rules
 
 _AT_REST = 1e-9
 
@@ -30,7 +32,7 @@ class Turn:
         state: the current field; None if the message was lost.
         passed: number of cycles; more than one if the server did not wait for us.
         episode_cycle: length of the episode so far.
-        passes: completed in it.
+        measures: of it.
         ended: why it has ended; "" if it has not.
         began: whether a new episode has begun.
     """
@@ -38,34 +40,35 @@ class Turn:
     state: FullState | None
     passed: int
     episode_cycle: int
-    passes: int
+    measures: Mapping[str, float]
     ended: str
     began: bool
 
 
 class Game:
-    """A game of keepaway, as reported to its players.
+    """A game, as reported to its players.
 
     Args:
         parameters: of the server's game.
-        agents: the keepers.
+        rules: of the game.
         by_sight: whether keepers perceive what they see, instead of the true field.
 
     Attributes:
         field: the current one.
+        agents: the keepers.
         mode: of play.
         time: the server's; -1: not known yet.
     """
 
-    def __init__(
-        self, parameters: KeepawayParameters, agents: Sequence[str], *, by_sight: bool
-    ) -> None:
-        self.field = Field(parameters)
+    def __init__(self, parameters: KeepawayParameters, rules: Rules, *, by_sight: bool) -> None:
+        self.field = Field(parameters, rules)
+        self.agents = tuple(keeper.name for keeper in self.field.physics.keepers)
         self.mode = ""
         self.time = -1
         exact = replace(parameters, sight="full")  # the server has already rounded what is seen
-        self._seen = {name: Field(exact) for name in agents} if by_sight else {}
-        self._rules = referee.Referee(parameters)
+        self._seen = {name: Field(exact, rules) for name in self.agents} if by_sight else {}
+        self._stops = rules.stops
+        self._referee = rules.referee(self.field.physics)
         self._began = 0
         self._heard: dict[str, list[str]] = {}
 
@@ -74,14 +77,14 @@ class Game:
         """Whether the current episode has not been played yet."""
         return self.time == self._began
 
-    @property
-    def passes(self) -> int:
-        """The number of passes completed in the current episode."""
-        return self._rules.passes
+    def measures(self, ended: str) -> dict[str, float]:
+        """Return the figures of the current episode so far."""
+        return self._referee.measures(ended)
 
     def begin(self, time: int | None = None) -> None:
         """Start an episode from the current field."""
-        self._rules.begin()
+        self._referee.begin()
+        self.mode = PLAYING
         self._began = self.time if time is None else time
 
     def take(self, link: Link) -> Turn:
@@ -94,17 +97,20 @@ class Game:
         # A late reader takes in several cycles at once, so use the time of the message.
         at = max(said, default=self.time)
         over = bool(said)
-        if state is not None and self.mode == mode == PLAYING:
+        if state is not None and self.mode == mode == PLAYING and not self._stops:
             over = over or self._set_up_anew(state)
         began = over or (mode == PLAYING and self.mode == BEFORE_KICK_OFF)
         ended = self._why_over() if over else ""
-        episode_cycle, passes = at - self._began, self.passes
         if state is not None:
             kickers = self.field.take(state)
             if not began and mode == PLAYING:
                 for kicker in kickers:
-                    self._rules.saw_kick(kicker)
-                self._rules.judge(self.field.physics)
+                    self._referee.saw_kick(kicker)
+                judged = self._referee.judge(self.field.physics)
+                ended = judged or "" if self._stops else ""
+        if self._stops and self.mode == PLAYING != mode:
+            ended = next((why for stop, why in self._stops if mode.startswith(stop)), mode)
+        episode_cycle, measures = at - self._began, self.measures(ended)
         if began:
             self.begin(at)
         for name, field in self._seen.items():
@@ -113,14 +119,14 @@ class Game:
                 field.take(seen)
         self._heard = {name: list(client.heard) for name, client in link.clients.items()}
         self.mode = mode
-        return Turn(state, passed, episode_cycle, passes, ended, began)
+        return Turn(state, passed, episode_cycle, measures, ended, began)
 
     def _why_over(self) -> str:
         """Return why the referee ended the episode in the cycle after the last one seen."""
         ball, p = self.field.physics.ball, self.field.physics.parameters
         across, along = abs(ball.x + ball.vx), abs(ball.y + ball.vy)
         out = across >= p.width / 2.0 or along >= p.height / 2.0
-        taken = self._rules.possession >= p.turnover_cycles and not out
+        taken = self._referee.possession >= p.turnover_cycles and not out
         return referee.TAKEN if taken else referee.OUT
 
     def _set_up_anew(self, state: FullState) -> bool:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from keepaway_world.physics import Names
 from keepaway_world.rcss.connection import (
     Connection,
     NoAnswer,
@@ -30,7 +31,10 @@ from keepaway_world.rcss.messages import (
     Think,
 )
 from keepaway_world.rcss.server_settings import FULL_STATE, ServerSettings
-from keepaway_world.rcss.sighting import Sighting, together
+from keepaway_world.rcss.sighting import Sighting, Who, together
+
+GOALIE = "goalie"
+"""Name of the player that may catch the ball."""
 
 PARAMETERS_SECONDS = 1.0  # for the server's settings, which follow the answer to (init ...)
 STRAGGLER_SECONDS = 0.3  # after this, a client without the message that others have has lost it
@@ -63,7 +67,7 @@ class Link:
     """Our players on a server.
 
     Attributes:
-        clients: by name, keepers first.
+        clients: by name, the left team first.
         settings: the server's own.
         synch: whether the server waits for ``(done)``; else it plays in real time.
         full_state: whether the server reports the full state.
@@ -73,8 +77,13 @@ class Link:
         thinking_since: when the server last started to wait for us.
     """
 
-    def __init__(self, server: ServerSettings, keepers: int, takers: int) -> None:
+    def __init__(self, server: ServerSettings, names: Names, *, keepaway: bool) -> None:
         """Register all players, the keepers first, since the first team is left.
+
+        Args:
+            server: its address, and the teams.
+            names: of the keepers and the takers.
+            keepaway: whether the server plays keepaway itself, instead of a match.
 
         Raises:
             NoAnswer: if there is no server.
@@ -91,36 +100,38 @@ class Link:
         self.full_state = True
         self.mode = BEFORE_KICK_OFF
         try:
-            for kind, team, count in (
-                ("keeper", server.team, keepers),
-                ("taker", server.taker_team, takers if server.our_takers else 0),
+            for side, team, players in (
+                (LEFT, server.team, names[0]),
+                (RIGHT, server.taker_team, names[1] if server.our_takers else ()),
             ):
-                for index in range(count):
-                    client = Client(connect(server.host, server.port, team))
-                    self.clients[f"{kind}_{index + 1}"] = client
-                    self._check(kind, index, client.connection.init)
+                for index, name in enumerate(players):
+                    client = Client(connect(server.host, server.port, team, goalie=name == GOALIE))
+                    self.clients[name] = client
+                    self._check((side, index + 1), client.connection.init)
             self._await_settings()
-            self._check_settings(server)
+            self._check_settings(server, keepaway)
             self._open_eyes(server)
         except BaseException:
             self.close()
             raise
 
-    def _check(self, kind: str, index: int, init: Init) -> None:
-        if (init.side, init.number) != (LEFT if kind == "keeper" else RIGHT, index + 1):
+    def _check(self, who: Who, init: Init) -> None:
+        if (init.side, init.number) != who:
+            kind = "keepers" if who[0] == LEFT else "takers"
             raise ServerError(
-                f"on the rcssserver at {self.where} other clients are, or were, the {kind}s, or "
+                f"on the rcssserver at {self.where} other clients are, or were, the {kind}, or "
                 "connected first, which makes them the keepers; players that leave cannot be "
                 "replaced: restart the server, and start this world before any takers"
             )
 
-    def _check_settings(self, server: ServerSettings) -> None:
+    def _check_settings(self, server: ServerSettings, keepaway: bool) -> None:
         self.synch = self.settings.number("synch_mode", 0.0) != 0.0
         self.full_state = self.settings.number("fullstate_l", 0.0) != 0.0
-        if not self.settings.number("keepaway", 0.0):
+        if bool(self.settings.number("keepaway", 0.0)) != keepaway:
+            plays = "a whole match" if keepaway else "keepaway"
             raise ServerError(
-                f"the rcssserver at {self.where} plays a whole match; "
-                "start it with server::keepaway=1"
+                f"the rcssserver at {self.where} plays {plays}; "
+                f"start it with server::keepaway={keepaway:d}"
             )
         if not self.full_state and server.percepts == FULL_STATE:
             raise ServerError(

@@ -84,6 +84,7 @@ class PlayerState:
     vy: float
     body: float
     kicked: bool = False
+    goalie: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,11 +273,10 @@ def _full_state(time: Any, *e: Any) -> FullState:
                 mode = name
             case [["b"], x, y, vx, vy, *_]:
                 ball = (_number(x), _number(y), _number(vx), _number(vy))
-            case [["p", side, number, *_], x, y, vx, vy, body, *rest]:
+            case [["p", side, number, *sort], x, y, vx, vy, body, *rest]:
                 x, y, vx, vy, body = map(_number, (x, y, vx, vy, body))
-                kicked = "k" in rest
-                player = PlayerState(_side(side), _whole(number), x, y, vx, vy, body, kicked)
-                players.append(player)
+                who, marks = (_side(side), _whole(number)), ("k" in rest, "g" in sort)
+                players.append(PlayerState(*who, x, y, vx, vy, body, *marks))
             case [["b" | "p", *_], *_]:
                 raise ProtocolError("a part is missing")
     if ball is None or not mode:
@@ -328,6 +328,8 @@ def command_of(order: Order) -> tuple[str, ...]:
         return (f"(dash {_within(amount, -100.0, 100.0):.4f})",)
     if kind == "turn":
         return (f"(turn {_degrees(amount):.4f})",)
+    if kind == "catch":
+        return (f"(catch {_degrees(amount):.4f})",)
     if kind == "kick":
         return (f"(kick {_within(amount, 0.0, 100.0):.4f} {_degrees(direction):.4f})",)
     return ()

@@ -11,12 +11,8 @@ decide, such as ``-p parameters.taker_speed:=1.0``. See docs/rcssserver.md.
 
 from __future__ import annotations
 
-import contextlib
-import sys
-
 from rclpy.node import Node
 
-from hitab_ros import Loop, Spinner, run
 from hitab_world import run_world
 from hitab_world.figures import declare_figures
 from keepaway_world.parameters import KeepawayParameters
@@ -34,26 +30,9 @@ def make_world(node: Node, seed: int) -> RcssWorld:
     return RcssWorld(server, parameters, seed)
 
 
-def _start(spinning: Spinner) -> Loop:
-    leave = contextlib.ExitStack()
-
-    def make(node: Node, seed: int) -> RcssWorld:
-        world = make_world(node, seed)
-        leave.callback(world.close)  # otherwise the server would wait for our players
-        return world
-
-    loop = run_world(make, spinning)
-
-    def run_and_leave(spinning: Spinner) -> int:
-        with leave:
-            return loop(spinning)
-
-    return run_and_leave
-
-
 def main() -> None:
     """Run until stopped."""
-    sys.exit(run(_start))
+    run_world(make_world)
 
 
 if __name__ == "__main__":

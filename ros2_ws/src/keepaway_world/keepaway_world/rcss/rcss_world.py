@@ -1,4 +1,4 @@
-"""Keepaway on a running rcssserver, with the interface of all worlds.
+"""Soccer on a running rcssserver, with the interface of all worlds.
 
 The server owns time and everything on the field; this world sends its players' commands and
 reports the server's messages. See docs/rcssserver.md for the limits of such a world.
@@ -14,7 +14,6 @@ from typing import Any
 
 from hitab_core import world_seed
 from hitab_world import LOOK, RESTART, Action, Entity, EpisodeResult, Placement, Sensed, WorldError
-from keepaway_world import referee
 from keepaway_world.action import orders_of
 from keepaway_world.arranging import Place, entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
@@ -26,41 +25,44 @@ from keepaway_world.rcss.link import Link
 from keepaway_world.rcss.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
 from keepaway_world.rcss.server_settings import SEE, ServerSettings
 from keepaway_world.rcss.trainer import Trainer
-from keepaway_world.rules import KEEPAWAY
-from keepaway_world.takers import TakerTeam
+from keepaway_world.rules import KEEPAWAY, Rules
 
 RETRY_SECONDS = 0.5  # between two attempts to reach a server
 REFUSED_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
 HOLD_SECONDS = 0.9  # how long to hold a server while paused; it waits 1.25 s for an answer
+NEW_EPISODE = ("(change_mode drop_ball)", "(change_mode play_on)", "(recover)")
+"""What a trainer begins an episode with: the first makes the server forget earlier kicks."""
 BUSY_SECONDS = 0.05  # longest time that `RcssWorld.idle` keeps playing before it returns
 
 
 class RcssWorld:
-    """A game of keepaway on an rcssserver; see `hitab_world.world.LiveWorld`.
+    """A game on an rcssserver, keepaway by default; see `hitab_world.world.LiveWorld`.
 
-    Percepts and actions are those of `keepaway_world.world.KeepawayWorld`.
+    Percepts and actions are those of `keepaway_world.world.KeepawayWorld`. The server plays
+    keepaway itself; for another game it plays a match, in which the trainer begins each episode
+    and which ends with the first thing that stops play, or when our own referee ends it.
 
     Args:
         server: its address, and the choice of takers.
         parameters: of the game; those that the server decides are taken from it.
         seed: of the run, for the agents; the server uses its own.
+        rules: who plays, how an episode begins and when it ends.
         patience: how long `reset` waits for an episode to begin, s. A node calls `idle` instead
             and leaves it at 0.
     """
 
-    name = "keepaway"
     cycle_seconds = 0.1
-    looks = KEEPAWAY.looks
-    measures = KEEPAWAY.measures
 
     def __init__(
         self,
         server: ServerSettings = ServerSettings(),  # noqa: B008  (frozen)
         parameters: KeepawayParameters = PAPER,
         seed: int = 0,
+        rules: Rules = KEEPAWAY,
         *,
         patience: float = 0.0,
     ) -> None:
+        self.name, self.looks, self.measures = rules.name, rules.looks, rules.measures
         self.server = server
         self.parameters = parameters
         self.seed = seed
@@ -70,19 +72,20 @@ class RcssWorld:
         self.ended = ""
         self.refused: Mapping[str, str] = {}
         self.waiting = sentences.CONNECTING.format(self.server.where)
-        self._ours = parameters
+        self._ours, self._rules = parameters, rules
         self._patience = patience
         self._link: Link | None = None
         self._trainer: Trainer | None = None
         self._next_try = 0.0
-        self.agents: tuple[str, ...] = tuple(f"keeper_{i + 1}" for i in range(parameters.keepers))
         self._forget()
+        self.agents = self._game.agents
 
     def _forget(self) -> None:
         """Clear everything known about the field."""
         self.size = self.parameters.width, self.parameters.height
-        self._game = Game(self.parameters, self.agents, by_sight=self.server.percepts == SEE)
-        self._takers = TakerTeam(self._game.field.physics)
+        by_sight = self.server.percepts == SEE
+        self._game = Game(self.parameters, self._rules, by_sight=by_sight)
+        self._takers = self._rules.takers(self._game.field.physics)
         self._said: dict[str, str] = {}
         self._result: EpisodeResult | None = None
         self._held: dict[str, Place] = {}
@@ -104,14 +107,14 @@ class RcssWorld:
                 f"started with seed {self.seed} for its agents; start it with seed {seed}"
             )
         following = self.episode + 1
-        if episode not in (None, 0, self.episode, following):
+        if episode not in (None, 0, self.episode, following) and not self._rules.stops:
             raise WorldError(
                 f"an rcssserver cannot repeat or skip to episode {episode}; "
                 f"the next one is {following}"
             )
         self.episode = following if episode is None else episode
         self.refused = {}
-        fresh = bool(self.ended) or self._game.fresh
+        fresh = (bool(self.ended) or self._game.fresh) and not self._rules.stops
         self.ended = ""
         self._result = None
         self.episode_cycle = 0
@@ -121,6 +124,7 @@ class RcssWorld:
                 self.waiting = sentences.PLAYING_ON.format(self.server.where)
             else:
                 self._set_up()
+                self._game.begin()
         if self._patience:
             self.wait(self._patience)
 
@@ -139,11 +143,11 @@ class RcssWorld:
 
     def _set_up(self) -> None:
         """Make the trainer place everything as the referee would, drawn from our seed."""
-        referee.set_up(self._game.field.physics, Random(world_seed(self.seed, self.episode)))
-        self._move(places_of(self._game.field.physics))
-        self._game.begin()
+        physics = self._game.field.physics
+        self._rules.set_up(physics, Random(world_seed(self.seed, self.episode)))
+        self._move(places_of(physics), NEW_EPISODE if self._rules.stops else ())
 
-    def _move(self, places: Mapping[str, Place]) -> None:
+    def _move(self, places: Mapping[str, Place], before: Iterable[str] = ()) -> None:
         """Make the trainer move things; leave the server if it does not answer.
 
         Raises:
@@ -151,15 +155,15 @@ class RcssWorld:
         """
         assert self._trainer is not None
         try:
-            self._trainer.put(places)
+            self._trainer.put(places, self._game.field.who, self._rules.center, *before)
         except NoAnswer as error:
             self._leave(str(error))
             raise
         self._game.put(places)
 
     def result(self) -> EpisodeResult:
-        """Return the result of the current episode so far; its measure is the number of passes."""
-        return self._result or EpisodeResult.of(self, {"passes": float(self._game.passes)})
+        """Return the result of the current episode so far."""
+        return self._result or EpisodeResult.of(self, self._game.measures(self.ended))
 
     # -- cycles -----------------------------------------------------------------------------
 
@@ -174,7 +178,7 @@ class RcssWorld:
         return self._game.percept(agent)
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
-        """Play one cycle; return "out" or "taken" if the episode ended with it, else None.
+        """Play one cycle; return why the episode ended with it, such as "out", else None.
 
         If the server is lost, or stops play, nothing happens and the world is `waiting`.
         """
@@ -228,7 +232,7 @@ class RcssWorld:
             self.episode_cycle = turn.episode_cycle
             self.ended = turn.ended
             if turn.ended:
-                self._result = EpisodeResult.of(self, {"passes": float(turn.passes)})
+                self._result = EpisodeResult.of(self, turn.measures)
         self._see_to_waiting(turn)
         return turn.began
 
@@ -241,8 +245,12 @@ class RcssWorld:
             ready = self.server.kick_off and turn.state is not None and not missing
             if ready and now >= self._next_try:
                 self._next_try = now + RETRY_SECONDS
-                kick_off(self.server.host, self.server.port)
-        elif self._game.mode != PLAYING:
+                if self._rules.stops:
+                    with contextlib.suppress(WorldError):  # `waiting` then says why
+                        self._set_up()
+                else:
+                    kick_off(self.server.host, self.server.port)
+        elif self._game.mode != PLAYING and not self._rules.stops:
             self.waiting = sentences.STOPPED.format(self.server.where, self._game.mode)
         elif missing:
             self.waiting = missing
@@ -283,10 +291,15 @@ class RcssWorld:
                 return ""
         elif not link.complete:
             return ""
+        ended = self.ended
         began = self._exchange({})
         if self._trainer is not None and not self.waiting and not began:
+            stopped = self._game.mode != PLAYING
             with contextlib.suppress(WorldError):  # `waiting` then says what the world waits for
-                self._move(self._held)
+                self._move(self._held, NEW_EPISODE if stopped else ())
+                self._game.mode = PLAYING
+            if not ended:
+                self.ended, self._result = "", None
             return ""
         if began:
             self._held = {}
@@ -299,8 +312,12 @@ class RcssWorld:
         if now < self._next_try:
             return
         try:
-            self._link = Link(self.server, len(self.agents), self._ours.takers)
-            self.parameters = parameters_of(self._link.settings, self._ours)
+            if self._rules.stops and not self.server.trainer_port:
+                raise ServerError(sentences.NO_TRAINER)
+            physics = self._game.field.physics
+            names = [m.name for m in physics.keepers], [m.name for m in physics.takers]
+            self._link = Link(self.server, names, keepaway=not self._rules.stops)
+            self.parameters = parameters_of(self._link.settings, self._ours, self._rules)
             self._forget()
             if self.server.trainer_port:
                 self._trainer = Trainer(self.server)
@@ -327,7 +344,7 @@ class RcssWorld:
 
     def entities(self) -> list[Entity]:
         """Return the ball and the players as last reported by the server, in SI units."""
-        return entities_of(self._game.field.physics, self._said)
+        return [*entities_of(self._game.field.physics, self._said), *self._rules.marks]
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
         """Make the trainer put players or the ball somewhere else.
@@ -339,11 +356,12 @@ class RcssWorld:
             raise WorldError(sentences.NO_TRAINER)
         if self.waiting:
             raise WorldError(self.waiting)
-        self._move(placed(placements, self._game.field.movers))
+        placements = list(placements)
+        places = placed(placements, self._game.field.movers)
         if new_episode:
-            self.episode += 1
-            self._game.begin()
-            self.episode_cycle = 0
+            self.reset()
+            places = placed(placements, self._game.field.movers)
+        self._move(places)
         self._held = {}
 
     def snapshot(self) -> dict[str, Any]:

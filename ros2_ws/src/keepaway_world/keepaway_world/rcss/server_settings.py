@@ -68,7 +68,9 @@ class ServerSettings(Parameters):
         return f"{self.host}:{self.port}"
 
 
-def settings_from_dict(values: Mapping[str, Any]) -> tuple[ServerSettings, KeepawayParameters]:
+def settings_from_dict(
+    values: Mapping[str, Any], kind: type[KeepawayParameters] = KeepawayParameters
+) -> tuple[ServerSettings, KeepawayParameters]:
     """Return the settings of the server and the parameters of the game.
 
     Raises:
@@ -77,4 +79,4 @@ def settings_from_dict(values: Mapping[str, Any]) -> tuple[ServerSettings, Keepa
     names = {field.name for field in fields(ServerSettings)}
     server = {name: value for name, value in values.items() if name in names}
     game = {name: value for name, value in values.items() if name not in names}
-    return ServerSettings(**server), KeepawayParameters.from_dict(game)
+    return ServerSettings(**server), kind.from_dict(game)

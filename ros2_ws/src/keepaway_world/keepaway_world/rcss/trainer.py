@@ -15,8 +15,9 @@ from keepaway_world.rcss.connection import (
     parsed,
     readable,
 )
-from keepaway_world.rcss.messages import Ok, Refusal
+from keepaway_world.rcss.messages import LEFT, RIGHT, Ok, Refusal
 from keepaway_world.rcss.server_settings import ServerSettings
+from keepaway_world.rcss.sighting import Who
 
 
 class Trainer:
@@ -31,25 +32,34 @@ class Trainer:
 
     def __init__(self, server: ServerSettings) -> None:
         self._connection = connect(server.host, server.trainer_port)
-        self._teams = {"keeper": server.team, "taker": server.taker_team}
+        self._teams = {LEFT: server.team, RIGHT: server.taker_team}
         self.close = self._connection.close
 
-    def put(self, places: Mapping[str, Place]) -> None:
+    def put(
+        self, places: Mapping[str, Place], who: Mapping[str, Who], center: float, *before: str
+    ) -> None:
         """Put the ball and players somewhere, by our names; wait until it is done.
+
+        Args:
+            places: by name, in our terms.
+            who: side and number of each player, by name.
+            center: of our field on the server's: its x there, m.
+            before: commands of a trainer to give first.
 
         Raises:
             ServerError: if the server refuses; NoAnswer if it is gone.
         """
         self._connection.receive()
+        self._connection.send(*before)
         for name, (x, y, heading, vx, vy) in places.items():
             thing, angle = "(ball)", 0.0
             if name != "ball":
-                kind, number = name.split("_")
-                thing, angle = f"(player {self._teams[kind]} {number})", -math.degrees(heading)
+                side, number = who[name]
+                thing, angle = f"(player {self._teams[side]} {number})", -math.degrees(heading)
             self._connection.send(
-                f"(move {thing} {x:.6f} {-y:.6f} {angle:.6f} {vx:.6f} {-vy:.6f})"
+                f"(move {thing} {x + center:.6f} {-y:.6f} {angle:.6f} {vx:.6f} {-vy:.6f})"
             )
-        count, deadline = len(places), time.monotonic() + ANSWER_SECONDS
+        count, deadline = len(before) + len(places), time.monotonic() + ANSWER_SECONDS
         while count:
             left = deadline - time.monotonic()
             if left <= 0.0:
@@ -57,6 +67,6 @@ class Trainer:
                 raise NoAnswer(f"the trainer's commands got no answer from {where}")
             readable([self._connection], left)
             for message in map(parsed, self._connection.receive()):
-                count -= message == Ok("move")
+                count -= isinstance(message, Ok)
                 if isinstance(message, Refusal):
                     raise ServerError(f"the server refuses to move something: {message.reason}")
