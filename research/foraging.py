@@ -70,19 +70,19 @@ def hierarchy(swarm: str, names: Sequence[str]) -> HierarchyPlayers:
         behavior = "SquadForage" if swarm == "one_level" else ""
         commanders = [
             Commander(f"squad_{i + 1}", kind, squad_library, behavior, group)
-            for i, group in enumerate(_in_fives(names))
+            for i, group in enumerate(in_fives(names))
         ]
     if swarm == "two_levels":
         kind, company_library = trained("foraging_company")
         squads = [commander.name for commander in commanders]
         commanders += [
             Commander(f"company_{i + 1}", kind, company_library, "CompanyForage", group)
-            for i, group in enumerate(_in_fives(squads))
+            for i, group in enumerate(in_fives(squads))
         ]
     return HierarchyPlayers(members, commanders)
 
 
-def _in_fives(names: Sequence[str]) -> list[tuple[str, ...]]:
+def in_fives(names: Sequence[str]) -> list[tuple[str, ...]]:
     return [tuple(names[i : i + 5]) for i in range(0, len(names), 5)]
 
 
