@@ -50,12 +50,7 @@ SEEDS = range(7001, 7031)
 ROLES = "roles"
 KIND = "foraging_roles"
 TOP = "Collect"
-ALIKE = {
-    "Explore": "Search",
-    "Fetch": "Carry(scouted_box)",
-    "Haul": "Carry(squad_box)",
-    "HaulNext": "Carry(squad_box)",
-}
+ALIKE = {"Explore": "Search", "Fetch": "Help", "Haul": "Help"}
 """What each order means for all robots, where there are no roles."""
 CYCLES = 100
 """After which another random order is given."""
@@ -92,7 +87,13 @@ def robot_rules() -> dict[str, Automaton]:
         "DistanceTo(A)",
         rest=lambda distance: "GoTo(A)" if distance > 2.5 else "Stop",
     )
-    return {**forager_rules(), "Approach": approach}
+    help_ = rule(
+        "Help",
+        "Carry(scouted_box) Carry(squad_box)",
+        "Sees(squad_box)",
+        rest=lambda holds: "Carry(squad_box)" if holds else "Carry(scouted_box)",
+    )
+    return {**forager_rules(), "Approach": approach, "Help": help_}
 
 
 def commanded(kind: CommanderKind, choose: Callable[..., str]) -> BehaviorLibrary:
@@ -104,7 +105,7 @@ def commanded(kind: CommanderKind, choose: Callable[..., str]) -> BehaviorLibrar
 
 def complete(sees: float, holds: float) -> str:
     """Return the order for a situation."""
-    return ("HaulNext" if sees else "Haul") if holds else "Fetch" if sees else "Explore"
+    return "Fetch" if sees else "Haul" if holds else "Explore"
 
 
 def at_random(seed: int) -> Callable[..., str]:
