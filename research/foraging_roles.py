@@ -142,6 +142,9 @@ def hierarchy(row: str, names: Sequence[str], seed: int) -> HierarchyPlayers:
         roles = shuffled(names, seed)
     elif row == "no roles":
         kind = without_roles(kind)
+        of_commanders = library(
+            replace(commander_domain(kind), automata=dict(of_commanders.load()))
+        )
     for number, squad in enumerate(in_fives(names), 1):
         if row == "random orders":
             of_commanders = commanded(kind, at_random(100 * seed + number))
@@ -174,7 +177,7 @@ def main(
 ) -> None:
     """Compare squads of scouts and carriers."""
     finished = FinishedRuns(resume, FIELD.as_dict())
-    plan = [(row, first_seed + i) for row in only or ROWS for i in range(runs)]
+    plan = [(row, first_seed + i) for i in range(runs) for row in only or ROWS]
     missing = [run for run in plan if "{}, seed {}".format(*run) not in finished.figures]
     with ProcessPoolExecutor(processes) as pool:
         for count, (run, brought) in enumerate(
