@@ -37,11 +37,11 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_world.inprocess import play
 
 FIELD = ForagingParameters(
-    foragers=15,
+    foragers=10,
     scouts=1,
     scout_sight=12.0,
     sight=2.0,
-    small_boxes=8,
+    small_boxes=3,
     small_pullers=3,
     large_boxes=0,
     duration=200.0,
