@@ -248,7 +248,7 @@ def play_all(
     print(file=sys.stderr)
 
 
-def _chosen(names: Sequence[str] | None, known: Mapping[str, Any], what: str) -> list[str]:
+def chosen(names: Sequence[str] | None, known: Mapping[str, Any], what: str) -> list[str]:
     """Return the names that are given, or all.
 
     Raises:
@@ -278,8 +278,8 @@ def search(
     resume: Resume = "",
 ) -> None:
     """Try other times after which a swarm gives up what it cannot move."""
-    _chosen([swarm], SWARMS, "swarm")
-    _chosen([field], FIELDS, "field")
+    chosen([swarm], SWARMS, "swarm")
+    chosen([field], FIELDS, "field")
     finished = FinishedRuns(resume, {"seconds": seconds})
     seeds = range(first_seed, first_seed + runs)
     waits = wait or (15.0, 30.0, 45.0, 60.0, 90.0, 120.0)
@@ -321,11 +321,11 @@ def compare(
     resume: Resume = "",
 ) -> None:
     """Compare foragers without commanders, with one level and with two."""
-    fields, swarms = _chosen(fields, FIELDS, "field"), _chosen(swarms, SWARMS, "swarm")
+    fields, swarms = chosen(fields, FIELDS, "field"), chosen(swarms, SWARMS, "swarm")
     given = dict.fromkeys(swarms, 0.0) | {
         swarm: float(wait) for swarm, _, wait in (text.partition("=") for text in waits or [])
     }
-    _chosen(list(given), SWARMS, "swarm")
+    chosen(list(given), SWARMS, "swarm")
     if read:
         results = json_module.loads(Path(read).read_text(encoding="utf-8"))
     else:

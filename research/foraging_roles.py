@@ -20,7 +20,7 @@ from typing import Annotated
 
 import typer
 from finished_runs import FinishedRuns, Resume
-from foraging import compared, in_fives, interval, trained
+from foraging import chosen, compared, in_fives, interval, trained
 from foraging_tasks import forager_rules
 from hierarchy_players import Commander, HierarchyPlayers, Member
 from tasks import library, rule
@@ -36,7 +36,7 @@ from hitab_core.commanding import OTHERS
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_world.inprocess import play
 
-FIELD = ForagingParameters(
+_SMALL = ForagingParameters(
     foragers=10,
     scouts=1,
     scout_sight=12.0,
@@ -46,7 +46,11 @@ FIELD = ForagingParameters(
     large_boxes=0,
     duration=200.0,
 )
-SEEDS = range(7001, 7031)
+FIELDS = {
+    "small": _SMALL,
+    "large": replace(_SMALL, width=80.0, height=80.0, pull_speed=1.0),
+}
+FIRST_SEED = {"small": 7001, "large": 8001}
 ROLES = "roles"
 KIND = "foraging_roles"
 TOP = "Collect"
@@ -158,36 +162,39 @@ ROWS = (
 )
 
 
-def boxes(run: tuple[str, int]) -> float:
+def boxes(run: tuple[str, str, int]) -> float:
     """Play one run; return how many boxes came home."""
-    row, seed = run
-    world = ForagingWorld(FIELD, seed)
+    field, row, seed = run
+    world = ForagingWorld(FIELDS[field], seed)
     made = hierarchy(row, world.agents, seed)
     (result,) = play(world, made.players, between=made.confer)
     return result.measures["boxes"]
 
 
 def main(
-    runs: Annotated[int, typer.Option(min=2, help="Runs of each row.")] = len(SEEDS),
-    first_seed: Annotated[int, typer.Option(help="Of the first run; counts up.")] = SEEDS[0],
+    field: Annotated[str, typer.Option(help=f"One of: {', '.join(FIELDS)}.")] = "large",
+    runs: Annotated[int, typer.Option(min=2, help="Runs of each row.")] = 30,
+    first_seed: Annotated[int, typer.Option(help="Of the first run; counts up.")] = 0,
     only: Annotated[list[str] | None, typer.Option(help="Only these rows.")] = None,
     processes: Annotated[int, typer.Option(help="Parallel runs.")] = os.cpu_count() or 1,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
     resume: Resume = "",
 ) -> None:
     """Compare squads of scouts and carriers."""
-    finished = FinishedRuns(resume, FIELD.as_dict())
-    plan = [(row, first_seed + i) for i in range(runs) for row in only or ROWS]
-    missing = [run for run in plan if "{}, seed {}".format(*run) not in finished.figures]
+    finished = FinishedRuns(resume, FIELDS[chosen([field], FIELDS, "field")[0]].as_dict())
+    first = first_seed or FIRST_SEED[field]
+    rows = chosen(only, dict.fromkeys(ROWS), "row")
+    plan = [(field, row, first + i) for i in range(runs) for row in rows]
+    missing = [run for run in plan if "{1}, seed {2}".format(*run) not in finished.figures]
     with ProcessPoolExecutor(processes) as pool:
         for count, (run, brought) in enumerate(
             zip(missing, pool.map(boxes, missing), strict=True), 1
         ):
-            finished.add("{}, seed {}".format(*run), brought)
+            finished.add("{1}, seed {2}".format(*run), brought)
             print(f"\r{count} of {len(missing)} runs", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
     figures: dict[str, list[float]] = {}
-    for row, seed in plan:
+    for _, row, seed in plan:
         figures.setdefault(row, []).append(finished.figures[f"{row}, seed {seed}"])
     report(figures)
     if json:
