@@ -1,9 +1,11 @@
 """Measures the effect of commanders: boxes that fifty foragers bring home, with and without.
 
-scripts/python research/foraging.py --json foraging.json --plot foraging.png
+    scripts/python research/foraging.py compare --json foraging.json --plot foraging.png
+    scripts/python research/foraging.py search two_levels --resume search.jsonl
 
 All run in one process with the trained libraries: the same foragers with the same behaviors on the
-same fields, each for itself, in squads of five under a commander, or in companies of five squads.
+same fields, each for itself, without commanders but with the radio of a squad, in squads of five
+under a commander, or in companies of five squads. `search` tries other waiting times.
 """
 
 from __future__ import annotations
@@ -14,14 +16,18 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 from statistics import mean, stdev
 from typing import Annotated, Any
 
 import typer
 from finished_runs import FinishedRuns, Resume
+from foraging_tasks import SCHOOL
+from school import School
 from scipy.stats import t as student_t
+from tasks import lesson_file, library, scratch, uses
 
 from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
@@ -31,12 +37,15 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, read_kind
-from hitab_core import has
+from hitab_core import Automaton, Domain, has
+from hitab_core.learning import relearned
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_world.inprocess import play
 
+app = typer.Typer(add_completion=False, help=__doc__)
 SWARMS = {
     "flat": "each for itself",
+    "radio": "each, with radio",
     "one_level": "commanders of 5",
     "two_levels": "commanders of 5 x 5",
 }
@@ -50,7 +59,19 @@ TITLES = {
 }
 PLAYED = ("boxes", "small", "large")
 SIZES = (*PLAYED, "work")
-BEHAVIOR = "Forage"
+PAIRS = {
+    "one_level_more_than_none": ("one_level", "flat", "one level more than none"),
+    "two_levels_more_than_one": ("two_levels", "one_level", "two levels more than one"),
+    "two_levels_more_than_none": ("two_levels", "flat", "two levels more than none"),
+    "two_levels_more_than_radio": ("two_levels", "radio", "two levels more than radio"),
+}
+WAITING = {
+    "flat": ("Forage", "Waited"),
+    "radio": ("Together", "Waited"),
+    "one_level": ("SquadForage", "LongestWait"),
+    "two_levels": ("CompanyForage", "LongestWait"),
+}
+"""By swarm: the automaton and the feature that tell when a box is given up."""
 
 
 def trained(name: str) -> tuple[CommanderKind, BehaviorLibrary]:
@@ -60,37 +81,85 @@ def trained(name: str) -> tuple[CommanderKind, BehaviorLibrary]:
     return kind, BehaviorLibrary(folder, commander_domain(kind))
 
 
-def hierarchy(swarm: str, names: Sequence[str]) -> HierarchyPlayers:
-    """Return foragers with these names, and the commanders of this kind of swarm."""
-    library = BehaviorLibrary(shipped("libraries", "foraging"), DOMAIN)
-    members = [Member(name, library, BEHAVIOR) for name in names]
+@cache
+def foragers() -> dict[str, Automaton]:
+    """Return what foragers have learned, with the lesson of those that only have the radio."""
+    folder = scratch()
+    automata = dict(BehaviorLibrary(shipped("libraries", "foraging"), DOMAIN).load())
+    known = library(replace(DOMAIN, automata=automata), folder)
+    world = ForagingWorld(SCHOOL, 1)
+    school = School(
+        world,
+        HierarchyPlayers([Member(name, known) for name in world.agents]),
+        uses("Sees(squad_box) Waited Rested"),
+    )
+    school.play(lesson_file("foraging_radio"))
+    return {**automata, **school.learned("forager_1")}
+
+
+def waiting(
+    swarm: str, automata: Mapping[str, Automaton], domain: Domain, wait: float
+) -> BehaviorLibrary:
+    """Return a library in which a swarm was shown to give up after another time, s; 0: as it was.
+
+    The examples stay the same, but for the time that had passed when giving up was shown.
+    """
+    name, feature = WAITING[swarm]
+    if wait and name in automata:
+        automaton = automata[name]
+        column = [str(use) for use in automaton.features].index(feature)
+        longest = max(example.features[column] for example in automaton.examples)
+        examples = []
+        for example in automaton.examples:
+            seen = list(example.features)
+            seen[column] = wait if seen[column] == longest else seen[column]
+            examples.append(replace(example, features=tuple(seen)))
+        changed = replace(automaton, examples=tuple(examples))
+        automata = {**automata, name: relearned(changed, domain)}
+    return library(replace(domain, automata=dict(automata)))
+
+
+def hierarchy(swarm: str, names: Sequence[str], wait: float = 0.0) -> HierarchyPlayers:
+    """Return foragers with these names, and the commanders of this kind of swarm.
+
+    Args:
+        wait: after which what the swarm cannot move is given up, s; 0: as the lessons taught.
+    """
+    behavior = "Together" if swarm == "radio" else "Forage"
+    known = waiting(swarm, foragers(), DOMAIN, wait)
+    members = [Member(name, known, behavior) for name in names]
     commanders: list[Commander] = []
-    if swarm != "flat":
+    if swarm not in ("flat", "radio"):
         kind, squad_library = trained("foraging_squad")
+        domain = commander_domain(kind)
+        squad_library = waiting(swarm, squad_library.load(), domain, wait)
         behavior = "SquadForage" if swarm == "one_level" else ""
         commanders = [
             Commander(f"squad_{i + 1}", kind, squad_library, behavior, group)
-            for i, group in enumerate(_in_fives(names))
+            for i, group in enumerate(in_fives(names))
         ]
     if swarm == "two_levels":
         kind, company_library = trained("foraging_company")
+        domain = commander_domain(kind)
+        company_library = waiting(swarm, company_library.load(), domain, wait)
         squads = [commander.name for commander in commanders]
         commanders += [
             Commander(f"company_{i + 1}", kind, company_library, "CompanyForage", group)
-            for i, group in enumerate(_in_fives(squads))
+            for i, group in enumerate(in_fives(squads))
         ]
     return HierarchyPlayers(members, commanders)
 
 
-def _in_fives(names: Sequence[str]) -> list[tuple[str, ...]]:
+def in_fives(names: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return names in squads of five, or squads in companies."""
     return [tuple(names[i : i + 5]) for i in range(0, len(names), 5)]
 
 
-def measure(seconds: float, run: tuple[str, str, int]) -> dict[str, float]:
+def measure(seconds: float, run: tuple[str, str, int, float]) -> dict[str, float]:
     """Play one episode and return the boxes that came home, by size."""
-    field, swarm, seed = run
+    field, swarm, seed, wait = run
     world = ForagingWorld(ForagingParameters(duration=seconds, **FIELDS[field]), seed)
-    made = hierarchy(swarm, world.agents)
+    made = hierarchy(swarm, world.agents, wait)
     (result,) = play(world, made.players, between=made.confer)
     return dict(result.measures)
 
@@ -143,8 +212,7 @@ def draw(figures: Mapping[str, Any], path: str) -> None:
 
 def summary(results: Mapping[str, Any]) -> dict[str, Any]:
     """Return the statistics of results: boxes by field, swarm and size, a number for each run."""
-    found: dict[str, Any] = {**results, "fields": {}, "two_levels_more_than_one": {}}
-    found["one_level_more_than_none"] = {}
+    found: dict[str, Any] = {**results, "fields": {}, **{name: {} for name in PAIRS}}
     for field, swarms in results["runs"].items():
         for sizes in swarms.values():
             sizes["work"] = [
@@ -155,30 +223,21 @@ def summary(results: Mapping[str, Any]) -> dict[str, Any]:
             swarm: {size: interval(sizes[size]) for size in SIZES}
             for swarm, sizes in swarms.items()
         }
-        for what, more, less in (
-            ("one_level_more_than_none", "one_level", "flat"),
-            ("two_levels_more_than_one", "two_levels", "one_level"),
-        ):
-            found[what][field] = {
-                size: compared(swarms[more][size], swarms[less][size]) for size in SIZES
-            }
+        for what, (more, less, _) in PAIRS.items():
+            if {more, less} <= {*swarms}:
+                found[what][field] = {
+                    size: compared(swarms[more][size], swarms[less][size]) for size in SIZES
+                }
     return found
 
 
 def play_all(
-    fields: Sequence[str],
-    seeds: Sequence[int],
+    plan: Mapping[str, tuple[str, str, int, float]],
     seconds: float,
     processes: int,
     finished: FinishedRuns,
-) -> dict[str, Any]:
-    """Play all runs but those that have finished; return the results."""
-    plan = {
-        f"{field}, {swarm}, seed {seed}": (field, swarm, seed)
-        for field in fields
-        for swarm in SWARMS
-        for seed in seeds
-    }
+) -> None:
+    """Play all runs but those that have finished."""
     missing = {name: run for name, run in plan.items() if name not in finished.figures}
     with ProcessPoolExecutor(processes) as pool:
         playing = pool.map(partial(measure, seconds), missing.values())
@@ -187,28 +246,74 @@ def play_all(
             done = len(plan) - len(missing) + count
             print(f"\r{done} of {len(plan)} runs", end="", file=sys.stderr, flush=True)
     print(file=sys.stderr)
-    played = {run: finished.figures[name] for name, run in plan.items()}
-    return {
-        "seeds": list(seeds),
-        "seconds": seconds,
-        "runs": {
-            field: {
-                swarm: {size: [played[field, swarm, s][size] for s in seeds] for size in PLAYED}
-                for swarm in SWARMS
-            }
-            for field in fields
-        },
+
+
+def chosen(names: Sequence[str] | None, known: Mapping[str, Any], what: str) -> list[str]:
+    """Return the names that are given, or all.
+
+    Raises:
+        typer.BadParameter: if one is unknown.
+    """
+    if unknown := sorted({*(names or [])} - {*known}):
+        raise typer.BadParameter(f"no {what} {', '.join(unknown)} {has(known, *unknown)}")
+    return list(names or known)
+
+
+Processes = Annotated[int, typer.Option(help="Parallel runs.")]
+Seconds = Annotated[float, typer.Option(help="Length of a run, simulated s.")]
+CORES = os.cpu_count() or 1
+
+
+@app.command()
+def search(
+    swarm: Annotated[str, typer.Argument(help=f"One of: {', '.join(SWARMS)}.")],
+    field: Annotated[str, typer.Option(help="Field to play on.")] = "mixed",
+    wait: Annotated[
+        list[float] | None, typer.Option(help="Waiting time to try, s; repeat for several.")
+    ] = None,
+    runs: Annotated[int, typer.Option(min=2, help="Runs with each waiting time.")] = 4,
+    seconds: Seconds = 300.0,
+    processes: Processes = CORES,
+    first_seed: Annotated[int, typer.Option(help="Not one of `compare`.")] = 9001,
+    resume: Resume = "",
+) -> None:
+    """Try other times after which a swarm gives up what it cannot move."""
+    chosen([swarm], SWARMS, "swarm")
+    chosen([field], FIELDS, "field")
+    finished = FinishedRuns(resume, {"seconds": seconds})
+    seeds = range(first_seed, first_seed + runs)
+    waits = wait or (15.0, 30.0, 45.0, 60.0, 90.0, 120.0)
+    plan = {
+        f"{field}, {swarm}, {one:g} s, seed {seed}": (field, swarm, seed, one)
+        for seed in seeds
+        for one in waits
     }
+    play_all(plan, seconds, processes, finished)
+    for one in waits:
+        played = [finished.figures[f"{field}, {swarm}, {one:g} s, seed {seed}"] for seed in seeds]
+        work = interval([5 * boxes["small"] + 25 * boxes["large"] for boxes in played])
+        boxes = interval([each["boxes"] for each in played])
+        told = " ± ".join(f"{x:.1f}" for x in boxes.values())
+        print(f"{one:6g} s: {told} boxes, {work['mean']:.1f} ± {work['ci95']:.1f} pullers")
 
 
-def main(
+@app.command()
+def compare(
     runs: Annotated[int, typer.Option(min=2, help="Runs of each swarm on each field.")] = 30,
-    seconds: Annotated[float, typer.Option(help="Length of a run, simulated s.")] = 300.0,
+    seconds: Seconds = 300.0,
     fields: Annotated[
         list[str] | None,
         typer.Option("--field", help="Field to play on; repeat for several. All by default."),
     ] = None,
-    processes: Annotated[int, typer.Option(help="Parallel runs.")] = os.cpu_count() or 1,
+    swarms: Annotated[
+        list[str] | None,
+        typer.Option("--swarm", help="Kind of swarm; repeat for several. All by default."),
+    ] = None,
+    waits: Annotated[
+        list[str] | None,
+        typer.Option("--wait", help="Another waiting time of a swarm, s, such as flat=45."),
+    ] = None,
+    processes: Processes = CORES,
     first_seed: Annotated[int, typer.Option(help="Seed of the first run; counts up.")] = 1,
     json: Annotated[str, typer.Option(help="JSON file for the figures.")] = "",
     read: Annotated[str, typer.Option(help="Play nothing; read this JSON file.")] = "",
@@ -216,16 +321,39 @@ def main(
     resume: Resume = "",
 ) -> None:
     """Compare foragers without commanders, with one level and with two."""
-    fields = fields or list(FIELDS)
-    unknown = sorted({*fields} - {*FIELDS})
-    if unknown:
-        raise typer.BadParameter(f"no field {', '.join(unknown)} {has(FIELDS, *unknown)}")
+    fields, swarms = chosen(fields, FIELDS, "field"), chosen(swarms, SWARMS, "swarm")
+    given = dict.fromkeys(swarms, 0.0) | {
+        swarm: float(wait) for swarm, _, wait in (text.partition("=") for text in waits or [])
+    }
+    chosen(list(given), SWARMS, "swarm")
     if read:
         results = json_module.loads(Path(read).read_text(encoding="utf-8"))
     else:
-        finished = FinishedRuns(resume, {"seconds": seconds})
+        finished = FinishedRuns(resume, {"seconds": seconds, "waits": given})
         seeds = range(first_seed, first_seed + runs)
-        results = play_all(fields, seeds, seconds, processes, finished)
+        plan = {
+            f"{field}, {swarm}, seed {seed}": (field, swarm, seed, given[swarm])
+            for seed in seeds
+            for field in fields
+            for swarm in swarms
+        }
+        play_all(plan, seconds, processes, finished)
+        results = {
+            "seeds": list(seeds),
+            "seconds": seconds,
+            "runs": {
+                field: {
+                    swarm: {
+                        size: [
+                            finished.figures[f"{field}, {swarm}, seed {s}"][size] for s in seeds
+                        ]
+                        for size in PLAYED
+                    }
+                    for swarm in swarms
+                }
+                for field in fields
+            },
+        }
     figures = summary(results)
     report(figures)
     if json:
@@ -245,10 +373,7 @@ def report(figures: Mapping[str, Any]) -> None:
     for field, swarms in figures["fields"].items():
         for swarm, sizes in swarms.items():
             print(f"{TITLES[field]:28}{SWARMS[swarm]:22}{_told(sizes)}")
-    for what, swarm in (
-        ("one_level_more_than_none", "one level more than none"),
-        ("two_levels_more_than_one", "two levels more than one"),
-    ):
+    for what, (_, _, swarm) in PAIRS.items():
         for field, sizes in figures[what].items():
             print(f"{TITLES[field]:24}{swarm:26}{_told(sizes)}")
 
@@ -258,4 +383,4 @@ def _told(sizes: Mapping[str, Mapping[str, float]]) -> str:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    app()

@@ -43,9 +43,10 @@ SHIPPED = {
     "keepaway_captained": ("Keepaway", "Freeze", "Regroup"),
     "keepaway_handcoded": ("GotoBall",),
     "captain": ("Captain",),
-    "foraging": ("Forage", "Carry(squad_box)"),
+    "foraging": ("Forage", "Help", "Approach(scout)"),
     "foraging_squad": ("SquadForage",),
     "foraging_company": ("CompanyForage",),
+    "foraging_roles": ("Collect",),
 }
 """Behaviors that the automata of each library are part of."""
 

@@ -8,7 +8,9 @@ from hitab_core.domain import load_domain
 from hitab_core.library.behavior_reader import read_behavior
 
 SOURCES = Path(__file__).parents[1] / "ros2_ws/src"
-OF_COMMANDERS = ("captain", "foraging_company", "foraging_squad", "half_field_captain")
+OF_COMMANDERS = (
+    *("captain", "foraging_company", "foraging_roles", "foraging_squad", "half_field_captain"),
+)
 # Their domains come from descriptions.
 SHIPPED = [
     path

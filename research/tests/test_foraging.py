@@ -1,7 +1,8 @@
 """The swarms of foragers that are compared in one process bring home the same over topics."""
 
+import foraging
+import foraging_roles
 import pytest
-from foraging import hierarchy
 from hitab_msgs.msg import Order
 
 from foraging_world.parameters import ForagingParameters
@@ -28,10 +29,15 @@ def swarm(name: str, **parameters):
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("name", "kind"), [("foraging_two_levels", "two_levels"), ("foraging_commanders", "one_level")]
+    ("name", "hierarchy"),
+    [
+        ("foraging_two_levels", lambda names: foraging.hierarchy("two_levels", names)),
+        ("foraging_commanders", lambda names: foraging.hierarchy("one_level", names)),
+        ("foraging_roles", lambda names: foraging_roles.hierarchy("roles", names, 1)),
+    ],
 )
 def test_squads_bring_the_same_boxes_home_over_topics_and_in_one_process(
-    home, tmp_path, name, kind
+    home, tmp_path, name, hierarchy
 ):
     """Foragers bring some home without commanders: what these order is looked at, too."""
     described = swarm(name, duration=SECONDS)
@@ -46,10 +52,18 @@ def test_squads_bring_the_same_boxes_home_over_topics_and_in_one_process(
     # One order alone would be the first, which a squad gives before it has decided anything.
     given = {squad: {o.order for o in orders if o.commander == squad} for squad in squads}
     assert sum(len(of_one) > 1 for of_one in given.values()) > len(squads) / 2
-    assert set.union(*given.values()) <= {"Forage", "Join", "GiveUp", "Haul", ""}
+    assert set.union(*given.values()) <= {
+        "Forage",
+        "Join",
+        "GiveUp",
+        "Haul",
+        "Explore",
+        "Fetch",
+        "",
+    }
     figures = ForagingParameters.from_dict(dict(described.world.parameters))
     world = ForagingWorld(figures, 1)
-    commanded = hierarchy(kind, world.agents)
+    commanded = hierarchy(world.agents)
     (result,) = play(world, commanded.players, between=commanded.confer)
     assert boxes(result.measures) >= 1.0
     assert dict(zip(episode.measure_names, episode.measures, strict=True)) == result.measures
@@ -57,3 +71,16 @@ def test_squads_bring_the_same_boxes_home_over_topics_and_in_one_process(
 
 def boxes(measures) -> float:
     return measures["small"] + measures["large"]
+
+
+def test_roles_are_dealt_out_anew_in_each_squad_and_mean_nothing_where_there_are_none():
+    names = [f"{'carrier' if i % 5 else 'scout'}_{i}" for i in range(20)]
+    dealt = [foraging_roles.shuffled(names, seed) for seed in (1, 1, 2)]
+    assert dealt[0] == dealt[1] != dealt[2]
+    for squad in foraging.in_fives(names):
+        assert [dealt[0][name] for name in squad].count("scout") == 1
+    kind, _ = foraging.trained("foraging_roles")
+    alike = foraging_roles.without_roles(kind)
+    for order in alike.orders:
+        assert order.for_role("scout") == order.for_role("carrier")
+    assert any(o.for_role("scout") != o.for_role("carrier") for o in kind.orders)

@@ -41,7 +41,7 @@ def parse_all(
     refused: dict[str, str] = {}
     for name, action in actions.items():
         if name not in index:
-            refused[name] = f'no forager "{name}" (has {len(index)}: forager_1 and so on)'
+            refused[name] = f'no robot "{name}" (has {len(index)}: {next(iter(index))} and so on)'
             continue
         try:
             if len(values := action[0]):

@@ -113,4 +113,10 @@ TARGETS = (
     ),
     Target("squad_centre", lambda body: percept.SQUAD_CENTRE, "the middle of the own squad"),
     Target("closest_obstacle", lambda body: percept.OBSTACLE, "the closest obstacle or wall"),
+    Target("scout", lambda body: percept.SCOUT, "the first scout of the own squad"),
+    Target(
+        "scouted_box",
+        lambda body: percept.SCOUTED_BOX,
+        "the closest box that a scout of the own squad sees and nobody of it holds",
+    ),
 )

@@ -34,6 +34,8 @@ class Field:
         box_xy, box_velocity: m and m/s; shape (boxes, 2).
         present: whether a box is on the field.
         box_radius, large: fixed; small boxes come first.
+        scouts: which robots are scouts; fixed.
+        sight, reach: of each robot, m; fixed. No box is in a scout's reach, which is -1.
         hands: how many robots hold each box.
         obstacles: centers, m; fixed in an episode.
         collected: boxes brought home in the episode: small ones, large ones.
@@ -46,6 +48,9 @@ class Field:
         self.large = np.arange(boxes) >= p.small_boxes
         self.box_radius = np.where(self.large, p.large_radius, p.small_radius)
         self.needed = np.where(self.large, p.large_pullers, p.small_pullers)
+        self.scouts = np.arange(p.foragers) % p.squad_size < p.scouts
+        self.sight = np.where(self.scouts, p.scout_sight, p.sight)
+        self.reach = np.where(self.scouts, -1.0, p.reach)
         self.random = Generator(PCG64(0))
         self.begin(0)
 
@@ -129,7 +134,7 @@ class Field:
             gripping, box = gripping[there], box[there]
             to = self.box_xy[box] - self.xy[gripping]
             gap = np.hypot(to[:, 0], to[:, 1]) - self.box_radius[box] - p.forager_radius
-            reached = self.present[box] & (gap <= p.reach)
+            reached = self.present[box] & (gap <= self.reach[gripping])
             gripping, box = gripping[reached], box[reached]
             self.held[gripping] = box
             self.grip[gripping] = -to[reached]

@@ -18,6 +18,10 @@ class ForagingParameters(Parameters):
         squad_size: consecutive robots that share a radio channel, on which each reports its
             position and the box it holds: 1 to 5, 6 to 10 and so on.
         company_squads: consecutive squads that share a second channel.
+        scouts: robots of each squad, its first ones, that cannot grip and have a range of sight
+            of their own. With scouts, robots are called scout_1, ..., carrier_1, ..., instead of
+            forager_1, ...; 0: none.
+        scout_sight: range at which scouts see boxes, m.
         width, height: of the field, which is centered on the origin, m.
         home_radius: of the home, a disc in the middle, m. A box is home when its center is.
         obstacles: number of round obstacles.
@@ -38,13 +42,17 @@ class ForagingParameters(Parameters):
     LIMITS = MappingProxyType(
         {
             **dict.fromkeys(("width", "height"), at_least(10.0, "m")),
-            **dict.fromkeys(("obstacles", "small_boxes", "large_boxes", "noise"), NOT_NEGATIVE),
+            **dict.fromkeys(
+                ("scouts", "obstacles", "small_boxes", "large_boxes", "noise"), NOT_NEGATIVE
+            ),
         }
     )
 
     foragers: int = 50
     squad_size: int = 5
     company_squads: int = 5
+    scouts: int = 0
+    scout_sight: float = 12.0
     width: float = 60.0
     height: float = 60.0
     home_radius: float = 4.0

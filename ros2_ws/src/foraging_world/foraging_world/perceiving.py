@@ -25,6 +25,8 @@ from foraging_world.percept import (
     OBSTACLE,
     REACH,
     RESTED,
+    SCOUT,
+    SCOUTED_BOX,
     SMALL,
     SMALL_BOX,
     SQUAD_BOX,
@@ -49,7 +51,7 @@ def perceive_all(field: Field) -> Floats:
     senses[:, HEADING] = heading
     senses[:, WAITED] = field.waited
     senses[:, RESTED] = field.rested
-    senses[:, REACH] = p.reach
+    senses[:, REACH] = field.reach
     senses[:, HOME:LENGTH:3] = FAR
 
     def put(place: int, to: Floats, gap: Floats, numbers: Ints | None, seen: NDArray) -> None:
@@ -66,6 +68,8 @@ def perceive_all(field: Field) -> Floats:
     middle = squad_means(xy, p.squad_size) - xy
     put(SQUAD_CENTRE, middle, np.hypot(middle[:, 0], middle[:, 1]), None, everyone)
     put(OBSTACLE, *_closest_obstacle(field))
+    scout = xy[np.arange(foragers) // p.squad_size * p.squad_size] - xy
+    put(SCOUT, scout, np.hypot(scout[:, 0], scout[:, 1]), None, everyone & (p.scouts > 0))
     senses[senses[:, OBSTACLE] == FAR, OBSTACLE + 1] = np.pi
     if len(field.box_xy):
         _put_boxes(field, senses, put)
@@ -81,7 +85,7 @@ def _put_boxes(field: Field, senses: Floats, put) -> None:
     senses[:, HELD_SIZE] = np.where(holds, np.where(field.large[held], LARGE, SMALL), 0.0)
     senses[:, HANDS] = np.where(holds, field.hands[held], 0)
 
-    seen = _in_sight(xy, boxes, field.box_radius + p.forager_radius, p.sight)
+    seen = _in_sight(xy, boxes, field.box_radius + p.forager_radius, field.sight)
     seen = seen.where(field.present[seen.thing])
     others_hold = field.hands[seen.thing] > (held[seen.forager] == seen.thing)
     large = field.large[seen.thing]
@@ -95,6 +99,17 @@ def _put_boxes(field: Field, senses: Floats, put) -> None:
         put(place, boxes[chosen] - xy, gap, chosen, np.isfinite(gap))
 
     squads = rows // p.squad_size
+    held_by_squad = np.zeros((len(rows), len(boxes)), bool)
+    held_by_squad[squads[holds], held[holds]] = True
+    scouted = seen.where(
+        field.scouts[seen.forager] & ~held_by_squad[squads[seen.forager], seen.thing]
+    )
+    chosen, gap = scouted.by(squads).closest().spread(foragers)
+    chosen, known = chosen[squads], np.isfinite(gap[squads])
+    to = boxes[chosen] - xy
+    gap = np.hypot(to[:, 0], to[:, 1]) - (field.box_radius[chosen] + p.forager_radius)
+    put(SCOUTED_BOX, to, gap, chosen, known)
+
     for place, groups, which in (
         (SQUAD_BOX, squads, holds),
         (COMPANY_BOX, squads // p.company_squads, holds & field.large[held]),
@@ -128,6 +143,11 @@ class _Sightings:
         """Return the sightings of a mask."""
         return _Sightings(self.forager[mask], self.thing[mask], self.gap[mask])
 
+    def by(self, groups: Ints) -> _Sightings:
+        """Return what groups of foragers see; a group stands for a forager."""
+        order = np.lexsort((self.gap, groups[self.forager]))
+        return _Sightings(groups[self.forager][order], self.thing[order], self.gap[order])
+
     def closest(self) -> _Sightings:
         """Return the closest thing to each forager that sees anything."""
         if not len(self.forager):
@@ -142,15 +162,19 @@ class _Sightings:
         return thing, gap
 
 
-def _in_sight(xy: Floats, things: Floats, radii: Floats, sight: float) -> _Sightings:
-    """Return which foragers see what; ``radii`` are the sums of a thing's and a forager's."""
+def _in_sight(xy: Floats, things: Floats, radii: Floats, sight: Floats) -> _Sightings:
+    """Return which foragers see what; ``radii`` are the sums of a thing's and a forager's.
+
+    Args:
+        sight: of each forager, m.
+    """
     dx = things[:, 0] - xy[:, 0, None]
     dy = things[:, 1] - xy[:, 1, None]
-    forager, thing = np.nonzero(dx * dx + dy * dy <= (sight + radii) ** 2 + 1e-9)
+    forager, thing = np.nonzero(dx * dx + dy * dy <= (sight[:, None] + radii) ** 2 + 1e-9)
     gap = np.hypot(dx[forager, thing], dy[forager, thing]) - radii[thing]
     order = np.lexsort((thing, gap, forager))
     found = _Sightings(forager[order], thing[order], gap[order])
-    return found.where(found.gap <= sight)
+    return found.where(found.gap <= sight[found.forager])
 
 
 def squad_means(xy: Floats, squad_size: int) -> Floats:
@@ -173,7 +197,7 @@ def _closest_obstacle(field: Field) -> tuple[Floats, Floats, None, NDArray]:
     ]
     gaps = [np.hypot(wall[:, 0], wall[:, 1]) for wall in to]
     radius = np.full(len(field.obstacles), p.obstacle_radius + p.forager_radius)
-    seen = _in_sight(xy, field.obstacles, radius, p.obstacle_sight)
+    seen = _in_sight(xy, field.obstacles, radius, np.full(len(xy), p.obstacle_sight))
     closest, away = seen.closest().spread(len(xy))
     if len(field.obstacles):
         to.append(field.obstacles[closest] - xy)

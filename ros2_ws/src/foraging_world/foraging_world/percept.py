@@ -10,16 +10,17 @@ index                 value
 6                     how many robots hold it
 7                     how long it has not moved since it was gripped, s; 0 if none is held
 8                     how long ago the forager last let go of a box by itself, s; FAR if never
-9                     reach of the forager, m
+9                     reach of the forager, m; -1 if it cannot grip
 10 and so on          places: distance, m, direction relative to the body, rad, box number
 ====================  =====================================================================
 
 The places are, in this order: home (its center), the closest box, the closest small one, the
 closest large one, the closest one that other robots hold, the box that most of the own squad hold,
-the large box that most of the own company hold, the middle of the own squad, and the closest
-obstacle or wall. Distances to boxes, obstacles and walls are from edge to edge and never negative.
-A thing that is not seen, or does not exist, is FAR away, straight ahead; but an obstacle that is
-not seen is straight behind, where it is in no forager's way.
+the large box that most of the own company hold, the middle of the own squad, the closest obstacle
+or wall, the first scout of the own squad, and the box closest to one of its scouts, in their
+sight, that nobody of the squad holds. Distances to boxes, obstacles and walls are from edge to
+edge and never negative. A thing that is not seen, or does not exist, is FAR away, straight ahead;
+but an obstacle that is not seen is straight behind, where it is in no forager's way.
 
 Boxes and obstacles are seen within a range; what a squad or company knows is shared by radio
 everywhere. The direction is counter-clockwise, on [-pi, pi].
@@ -38,6 +39,8 @@ NUMBER, X, Y, HEADING, HELD, HELD_SIZE, HANDS, WAITED, RESTED, REACH = range(10)
     COMPANY_BOX,
     SQUAD_CENTRE,
     OBSTACLE,
-) = range(10, 37, 3)
-LENGTH = 37
+    SCOUT,
+    SCOUTED_BOX,
+) = range(10, 43, 3)
+LENGTH = 43
 SMALL, LARGE = 1.0, 2.0

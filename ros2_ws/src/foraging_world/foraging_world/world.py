@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -29,7 +30,7 @@ from hitab_world import (
 SNAPSHOT_VERSION = 1
 _STILL = Look(faces=False, layer=-1)
 LOOKS: Mapping[str, Look] = {
-    "forager": Look(),
+    **dict.fromkeys(("forager", "scout", "carrier"), Look()),
     "small_box": replace(_STILL, color="#b98b4e", shape="square"),
     "large_box": replace(_STILL, color="#b98b4e", shape="square"),
     "obstacle": replace(_STILL, color="#8b939d", labelled=False),
@@ -68,13 +69,13 @@ class ForagingWorld:
         self.episode_cycle = 0
         self.ended = ""
         self.refused: Mapping[str, str] = {}
-        self.agents = tuple(f"forager_{i + 1}" for i in range(p.foragers))
+        self._field = Field(p)
+        self.agents = tuple(_names(p, self._field))
         self._index = {name: i for i, name in enumerate(self.agents)}
         self._boxes = [
             *(f"small_box_{i + 1}" for i in range(p.small_boxes)),
             *(f"large_box_{i + 1}" for i in range(p.large_boxes)),
         ]
-        self._field = Field(p)
         self._perceived: Floats | None = None
         self._rows: list[list[float]] = []
         self.reset(0)
@@ -111,7 +112,8 @@ class ForagingWorld:
         index = self._index.get(agent)
         if index is None:
             raise WorldError(
-                f'no forager "{agent}" (has {len(self.agents)}: forager_1 to {self.agents[-1]})'
+                f'no robot "{agent}" (has {len(self.agents)}: '
+                f"{self.agents[0]} to {self.agents[-1]})"
             )
         self.percepts()
         return self._rows[index], []
@@ -155,7 +157,7 @@ class ForagingWorld:
         ]
         robots = np.column_stack([field.xy, field.heading, field.velocity]).tolist()
         found += [
-            Entity(name, "forager", x, y, heading, vx, vy, p.forager_radius)
+            Entity(name, name.rpartition("_")[0], x, y, heading, vx, vy, p.forager_radius)
             for name, (x, y, heading, vx, vy) in zip(self.agents, robots, strict=True)
         ]
         return found
@@ -240,6 +242,15 @@ class ForagingWorld:
         pullers = self._field.holding.item() / max(self.episode_cycle, 1)
         measures = {"boxes": small + large, "small": small, "large": large, "pullers": pullers}
         return EpisodeResult.of(self, measures)
+
+
+def _names(p: ForagingParameters, field: Field) -> Iterator[str]:
+    """Yield the names of the robots: the kind of each, and its number among these."""
+    counts = Counter[str]()
+    for scout in field.scouts.tolist():
+        kind = ("scout" if scout else "carrier") if p.scouts else "forager"
+        counts[kind] += 1
+        yield f"{kind}_{counts[kind]}"
 
 
 def _put(xy: Floats, placement: Placement) -> None:

@@ -94,3 +94,24 @@ def test_what_cannot_be_placed_is_told():
     ]:
         with pytest.raises(WorldError, match=message):
             ForagingWorld().place([placement])
+
+
+def test_scouts_see_far_and_tell_their_squad_and_carriers_see_little_and_grip(
+    quiet, put, act, sensed
+):
+    world = quiet(small_boxes=2, foragers=10, scouts=1, scout_sight=12.0, sight=2.0)
+    assert world.agents[:6] == ("scout_1", *(f"carrier_{i}" for i in range(1, 5)), "scout_2")
+    put(world, small_box_1=(15.0, 0.0), small_box_2=(17.0, 0.0), scout_1=(4.0, 0.0))
+    put(world, carrier_1=(14.2, 0.0, 0.0), scout_2=(-9.0, 0.0))
+    assert sensed(world, "scout_1", "Sees(closest_box)") == 1.0
+    assert sensed(world, "carrier_2", "Sees(closest_box)") == 0.0
+    assert sensed(world, "carrier_1", "DistanceTo(scouted_box)") == pytest.approx(0.0)
+    assert sensed(world, "carrier_1", "DistanceTo(scout)") == pytest.approx(10.2)
+    assert sensed(world, "carrier_5", "Sees(scouted_box)") == 0.0, "another squad"
+    world.step(act(world, "Attach(closest_box)", "carrier_1"))
+    assert sensed(world, "carrier_1", "Holds(squad_box)") == 1.0
+    assert sensed(world, "carrier_2", "Sees(scouted_box)") == 0.0, "that one is held"
+    put(world, scout_1=(14.0, 0.6), carrier_1=(0.0, 0.0))
+    world.step(act(world, "Attach(closest_box)", "scout_1"))
+    assert sensed(world, "scout_1", "HoldsABox") == 0.0
+    assert sensed(world, "carrier_1", "DistanceTo(scouted_box)") == pytest.approx(14.2, abs=0.3)

@@ -136,9 +136,10 @@ class _Node:
             self.agent.restart(self.subordinate.seed, self.subordinate.episode)
 
     def report(self, number: int) -> None:
-        report = self.subordinate.round_begins(number, look=False, restart=self._restarted)
         if self.superior is not None:
-            self.superior.hear(report)
+            self.superior.hear(
+                self.subordinate.round_begins(number, look=False, restart=self._restarted)
+            )
 
 
 class _Member(_Node):

@@ -148,7 +148,7 @@ class Subordinate:
             restart: whether it begins an episode.
         """
         self.round = number
-        return replace(self._report(self._doing()), look=look, restart=restart)
+        return self._report(self._doing(), look=look, restart=restart)
 
     def rounds_end(self) -> bool:
         """Switch to real time; return whether it was in lockstep."""
@@ -195,7 +195,7 @@ class Subordinate:
             round=self.round,
         )
 
-    def _report(self, doing: Report) -> Report:
+    def _report(self, doing: Report, *, look: bool = False, restart: bool = False) -> Report:
         self._told = doing
         self._beaten = True
         values = tuple(NAN if read is None else value_or_nan(read) for read in self._readers)
@@ -205,6 +205,8 @@ class Subordinate:
             position=self._position(),
             cycle=self.agent.cycle,
             seconds=self.seconds,
+            look=look,
+            restart=restart,
         )
 
     def _reader(self, text: str) -> Callable[[], float] | None:
