@@ -156,9 +156,11 @@ def check(
 
     wrong, data = [], {}
     for name in names or sorted(shipped_names("exercises")):
-        lesson = name in shipped_names("lessons") and name not in shipped_names("exercises")
-        path = find_file(name, *(("lessons", "lesson") if lesson else ("exercises", "exercise")))
-        if not lesson and is_exercise(path):
+        is_lesson = name in shipped_names("lessons") and name not in shipped_names("exercises")
+        path = find_file(
+            name, *(("lessons", "lesson") if is_lesson else ("exercises", "exercise"))
+        )
+        if not is_lesson and is_exercise(path):
             data[name] = _graded(name, path, library, swarm)
             continue
         try:
