@@ -186,12 +186,12 @@ def read(task: Task, file: Path) -> Given:
 Functions = Mapping[str, Any]
 
 
-def learned(shown: Shown, task: Task, runs: list[Run]) -> Functions:
-    """Return the transition functions that the labels of runs teach."""
-    alone = [one[None] for one in shown.labels]
+def learned(shown: Shown, task: Task, runs: list[Run], *, drawn: bool = False) -> Functions:
+    """Return the transition functions that the labels of runs teach, or those drawn of them."""
+    sequences = shown.drawn if drawn else [one[None] for one in shown.labels]
     scales = [Scale()] * runs[0].features.shape[1]
     return learn_transitions(
-        list(examples_of(runs, alone, task.behaviors)), scales, "tree(prune=True)"
+        list(examples_of(runs, sequences, task.behaviors)), scales, "tree(prune=True)"
     )
 
 
@@ -245,6 +245,7 @@ def measured(task: Task, data: Path, seed: int) -> dict[str, float]:
     told = [Run(g.run.features, g.run.apart, dict(enumerate(g.truth.tolist()))) for g in train]
     given_labels = learned(label(told, task.behaviors, scales, rounds=0, seed=seed), task, told)
     ours, sticky = learned(shown, task, runs), learned(prior, task, runs)
+    drawn = learned(shown, task, runs, drawn=True)
     nearest = [np.abs(g.run.apart / shown.spread).sum(axis=2).argmin(axis=1) for g in train]
     return {
         "policy, runs shown": policy_accuracy(ours, task, train),
@@ -252,6 +253,8 @@ def measured(task: Task, data: Path, seed: int) -> dict[str, float]:
         "policy, unseen, sure": policy_accuracy(ours, task, test, sure=True),
         "policy, runs shown, no rare": policy_accuracy(ours, task, train, least=RARE),
         "policy, unseen, no rare": policy_accuracy(ours, task, test, least=RARE),
+        "drawn, runs shown, no rare": policy_accuracy(drawn, task, train, least=RARE),
+        "drawn, unseen, no rare": policy_accuracy(drawn, task, test, least=RARE),
         "sticky, runs shown": policy_accuracy(sticky, task, train),
         "sticky, unseen": policy_accuracy(sticky, task, test),
         "true labels, unseen": policy_accuracy(given_labels, task, test),
