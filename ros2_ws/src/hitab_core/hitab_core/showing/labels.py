@@ -75,6 +75,7 @@ class Shown:
         labels: of each run, the index of the most probable behavior at each moment.
         confidence: of each run, how probable that is.
         unexplained: of each run, at which moments no behavior would have done what was done.
+        drawn: of each run, sequences of labels drawn from what is probable, shape (draws, n).
         spread: shape (d,), of what was done around what the behaviors would have done.
         rounds: of alternating; 0: none, by a sticky prior alone.
         settled: whether the labels no longer changed.
@@ -83,6 +84,7 @@ class Shown:
     labels: tuple[Integers, ...]
     confidence: tuple[Floats, ...]
     unexplained: tuple[Booleans, ...]
+    drawn: tuple[Integers, ...]
     spread: Floats
     rounds: int
     settled: bool
@@ -138,6 +140,7 @@ def label(
         tuple(labels),
         tuple(belief.max(axis=1) for belief in beliefs),
         tuple(unexplained(run.apart, spread) for run in runs),
+        tuple(drawn),
         spread,
         done,
         settled,
