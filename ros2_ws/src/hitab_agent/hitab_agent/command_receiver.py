@@ -44,12 +44,12 @@ class CommandReceiver:
         node, agent, status = self._node, self._node.agent, self._node.status.message
         if agent.awaits_percept and time.monotonic() < self._young_until:
             return
-        node.session_log.tell(session_topics.COMMANDED, command)
         status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX, lines=False)
         # A command resent because its acknowledgement was late is acknowledged again.
         refusal = self._recent.came_of(status.demonstrator, command.sequence)
         try:
             if refusal is None:
+                node.session_log.tell(session_topics.COMMANDED, command)
                 refusal = ()
                 check(command)
                 use = use_of(command.behavior, command.targets)
