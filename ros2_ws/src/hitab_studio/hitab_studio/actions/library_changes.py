@@ -77,12 +77,13 @@ async def change_library(
     """
     agent, known = session.agent, session.shared.store.known
     used = libraries_of(Path(known.target.folder)) if known.target is not None else {}
-    if agent not in used or agent in known.groups:
+    status = known.statuses.get(agent)
+    if status is None or agent not in used or agent in known.groups:
         raise SwarmError(
             f"The library of {agent} cannot be changed here: use `{called()} library` in a "
             f"terminal, then `{called()} library reload {agent}`."
         )
-    library = BehaviorLibrary(used[agent], load_domain(session.watched.vocabulary.domain))
+    library = BehaviorLibrary(used[agent], load_domain(status.domain))
 
     def job(swarm: Connected, _: str) -> list[tuple[str, str, bool]]:
         what(library)
