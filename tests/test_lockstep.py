@@ -12,11 +12,13 @@ from hitab_msgs.msg import WorldState
 from hitab_msgs.srv import Control
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.evaluating import Cast, games_of
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import read_swarm
 from hitab_client.command_view import CommandView
 from hitab_client.run_processes import process_states
 from hitab_client.shipped import find_file, shipped
+from hitab_world.inprocess import play
 
 SEED = 11
 EPISODES = 2
@@ -83,6 +85,19 @@ def over_topics(swarm: SwarmDescription, folder: Path) -> Run:
     )
 
 
+def in_process(swarm: SwarmDescription, *behaviors: str) -> Run:
+    """Play the same as `hitab evaluate` does, with other behaviors than the swarm's if given."""
+    cast = Cast(swarm)
+    cast.choose_behaviors(behaviors)
+    with games_of(swarm.with_world(seed=SEED), [cast.parts()]) as ((world, players, between),):
+        results = play(world, players, EPISODES, between=between)
+        play(world, players, cycles_max=30, between=between)
+        return Run(
+            tuple((r.number, r.seed, r.cycles, r.ended, *r.measures.values()) for r in results),
+            places(world.entities()),
+        )
+
+
 def foragers(folder: Path, where: str) -> SwarmDescription:
     file = folder / f"{where}.yaml"
     file.write_text(
@@ -92,11 +107,10 @@ def foragers(folder: Path, where: str) -> SwarmDescription:
 
 
 @pytest.mark.long
-def test_three_levels_play_the_same_in_processes_of_their_own_and_in_hosts(home, tmp_path):
-    alone, together = (
-        over_topics(foragers(tmp_path, where), tmp_path / where) for where in HOSTED
-    )
-    assert alone == together
+@pytest.mark.parametrize("where", HOSTED)
+def test_three_levels_play_over_topics_as_in_one_process(home, tmp_path, where):
+    swarm = foragers(tmp_path, where)
+    assert over_topics(swarm, tmp_path / "run") == in_process(swarm)
 
 
 @pytest.fixture(scope="module")
@@ -106,6 +120,12 @@ def captained(home, tmp_path_factory) -> Run:
 
 def keepers_with_captain() -> SwarmDescription:
     return read_swarm(find_file("keepaway_captain", "swarms", "swarm")).with_world(pace="lockstep")
+
+
+def test_a_captain_and_its_keepers_play_over_topics_as_in_one_process(captained):
+    swarm = keepers_with_captain()
+    assert captained == in_process(swarm)
+    assert captained != in_process(swarm, "Keepaway"), "without its captain"
 
 
 @pytest.fixture

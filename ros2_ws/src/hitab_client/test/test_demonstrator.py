@@ -254,11 +254,16 @@ class Gamepad:
         self.desk.demonstrator.work()
 
 
-def test_a_stick_gives_the_numbers_when_the_button_is_let_go(tmp_path, monkeypatch):
+@pytest.fixture
+def gamepad(tmp_path: Any, monkeypatch: Any) -> Gamepad:
     monkeypatch.setenv("HITAB_HOME", str(tmp_path))
     desk = Desk(asks=False)
     desk.agents.become(ONE, "training", "Start")
-    gamepad = Gamepad(desk)
+    return Gamepad(desk)
+
+
+def test_a_stick_gives_the_numbers_when_the_button_is_let_go(gamepad):
+    desk = gamepad.desk
     gamepad.push(held=True, button=True)
     gamepad.push(0.9, 0.9, 0.5, held=True, button=True)
     assert not desk.agents.done
@@ -267,11 +272,8 @@ def test_a_stick_gives_the_numbers_when_the_button_is_let_go(tmp_path, monkeypat
     assert desk.agents.done[-1][2] == "Kick(goal, direction=45, power=25)"
 
 
-def test_a_stick_that_points_nowhere_or_is_lost_commands_nothing(tmp_path, monkeypatch):
-    monkeypatch.setenv("HITAB_HOME", str(tmp_path))
-    desk = Desk(asks=False)
-    desk.agents.become(ONE, "training", "Start")
-    gamepad = Gamepad(desk)
+def test_a_stick_that_points_nowhere_or_is_lost_commands_nothing(gamepad):
+    desk = gamepad.desk
     gamepad.push(held=True, button=True)
     gamepad.push(held=True)
     assert "Kick(goal) is left out: the stick gave no direction" in desk.demonstrator.said
