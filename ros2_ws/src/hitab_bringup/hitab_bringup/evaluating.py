@@ -102,10 +102,10 @@ def part_of(
     for name, number in versions.items():
         automata[name] = opened.version(name, number).automaton
     repertoire = Repertoire(opened.domain.without(without), automata)
-    if use is not None and use.name not in repertoire:
-        there = [*automata, *opened.domain.automata]
-        raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
     if use is not None:
+        if use.name not in repertoire:
+            there = [*automata, *opened.domain.automata]
+            raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
         repertoire.check_performable(use)
     return Part(repertoire, use, opened, library, opened.digest, versions)
 

@@ -204,10 +204,6 @@ def split_toroidal(
 
     places = (groups.group_of - origin) % k
     inside = (places > last_outside) & (places <= last_inside)
-
-    def is_default(place: int) -> bool:
-        return groups.is_default[(place + origin) % k]
-
     return _two_way(examples, inside, arc)
 
 

@@ -174,7 +174,7 @@ class RcssWorld:
             WorldError: if there is no such keeper.
         """
         if agent not in self.agents:
-            raise WorldError(f'no keeper "{agent}" (known: {", ".join(self.agents)})')
+            raise WorldError(f'no agent "{agent}" (known: {", ".join(self.agents)})')
         return self._game.percept(agent)
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
