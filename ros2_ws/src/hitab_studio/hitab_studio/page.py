@@ -44,8 +44,10 @@ def is_urgent(data: Any) -> bool:
 class RequestQueue:
     """The pending requests of a page, in order, without unintended repetitions.
 
-    The second click of a double click is dropped, and so is a request that is pending already,
-    because the person has seen no answer yet. Repeating actions are never dropped.
+    The second click of a double click is dropped, and so is a request that repeats the last one
+    while that is pending, because the person has seen no answer yet. After another request it is
+    meant: Go, Stop, Go are three commands however fast they come. Repeating actions are never
+    dropped.
 
     Attributes:
         waiting: the request being handled, and those after it.
@@ -60,7 +62,7 @@ class RequestQueue:
         if not isinstance(data, Mapping):
             return
         asked = {key: value for key, value in data.items() if key != "again"}
-        pending = any(_same(asked, other) for other in self.waiting)
+        pending = bool(self.waiting) and _same(asked, self.waiting[-1])
         if asked.get("do") not in REPEATED and (data.get("again") or pending):
             return
         self.waiting.append(asked)

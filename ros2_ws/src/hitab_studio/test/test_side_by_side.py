@@ -265,13 +265,19 @@ def asked_twice(monkeypatch: Any, name: str, *wanted: Any) -> list[Any]:
 
 def test_what_is_asked_again_before_its_answer_is_done_once(monkeypatch):
     save, other = {"do": "save", "values": {"name": "A"}}, {"do": "save", "values": {"name": "B"}}
-    assert asked_twice(monkeypatch, "save", save, save, other, save) == [save, other]
+    assert asked_twice(monkeypatch, "save", save, save, other, other) == [save, other]
     assert asked_twice(monkeypatch, "save", save, {**other, "again": True}) == [save]
     stop = {"do": "command", "behavior": "Stop", "seen": 7}
     later = {**stop, "seen": 8}
     assert asked_twice(monkeypatch, "command", stop, later) == [stop], (
         "the world went on meanwhile"
     )
+
+
+def test_what_is_asked_again_after_something_else_is_done_again(monkeypatch):
+    """A hurried demonstrator's commands would be lost while the agent takes the first of them."""
+    go, stop = ({"do": "command", "behavior": name} for name in ("GoFast", "Stop"))
+    assert asked_twice(monkeypatch, "command", go, stop, go, stop) == [go, stop, go, stop]
 
 
 def test_a_step_is_done_as_often_as_it_is_clicked(monkeypatch):
