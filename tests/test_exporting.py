@@ -44,7 +44,7 @@ SHIPPED = {
     "keepaway_handcoded": ("GotoBall",),
     "captain": ("Captain",),
     "foraging": ("Forage", "Help", "Approach(scout)"),
-    "foraging_squad": ("SquadForage",),
+    "foraging_squad": ("SquadForage", "HaulNext"),
     "foraging_company": ("CompanyForage",),
     "foraging_roles": ("Collect",),
 }

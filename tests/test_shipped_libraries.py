@@ -73,24 +73,15 @@ def test_the_lessons_of_half_field_attack_teach_three_roles_and_their_captain(ho
 @pytest.mark.parametrize(
     ("swarm", "lessons", "libraries"),
     [
-        (
-            lambda: read_swarm(find_file("foraging_school", "swarms", "swarm")),
-            [f"foraging_{n}" for n in ("search", "goto", "carry", "forage")],
-            ["foraging"],
-        ),
-        (
-            lambda: read_swarm(find_file("foraging_roles_school", "swarms", "swarm")),
-            [f"foraging_{n}" for n in ("approach", "help", "roles")],
-            ["foraging", "foraging", "foraging_roles"],
-        ),
-        *[
-            (lambda n=n: read_swarm(find_file(f"{n}_school", "swarms", "swarm")), [n], [n])
-            for n in ("foraging_squad", "foraging_company")
-        ],
+        ("foraging_school", "search goto carry forage", ["foraging"]),
+        ("foraging_roles_school", "approach help roles", [*["foraging"] * 2, "foraging_roles"]),
+        ("foraging_squad_school", "squad haul", ["foraging_squad"]),
+        ("foraging_company_school", "company", ["foraging_company"]),
     ],
 )
 def test_all_other_lessons_teach_what_is_shipped(home, tmp_path, swarm, lessons, libraries):
-    play(swarm(), lessons, libraries, tmp_path)
+    names = [f"foraging_{name}" for name in lessons.split()]
+    play(read_swarm(find_file(swarm, "swarms", "swarm")), names, libraries, tmp_path)
 
 
 def figures(library: str, episodes: int, seed: int = 3, behavior: str = "Keepaway", **game):
