@@ -117,17 +117,22 @@ def test_episodes_end_when_and_why_the_servers_did(server, settings):
 class Reports(SimpleNamespace):
     """What a server reports of a game in a cycle: a link to it."""
 
-    def state(self):
+    def states(self):
         return self.now
 
 
-def reported(game, time, ball, kicker=0, over=False):
-    """Report a cycle in which all stand still: keeper n at (0, 4n), a taker at (0, 0)."""
+def state(time, ball, kicker=0):
+    """Return a cycle in which all stand still: keeper n at (0, 4n), a taker at (0, 0)."""
     keepers = [PlayerState("l", n, 0, 4 * n, 0, 0, 0, n == kicker) for n in (1, 2, 3)]
     players = (*keepers, PlayerState("r", 1, 0, 0, 0, 0, 0), PlayerState("r", 2, 9, 9, 0, 0, 0))
+    return FullState(time, "play_on", ball, players)
+
+
+def reported(game, time, ball, kicker=0, over=False):
+    """Report a cycle."""
     said = {(time, EPISODE_OVER)} if over else set()
-    state = FullState(time, "play_on", ball, players)
-    return game.take(Reports(time=time, now=state, referee=said, clients={}))
+    now = [state(time, ball, kicker)]
+    return game.take(Reports(time=time, now=now, referee=said, clients={}))
 
 
 @pytest.mark.parametrize(
@@ -151,6 +156,17 @@ def test_a_pass_is_a_kick_and_another_keepers_kick_after_it():
         reported(game, cycle, (0, 4 * kicker, 0, 0))
         turn = reported(game, cycle, (0, 4 * kicker, 0, 0), kicker)
     assert turn.measures == {"passes": 2.0}
+
+
+@pytest.mark.parametrize("over", [False, True])
+def test_who_stood_still_for_some_cycles_counts_the_passes_in_all_of_them(over):
+    game = Game(PAPER, KEEPAWAY, by_sight=False)
+    reported(game, 0, (0, 4, 0, 0), over=True)
+    cycles = [state(n, (0, 4 * k, 0, 0), k) for n in range(1, 7) for k in [(n + 1) // 2]]
+    said = {(7, EPISODE_OVER)} if over else set()
+    cycles.append(state(7, (6, -6, 0, 0)))
+    turn = game.take(Reports(time=7, now=cycles, referee=said, clients={}))
+    assert (turn.measures["passes"], turn.passed, turn.began) == (2.0, 7, over)
 
 
 def test_a_percept_is_the_full_state_in_the_keepers_own_layout():

@@ -91,23 +91,25 @@ class Game:
         """Take in a cycle's messages to the players."""
         passed = max(link.time - self.time, 0) if self.time >= 0 else 0
         self.time = link.time
-        state = link.state()  # None if lost: the field then stays unchanged
+        states = link.states()  # several if we were late
+        state = states[-1] if states else None  # None if lost: the field then stays unchanged
         mode = state.mode if state is not None else self.mode
         said = [when for when, text in link.referee if text == EPISODE_OVER]
-        # A late reader takes in several cycles at once, so use the time of the message.
+        # Of several cycles, use the time of the message.
         at = max(said, default=self.time)
+        before = (s for s in states[:-1] if s.time < at)
+        judged = [self._judge(s) for s in before if s.mode == self.mode == PLAYING]
         over = bool(said)
         if state is not None and self.mode == mode == PLAYING and not self._stops:
             over = over or self._set_up_anew(state)
         began = over or (mode == PLAYING and self.mode == BEFORE_KICK_OFF)
         ended = self._why_over() if over else ""
-        if state is not None:
-            kickers = self.field.take(state)
-            if not began and mode == PLAYING:
-                for kicker in kickers:
-                    self._referee.saw_kick(kicker)
-                judged = self._referee.judge(self.field.physics)
-                ended = judged or "" if self._stops else ""
+        if state is not None and (began or mode != PLAYING):
+            self.field.take(state)
+        elif state is not None:
+            judged.append(self._judge(state))
+        if self._stops:
+            ended = next(filter(None, judged), "")
         if self._stops and self.mode == PLAYING != mode:
             ended = next((why for stop, why in self._stops if mode.startswith(stop)), mode)
         episode_cycle, measures = at - self._began, self.measures(ended)
@@ -120,6 +122,12 @@ class Game:
         self._heard = {name: list(client.heard) for name, client in link.clients.items()}
         self.mode = mode
         return Turn(state, passed, episode_cycle, measures, ended, began)
+
+    def _judge(self, state: FullState) -> str | None:
+        """Take over a cycle's state, and return why the episode ended with it, if it did."""
+        for kicker in self.field.take(state):
+            self._referee.saw_kick(kicker)
+        return self._referee.judge(self.field.physics)
 
     def _why_over(self) -> str:
         """Return why the referee ended the episode in the cycle after the last one seen."""

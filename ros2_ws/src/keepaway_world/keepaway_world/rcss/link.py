@@ -95,7 +95,7 @@ class Link:
         self.time = -1
         self.referee: set[tuple[int, str]] = set()
         self.thinking_since = 0.0
-        self._state_text = ""
+        self._states: dict[str, str] = {}
         self.synch = False
         self.full_state = True
         self.mode = BEFORE_KICK_OFF
@@ -186,7 +186,7 @@ class Link:
 
     def _take(self, client: Client, text: str) -> None:
         if text.startswith("(fullstate "):  # all clients get the same: one copy is read, later
-            self._state_text = text
+            self._states[text.split(" ", 2)[1]] = text
             return
         if text.startswith("(see ") and client.sighting is None:
             return
@@ -211,20 +211,20 @@ class Link:
             case Settings():
                 self.settings = message
 
-    def state(self) -> FullState | None:
-        """Return the newest full state; None if none has arrived since `forget`.
+    def states(self) -> list[FullState]:
+        """Return the full state of each cycle since `forget`; of several if we were late.
 
         If the server sends none, it is what our players see together.
         """
         if not self.full_state:
             eyes = (c.sighting for c in self.clients.values() if c.sighting is not None)
-            return together(eyes, self.mode)
-        message = parsed(self._state_text)
-        return message if isinstance(message, FullState) else None
+            seen = together(eyes, self.mode)
+            return [] if seen is None else [seen]
+        return [m for m in map(parsed, self._states.values()) if isinstance(m, FullState)]
 
     def forget(self) -> None:
         """Clear the messages of this cycle."""
-        self._state_text = ""
+        self._states.clear()
         self.referee.clear()
         for client in self.clients.values():
             client.heard.clear()
@@ -248,7 +248,7 @@ class Link:
         clients = self.clients.values()
         if self.synch:  # (think) comes last
             return all(c.told and c.time == self.time and c.thinking for c in clients)
-        if self.full_state and not self._state_text:
+        if self.full_state and not self._states:
             return False
         return all(
             c.told and c.time == self.time and (c.sighting is None or c.sighting.time == self.time)
