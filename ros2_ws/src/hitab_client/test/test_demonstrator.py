@@ -220,6 +220,14 @@ def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
     assert desk.agents.done[-1][2] == "GoTo(B)", "a parameter of the training"
 
 
+def test_a_target_may_be_pressed_before_an_agent_has_answered(desk):
+    """It would be the key of a behavior otherwise, which nobody meant."""
+    for key in "121":
+        desk.keyboard.press(key)
+    desk.demonstrator.work()
+    assert desk.agents.done == [("perform", ONE, "Forward"), ("perform", ONE, "GoTo(goal)")]
+
+
 def test_numbers_are_typed_after_the_target(desk):
     desk.agents.become(ONE, "training", "Start")
     desk.press("3", "1")
