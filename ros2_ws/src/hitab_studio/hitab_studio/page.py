@@ -84,6 +84,8 @@ class RequestQueue:
         while (data := await self._queue.get()) is not None:
             await perform(session, data)
             self.waiting.remove(data)
+            if not self.waiting:
+                session.unseen.clear()
             done()
 
 

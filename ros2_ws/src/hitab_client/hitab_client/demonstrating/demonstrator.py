@@ -19,7 +19,7 @@ from hitab_msgs.srv import Control
 from hitab_client import reaction_time
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.commanding import command, other_mode, put_earlier
-from hitab_client.demonstrating.pressed import Asked, Pressed
+from hitab_client.demonstrating.pressed import Asked, Pressed, UnseenOutcomes
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
 from hitab_client.errors import SwarmError
@@ -91,6 +91,7 @@ class Demonstrator:
         self._asks = asks
         self._clock = clock
         self._pending: deque[Pressed] = deque()
+        self._unseen = UnseenOutcomes()
         self._chosen_at = -math.inf
         self._is_driven = False
         self._refused_until = -math.inf
@@ -277,11 +278,15 @@ class Demonstrator:
     def work(self) -> None:
         """Carry out what was pressed; errors are noted in `said`."""
         while self._pending:
-            pressed = self._pending.popleft()
+            pressed, taken = self._pending.popleft(), True
             try:
                 self._carry_out(pressed)
             except HitabError as error:
+                taken = False
                 self.tell(str(error), failed=True)
+            if pressed.behavior:
+                self._unseen.add(pressed.agent, taken)
+        self._unseen.clear()
 
     def look(self) -> None:
         """Learn what the agent can be commanded, if that may have changed.
@@ -300,6 +305,7 @@ class Demonstrator:
                 f"{pressed.what} is left out: it was pressed {late:.1f} s ago, while an agent did "
                 "not answer"
             )
+        self._unseen.check(pressed.agent, pressed.what)
         if pressed.behavior:
             said = self._command(pressed)
         elif pressed.what in self._does:
