@@ -133,7 +133,9 @@ def late(swarm: Any, person: Person) -> tuple[Person, int]:
         swarm.world.control("pause")
         swarm.world.control("pace", pace="realtime", factor=1.0)
         reaction_time.keep(getpass.getuser(), None)
-    swarm.link.spin_until(lambda: swarm.world.status.mode == "paused", 10.0)
+    person.sees("pause", "Resume")
+    speed = '[data-change="pace"] option[value="1"][selected]'
+    person.page.wait_for_selector(speed, state="attached")
     return person, shown
 
 

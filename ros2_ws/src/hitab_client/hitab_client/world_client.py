@@ -154,8 +154,14 @@ class WorldClient:
         answer = self.ask(
             Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
         )
-        if mode := MODES.get(action):
-            self._await_status(lambda status: status.mode == mode)
+        mode = MODES.get(action, "")
+        self._await_status(
+            lambda status: (
+                mode in ("", status.mode)
+                and pace in ("", status.pace)
+                and factor in (0.0, status.factor)
+            )
+        )
         return answer
 
     def _await_status(self, right: Callable[[WorldStatus], bool]) -> None:

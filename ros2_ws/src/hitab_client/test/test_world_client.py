@@ -55,14 +55,18 @@ class Slow:
 @pytest.mark.parametrize(
     ("drive", "before", "after"),
     [
-        (lambda world: world.control("pause"), ("running", 7), ("paused", 7)),
-        (lambda world: world.control("resume"), ("paused", 7), ("running", 7)),
-        (lambda world: world.step(5), ("running", 7), ("paused", 9)),
+        (lambda world: world.control("pause"), ("running", 7, 1.0), ("paused", 7, 1.0)),
+        (lambda world: world.control("resume"), ("paused", 7, 1.0), ("running", 7, 1.0)),
+        (lambda world: world.control("pace", factor=2.0), ("paused", 7, 1.0), ("paused", 7, 2.0)),
+        (lambda world: world.step(5), ("running", 7, 1.0), ("paused", 9, 1.0)),
     ],
-    ids=["pause", "resume", "step"],
+    ids=["pause", "resume", "pace", "step"],
 )
 def test_who_has_driven_the_world_knows_whether_it_runs(drive, before, after):
-    was, now = (WorldStatus(mode=mode, cycle=cycle) for mode, cycle in (before, after))
+    was, now = (
+        WorldStatus(mode=mode, cycle=cycle, factor=factor)
+        for mode, cycle, factor in (before, after)
+    )
     link: Any = Slow(Control.Response(success=True, cycle=9), was, now)
     link.world = world = WorldClient(link)
     world.status, world.state = was, WorldState(cycle=9)
