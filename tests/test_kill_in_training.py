@@ -3,6 +3,7 @@
 import os
 import signal
 
+from hitab_msgs.srv import EditExamples
 from waiting import pid_of
 
 AGENT = "keeper_1"
@@ -42,3 +43,26 @@ def test_no_acknowledged_example_is_lost_by_kill_9(keepers):
     assert agents.command(AGENT, "GoFast").examples == 8
     agents.set_mode(AGENT, "testing", restart=True)
     agents.save(AGENT)
+
+
+def test_an_edit_whose_answer_was_lost_in_a_crash_is_not_made_twice(keepers):
+    agents, link = keepers.agents, keepers.link
+    agents.begin(AGENT, "Near", features=["DistanceTo(ball)"], discard=True)
+    for behavior in ("GoFast", "GoSlow", "Stop"):
+        agents.command(AGENT, behavior)
+
+    def undo() -> None:
+        request = EditExamples.Request(action=EditExamples.Request.UNDO, request=7, client="me")
+        service = f"/{AGENT}/edit_examples"
+        assert link.call(EditExamples, service, request, missing=AssertionError).success
+
+    undo()
+    before = agents.training(AGENT).examples
+    killed = pid_of(keepers, AGENT)
+    agents.statuses.pop(AGENT)
+    os.kill(killed, signal.SIGKILL)
+    assert link.spin_until(lambda: AGENT in agents.statuses, RESTART_SECONDS, 0.2)
+    undo()
+    assert agents.training(AGENT).examples == before
+    agents.undo(AGENT)
+    assert len(agents.training(AGENT).examples) < len(before)

@@ -106,6 +106,20 @@ PRESS_LATER = """
 """
 
 
+# Loses the next message to the server with this text in it, as a connection does that has broken.
+LOSE = """
+text => {
+  const { socket } = window, { emit } = socket;
+  socket.emit = function (...sent) {
+    if (!JSON.stringify(sent).includes(text)) return emit.apply(this, sent);
+    socket.emit = emit;
+    window.lost = true;
+    return socket;
+  };
+}
+"""
+
+
 @pytest.fixture
 def late(swarm: Any, person: Person) -> tuple[Person, int]:
     """Somebody who has stopped a running keeper 0.6 s late, and the cycle that was shown then.
@@ -133,7 +147,9 @@ def late(swarm: Any, person: Person) -> tuple[Person, int]:
         swarm.world.control("pause")
         swarm.world.control("pace", pace="realtime", factor=1.0)
         reaction_time.keep(getpass.getuser(), None)
-    swarm.link.spin_until(lambda: swarm.world.status.mode == "paused", 10.0)
+    person.sees("pause", "Resume")
+    speed = '[data-change="pace"] option[value="1"][selected]'
+    person.page.wait_for_selector(speed, state="attached")
     return person, shown
 
 
@@ -178,6 +194,21 @@ def test_a_command_that_came_late_is_put_right_with_one_key_or_in_its_row(swarm,
     person.page.keyboard.press("Enter")
     person.sees("message", "is too long ago")
     assert field.input_value() == shown, "what the agent refuses is not shown as if it were so"
+
+
+@needs_browser
+def test_what_a_broken_connection_has_lost_is_asked_again_in_order(swarm, person):
+    begin(person, "Lossy")
+    person.click("do-GoFast")
+    person.sees("counts", "2 examples")
+    person.page.evaluate(LOSE, "Stop")
+    person.click("do-Stop")
+    person.waits_until(lambda: person.page.evaluate("window.lost"), "it was sent")
+    person.click("do-GoSlow")
+    person.sees("counts", "6 examples")
+    listed = swarm.agents.training(ONE).examples
+    of_commands = {e.command: e.next_state for e in reversed(listed)}
+    assert list(of_commands.values())[::-1] == ["GoFast", "Stop", "GoSlow"]
 
 
 @needs_browser

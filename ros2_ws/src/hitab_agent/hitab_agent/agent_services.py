@@ -21,6 +21,7 @@ from hitab_core import (
     Domain,
     LibraryError,
     Mode,
+    Request,
     TrainingError,
     Use,
     has,
@@ -174,6 +175,8 @@ class AgentServices:
         session = self._training()
         edits = srv.EditExamples.Request
         match request.action:
+            case _ if not session.begins(Request(request.client, request.request)):
+                pass  # made by this agent's last process, which was killed before it answered
             case edits.UNDO:
                 session.undo()
             case edits.REDO:
@@ -192,11 +195,12 @@ class AgentServices:
 
     def _answer_question(self, request: srv.AnswerQuestion.Request, response: Any) -> str:
         session = self._training()
-        question = session.answer(request.number, request.choice, dismiss=request.dismiss)
+        if session.begins(Request(request.client, request.request)):
+            session.answer(request.number, request.choice, dismiss=request.dismiss)
         if request.dismiss:
-            return f"question {question.number} is not asked again"
+            return f"question {request.number} is not asked again"
         done = session.log.history.done[-1] if session.log.history.done else "nothing"
-        return f"question {question.number}: {done}"
+        return f"question {request.number}: {done}"
 
     def _training(self) -> TrainingSession:
         session = self._agent.session

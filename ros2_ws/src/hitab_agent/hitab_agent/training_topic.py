@@ -31,7 +31,8 @@ class TrainingTopic:
     built while nobody subscribes.
 
     Attributes:
-        revision: counts up with each change, also over restarts; 0: nothing is being trained.
+        revision: counts up with each change, of the mode too, also over restarts; 0: nothing is
+            being trained.
         searched: called whenever questions have been looked for.
     """
 
@@ -52,6 +53,7 @@ class TrainingTopic:
         self._publisher: Any = None
         self._last = time.time_ns() // 1000
         self._seen: tuple[Any, ...] = (None,)
+        self._mode = agent.mode
         self._published: tuple[int, bool] = (0, True)
         self._cost = msg.TrainingCost()
         self._searched = 0
@@ -68,13 +70,19 @@ class TrainingTopic:
             self._ticker.every(PERIOD_S, self.look, self._node.guard)
 
     def notice(self) -> int:
-        """Notice what has changed; return the revision."""
-        session = self._agent.session
+        """Notice what has changed, and who decides; return the revision."""
+        session, mode = self._agent.session, self._agent.mode
         seen = _marks(session)
-        if seen[0] is not self._seen[0] or seen[1:] != self._seen[1:]:
-            self._seen, self._changed_at = seen, time.monotonic()
+        changed = seen[0] is not self._seen[0] or seen[1:] != self._seen[1:]
+        if changed or mode is not self._mode:
+            searched = self._searched == self.revision and not changed
+            self._seen, self._mode = seen, mode
             self._last += 1
             self.revision = self._last if session is not None else 0
+            if searched:
+                self._searched = self.revision
+            if changed:
+                self._changed_at = time.monotonic()
         return self.revision
 
     def look(self) -> None:

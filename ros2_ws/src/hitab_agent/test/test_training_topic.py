@@ -75,6 +75,23 @@ def test_who_subscribes_gets_the_training_as_it_is_then_each_revision_and_its_en
     assert trained.topic.revision == 0
 
 
+def test_who_decides_is_another_revision_of_which_the_questions_are_known(
+    trained: Trained,
+) -> None:
+    trained.begin()
+    trained.subscribe()
+    trained.until(lambda it: it.searched)
+    for change in (
+        trained.agent.test,
+        trained.agent.take_over,
+        lambda: trained.agent.perform(None),
+    ):
+        before = trained.came[-1].revision
+        change()
+        assert trained.topic.notice() > before
+        assert trained.until(lambda it, before=before: it.revision > before).searched
+
+
 def test_a_loop_in_what_was_learned_is_published_with_what_would_mend_it(
     trained: Trained,
 ) -> None:

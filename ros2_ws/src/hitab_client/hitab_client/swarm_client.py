@@ -194,17 +194,23 @@ class SwarmClient(AgentPresence):
         )
         if not getattr(answer, "success", True):
             raise refused(answer, agent)
-        if (revision := getattr(answer, "revision", None)) is not None:
-            # The status was sent before the answer, on another way.
-            self.link.spin_until(lambda: self._shows(agent, revision), RESEND_SECONDS, 0.01)
+        # The status was sent before the answer, on another way. Until it has come, the next
+        # command would be given as to the agent that was.
+        self.link.spin_until(lambda: self._shows(agent, answer), ACKNOWLEDGE_SECONDS, 0.01)
         return answer
 
-    def _shows(self, agent: str, revision: int) -> bool:
-        """Whether the status of an agent is at least of this revision of its training."""
+    def _shows(self, agent: str, answer: Any) -> bool:
+        """Whether the status of an agent shows what it has answered."""
         status = self.statuses.get(agent)
-        if status is None or not revision:
-            return status is None or not status.training
-        return bool(status.training_revision >= revision)
+        if status is None:
+            return True
+        if isinstance(answer, Perform.Response):
+            return status.mode not in (AgentStatus.TRAINING, AgentStatus.TESTING)
+        ended = 0 if isinstance(answer, SaveBehavior.Response) else None
+        revision = getattr(answer, "revision", ended)
+        return revision is None or bool(
+            status.training_revision >= revision if revision else not status.training
+        )
 
     # -- training ---------------------------------------------------------------------------
 

@@ -23,6 +23,8 @@ NOT_SIMULATED = (
     "answers; only a world can be driven"
 )
 STARTED_BY_HAND_SECONDS = 2.0  # to wait for a world that the swarm has not started
+SHOWN_SECONDS = 3.0  # that a status may come later than an answer
+MODES = {Control.Request.PAUSE: WorldState.PAUSED, Control.Request.RESUME: WorldState.RUNNING}
 SPEED_SECONDS = 1.0  # over which the world's speed is averaged
 NAN = float("nan")
 
@@ -149,9 +151,25 @@ class WorldClient:
 
     def control(self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0) -> Any:
         """Pause, resume, step, reset or set the pace."""
-        return self.ask(
+        answer = self.ask(
             Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
         )
+        mode = MODES.get(action, "")
+        self._await_status(
+            lambda status: (
+                mode in ("", status.mode)
+                and pace in ("", status.pace)
+                and factor in (0.0, status.factor)
+            )
+        )
+        return answer
+
+    def _await_status(self, right: Callable[[WorldStatus], bool]) -> None:
+        """Wait for the status that was sent before an answer, or a state, on another way.
+
+        A command would be given as to the world that was.
+        """
+        self.link.spin_until(lambda: self.status is None or right(self.status), SHOWN_SECONDS)
 
     @property
     def is_paused(self) -> bool:
@@ -184,6 +202,7 @@ class WorldClient:
         while state.cycle < last:
             left(last - state.cycle)
             state = self.state_at(state.cycle + 1, seconds)
+        self._await_status(lambda status: status.cycle >= last)
         return state
 
     def cycle_before(self, seconds: float) -> int:

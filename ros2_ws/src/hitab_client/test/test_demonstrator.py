@@ -197,6 +197,19 @@ def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
     assert len(desk.agents.done) == PENDING_MAX
 
 
+def test_undo_does_not_take_back_another_command_than_the_one_that_was_left_out(desk):
+    desk.agents.become(ONE, "training", "Start")
+    desk.agents.undo = lambda agent: desk.agents.done.append("undo") or SimpleNamespace(message="")
+    desk.demonstrator.press_behavior("Forward")
+    desk.now += PATIENCE_S + 0.1  # while an agent has not answered
+    for key in "uu":
+        desk.keyboard.press(key)
+    desk.demonstrator.work()
+    assert desk.agents.done == ["undo"], "one is for the command before"
+    assert desk.press("1", "u")
+    assert desk.agents.done[1:] == [("command", ONE, "Forward", 0.0, 0), "undo"]
+
+
 def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):
     desk.demonstrator.press_behavior("Forward")
     desk.demonstrator.press("next")
@@ -218,6 +231,14 @@ def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
     desk.agents.become(ONE, "training", "Start")
     desk.press("2", "3")
     assert desk.agents.done[-1][2] == "GoTo(B)", "a parameter of the training"
+
+
+def test_a_target_may_be_pressed_before_an_agent_has_answered(desk):
+    """It would be the key of a behavior otherwise, which nobody meant."""
+    for key in "121":
+        desk.keyboard.press(key)
+    desk.demonstrator.work()
+    assert desk.agents.done == [("perform", ONE, "Forward"), ("perform", ONE, "GoTo(goal)")]
 
 
 def test_numbers_are_typed_after_the_target(desk):

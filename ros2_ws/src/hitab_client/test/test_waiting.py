@@ -5,7 +5,9 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
 from hitab_msgs.msg import AgentStatus, Command
+from hitab_msgs.srv import BeginTraining, EditExamples, Perform, SaveBehavior, SetMode
 
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
@@ -86,3 +88,68 @@ def test_an_agent_that_is_late_in_a_stepped_world_is_commanded_once_it_is_back()
     link.status = swarm.statuses["keeper"] = AgentStatus(agent="keeper")
     swarm.command("keeper", "GoFast", world=link.world)
     assert link.missed == [[]]
+
+
+class Slow:
+    """A link to an agent whose statuses come seconds after its answers."""
+
+    def __init__(self, answer: Any, *statuses: AgentStatus, seconds: float = 3.0) -> None:
+        self.call = lambda *_, **__: answer
+        self.on_the_way = list(statuses)
+        self._seconds = seconds
+
+    def subscribe(self, *arguments: Any) -> None:
+        pass
+
+    def spin_until(self, done: Callable[[], Any], seconds: float, *_: Any, **more: Any) -> bool:
+        while not done() and seconds >= self._seconds and self.on_the_way:
+            self.swarm.statuses["keeper"] = self.on_the_way.pop(0)
+        return bool(done())
+
+
+def of(mode: str, training: str, revision: int) -> AgentStatus:
+    return AgentStatus(agent="keeper", mode=mode, training=training, training_revision=revision)
+
+
+@pytest.mark.parametrize(
+    ("ask", "answer", "before", "after"),
+    [
+        (
+            lambda swarm: swarm.begin("keeper", "Chase"),
+            BeginTraining.Response(success=True, revision=7),
+            of("idle", "", 0),
+            of("training", "Chase", 7),
+        ),
+        (
+            lambda swarm: swarm.set_mode("keeper", "testing"),
+            SetMode.Response(success=True, revision=8),
+            of("training", "Chase", 7),
+            of("testing", "Chase", 8),
+        ),
+        (
+            lambda swarm: swarm.undo("keeper"),
+            EditExamples.Response(success=True, revision=9),
+            of("training", "Chase", 8),
+            of("training", "Chase", 9),
+        ),
+        (
+            lambda swarm: swarm.perform("keeper", ""),
+            Perform.Response(success=True),
+            of("testing", "Chase", 9),
+            of("idle", "Chase", 10),
+        ),
+        (
+            lambda swarm: swarm.save("keeper"),
+            SaveBehavior.Response(success=True),
+            of("testing", "Chase", 9),
+            of("performing", "", 0),
+        ),
+    ],
+    ids=["begin", "test", "undo", "perform", "save"],
+)
+def test_who_has_an_answer_knows_the_agent_as_it_is_since_then(ask, answer, before, after):
+    link: Any = Slow(answer, before, after)
+    link.swarm = swarm = SwarmClient(link, ["keeper"])
+    swarm.statuses["keeper"] = before
+    ask(swarm)
+    assert swarm.statuses["keeper"] == after

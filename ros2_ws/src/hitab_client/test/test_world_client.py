@@ -1,8 +1,12 @@
 """A world that does not answer: why, and what to do about it."""
 
+from collections.abc import Callable
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
+from hitab_msgs.msg import WorldState, WorldStatus
+from hitab_msgs.srv import Control
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunRecord
@@ -30,3 +34,41 @@ def test_a_swarm_of_robots_is_not_advised_to_start_a_world(tmp_path):
     told = why(RunProcesses(record(tmp_path, world=False)), False)
     assert "this swarm has no world" in told.what
     assert told.remedies == ()
+
+
+class Slow:
+    """A link to a world whose statuses come a second after its answers and states."""
+
+    def __init__(self, answer: Control.Response, *statuses: WorldStatus) -> None:
+        self.call = lambda *_, **__: answer
+        self.on_the_way = list(statuses)
+
+    def subscribe(self, *arguments: Any) -> None:
+        pass
+
+    def spin_until(self, done: Callable[[], Any], seconds: float, *_: Any, **more: Any) -> bool:
+        while not done() and seconds >= 1.0 and self.on_the_way:
+            self.world.status = self.on_the_way.pop(0)
+        return bool(done())
+
+
+@pytest.mark.parametrize(
+    ("drive", "before", "after"),
+    [
+        (lambda world: world.control("pause"), ("running", 7, 1.0), ("paused", 7, 1.0)),
+        (lambda world: world.control("resume"), ("paused", 7, 1.0), ("running", 7, 1.0)),
+        (lambda world: world.control("pace", factor=2.0), ("paused", 7, 1.0), ("paused", 7, 2.0)),
+        (lambda world: world.step(5), ("running", 7, 1.0), ("paused", 9, 1.0)),
+    ],
+    ids=["pause", "resume", "pace", "step"],
+)
+def test_who_has_driven_the_world_knows_whether_it_runs(drive, before, after):
+    was, now = (
+        WorldStatus(mode=mode, cycle=cycle, factor=factor)
+        for mode, cycle, factor in (before, after)
+    )
+    link: Any = Slow(Control.Response(success=True, cycle=9), was, now)
+    link.world = world = WorldClient(link)
+    world.status, world.state = was, WorldState(cycle=9)
+    drive(world)
+    assert world.status == now

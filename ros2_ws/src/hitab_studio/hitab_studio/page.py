@@ -61,7 +61,7 @@ class RequestQueue:
         """Add a request of the page."""
         if not isinstance(data, Mapping):
             return
-        asked = {key: value for key, value in data.items() if key != "again"}
+        asked = {key: value for key, value in data.items() if key not in ("again", "nth")}
         pending = bool(self.waiting) and _same(asked, self.waiting[-1])
         if asked.get("do") not in REPEATED and (data.get("again") or pending):
             return
@@ -84,6 +84,8 @@ class RequestQueue:
         while (data := await self._queue.get()) is not None:
             await perform(session, data)
             self.waiting.remove(data)
+            if not self.waiting:
+                session.unseen.clear()
             done()
 
 
@@ -137,6 +139,7 @@ class Page:
         self._count = 0
         self._rests_until = 0.0
         self._requests = RequestQueue()
+        self._heard = 0
         self._urgent: set[asyncio.Task[None]] = set()
         self._broken: dict[str, str] = {}
         self._build()
@@ -166,7 +169,15 @@ class Page:
         session.leave = self._requests.close
 
     def _wish(self, data: Any) -> None:
-        """Take a request: it waits for those before it, unless it is urgent."""
+        """Take a request: it waits for those before it, unless it is urgent.
+
+        The page counts them. One that came before, or after one that was lost, is sent again.
+        """
+        is_next = isinstance(data, Mapping) and data.get("nth") == self._heard + 1
+        self._heard += is_next
+        self._session.send({"t": "heard", "nth": self._heard})
+        if not is_next:
+            return
         if not is_urgent(data):
             self._requests.add(data)
             return

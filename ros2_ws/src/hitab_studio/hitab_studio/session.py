@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, Training, WorldClient
-from hitab_client.demonstrating import behavior_keys
+from hitab_client.demonstrating import UnseenOutcomes, behavior_keys
 from hitab_core import Use, natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
@@ -111,6 +111,7 @@ class Session:
         folds: what was opened (true) or closed in the list of agents, by name.
         showing: the behavior with numbers that is being shown, if one is.
         lost: the last command, if the agent has not taken it.
+        unseen: outcomes of commands that the person cannot have seen yet.
         dialog: the open dialog, with all that is needed to show it.
         player: the open recording, if there is one.
         messages: what was done, and what went wrong.
@@ -134,6 +135,7 @@ class Session:
         self.asked: TargetsAsked | None = None
         self.showing: NumbersAsked | None = None
         self.lost: Lost | None = None
+        self.unseen = UnseenOutcomes()
         self.table = Table()
         self.dialog: dict[str, Any] = {}
         self.behavior = ""

@@ -1,18 +1,19 @@
 """The page says what a person should know before they press, and where they look."""
 
 import asyncio
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_client import Learned
+from hitab_client import Learned, SwarmError
 from hitab_core import Example
 from hitab_core.example import ExampleKind
+from hitab_studio.actions import teaching
 from hitab_studio.agent_watch import Watched
 from hitab_studio.known import Known
 from hitab_studio.learned import Vocabulary
-from hitab_studio.page import perform
+from hitab_studio.page import RequestQueue, perform
 from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
@@ -48,6 +49,53 @@ def keeper(status: AgentStatus | None = None, **watched: Any) -> Known:
     known = Watched(vocabulary=WORDS, behaviors={"FetchBall": SAVED}, **watched)
     idle = AgentStatus(agent=ONE, mode="idle", domain="soccer")
     return Known(UP, statuses={ONE: status or idle}, watched=MappingProxyType({ONE: known}))
+
+
+# -- a command that was not taken, while more was asked for -----------------------------------
+
+
+def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else(monkeypatch):
+    """Undo took back the command before it, and the offer to send it again went to the next."""
+    done: list[str] = []
+    status = AgentStatus(agent=ONE, mode="training", training="Chase")
+
+    def command(agents: Any, world: Any, agent: str, behavior: str, **_: Any) -> None:
+        if behavior == "Stop":
+            raise SwarmError("keeper_1 did not acknowledge the command within 2 s")
+        done.append(behavior)
+
+    async def use(session: Session) -> None:
+        async def ask_agent(job: Any) -> None:
+            agents = SimpleNamespace(_edit=lambda *_: done.append("undo"))
+            job(SimpleNamespace(agents=agents, world=None), ONE)
+
+        monkeypatch.setattr(session, "ask_agent", ask_agent)
+        monkeypatch.setattr(teaching.demonstrating, "command", command)
+        requests, seen = RequestQueue(), asyncio.Event()
+        performing = asyncio.create_task(
+            requests.perform(session, lambda: requests.waiting or seen.set())
+        )
+
+        async def ask(*asked: str) -> None:
+            for what in asked:
+                is_edit = what in ("undo", "earlier")
+                requests.add({"do": what} if is_edit else {"do": "command", "behavior": what})
+            seen.clear()
+            await asyncio.wait_for(seen.wait(), 30.0)
+
+        await ask("GoFast", "Stop", "earlier", "GoSlow", "undo", "undo")
+        assert done == ["GoFast"]
+        assert session.lost is not None
+        assert session.lost.behavior == "Stop"
+        said = [message.text for message in session.messages.shown]
+        assert "GoSlow is left out: Stop was not taken" in said
+        assert said[-1] == "undo is left out: the command that it was for was not taken"
+        await ask("undo", "GoSlow", "undo")
+        assert done == ["GoFast", "undo", "GoSlow", "undo"]
+        requests.close()
+        await performing
+
+    page(keeper(status), use)
 
 
 # -- a name that is taken ---------------------------------------------------------------------

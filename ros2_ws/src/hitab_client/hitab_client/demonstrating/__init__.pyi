@@ -10,3 +10,4 @@ from .joystick import JoystickInput as JoystickInput
 from .joystick_mapping import read_mapping as read_mapping
 from .keyboard import KeyboardInput as KeyboardInput
 from .pressed import ACTIONS as ACTIONS
+from .pressed import UnseenOutcomes as UnseenOutcomes

@@ -19,14 +19,14 @@ from hitab_msgs.srv import Control
 from hitab_client import reaction_time
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.commanding import command, other_mode, put_earlier
-from hitab_client.demonstrating.pressed import Asked, Pressed
+from hitab_client.demonstrating.pressed import Asked, Pressed, UnseenOutcomes
 from hitab_client.demonstrating.steering import Steering
 from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
 from hitab_client.errors import SwarmError
 from hitab_client.stops import Stops
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core import START, HitabError, Use, natural, numbers_of, some, without_numbers
+from hitab_core import START, HitabError, Use, natural, numbers_of, some
 from hitab_ros import EmergencySwitch, names
 
 PATIENCE_S = 1.0
@@ -91,6 +91,7 @@ class Demonstrator:
         self._asks = asks
         self._clock = clock
         self._pending: deque[Pressed] = deque()
+        self._unseen = UnseenOutcomes()
         self._chosen_at = -math.inf
         self._is_driven = False
         self._refused_until = -math.inf
@@ -160,7 +161,11 @@ class Demonstrator:
             first: the key that was pressed before these were given; None: it is this one.
         """
         now = self.pressed(behavior)
-        self._wait(now if first is None else replace(first, behavior=behavior, at=now.at))
+        pressed = now if first is None else replace(first, behavior=behavior, at=now.at)
+        # Asked at once, since the answer may be pressed before an agent has answered.
+        agent, words = pressed.agent, self._words
+        if words.is_old(agent) or not self._ask(pressed, words.known(agent)):
+            self._wait(pressed)
 
     def answer(self, key: str) -> None:
         """Take a key of a person who is asked; any that is no answer gives the command up.
@@ -273,11 +278,15 @@ class Demonstrator:
     def work(self) -> None:
         """Carry out what was pressed; errors are noted in `said`."""
         while self._pending:
-            pressed = self._pending.popleft()
+            pressed, taken = self._pending.popleft(), True
             try:
                 self._carry_out(pressed)
             except HitabError as error:
+                taken = False
                 self.tell(str(error), failed=True)
+            if pressed.behavior:
+                self._unseen.add(pressed.agent, taken)
+        self._unseen.clear()
 
     def look(self) -> None:
         """Learn what the agent can be commanded, if that may have changed.
@@ -296,6 +305,7 @@ class Demonstrator:
                 f"{pressed.what} is left out: it was pressed {late:.1f} s ago, while an agent did "
                 "not answer"
             )
+        self._unseen.check(pressed.agent, pressed.what)
         if pressed.behavior:
             said = self._command(pressed)
         elif pressed.what in self._does:
@@ -309,15 +319,10 @@ class Demonstrator:
         agent, agents = pressed.agent, self._agents
         self.let_go()
         words = self._words.ask(agent)
+        if self._ask(pressed, words):
+            return ""
         use = Use.parse(pressed.behavior)
-        place, numbers = self._open_parameter(use, words), words.open_numbers(use)
-        if place is not None:
-            self._ask(pressed, use, place, words)
-            return ""
-        if numbers and self._asks:
-            self.asked = Asked(use, pressed, number=numbers[0])
-            self.tell("")
-            return ""
+        words.check_bound(use, agent)
         reaction = reaction_time.of(agents.demonstrator)
         if reaction and not pressed.seen:
             reaction += self._clock() - pressed.due
@@ -331,28 +336,15 @@ class Demonstrator:
             seconds=TAKEN_S,
         )
 
-    def _open_parameter(self, use: Use, words: Words) -> int | None:
-        """Return the place of a parameter that is bound to no target; None: there is none."""
-        use = without_numbers(use)
-        for declared in map(Use.parse, words.behaviors):
-            if declared.name == use.name and len(declared.arguments) == len(use.arguments):
-                pairs = enumerate(zip(use.arguments, declared.arguments, strict=True))
-                return next(
-                    (i for i, (a, own) in pairs if a == own and a not in words.targets), None
-                )
-        return None
-
-    def _ask(self, pressed: Pressed, use: Use, place: int, words: Words) -> None:
-        parameter = use.arguments[place]
-        if not words.targets:
-            raise SwarmError(f"{use} needs a target for {parameter}, and {pressed.agent} has none")
-        if not self._asks:
-            raise SwarmError(
-                f"{use} needs a target for {parameter}: name the behavior with one, such as "
-                f"{use.name}({words.targets[0]}); the targets are {some(words.targets)}"
-            )
-        self.asked = Asked(use, pressed, place, words.targets)
+    def _ask(self, pressed: Pressed, words: Words) -> bool:
+        """Ask for a target or a number that is still to be given; return whether one is."""
+        asked = words.open_part(pressed) if self._asks else None
+        if asked is None:
+            return False
+        self.let_go()
+        self.asked = asked
         self.tell("")
+        return True
 
     def _toggle(self, agent: str) -> str:
         self.let_go()

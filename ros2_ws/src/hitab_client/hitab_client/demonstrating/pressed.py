@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 
+from hitab_client.errors import SwarmError
 from hitab_core import Number, Use
 
 ACTIONS = {
@@ -68,3 +70,39 @@ class Asked:
         arguments = list(self.use.arguments)
         arguments[self.place] = target
         return Use(self.use.name, tuple(arguments))
+
+
+class UnseenOutcomes:
+    """Whether agents have taken the commands whose outcomes the person cannot have seen yet.
+
+    Who presses undo before is told that the last command was not taken does not mean the one
+    before it.
+    """
+
+    def __init__(self) -> None:
+        self._taken = defaultdict[str, list[bool]](list)
+
+    def add(self, agent: str, taken: bool) -> None:
+        """Note the outcome of a command."""
+        self._taken[agent].append(taken)
+
+    def check(self, agent: str, action: str) -> None:
+        """Check that what is done to the last command is not done to another.
+
+        Raises:
+            SwarmError: if the last one was not taken.
+        """
+        taken = self._taken[agent][-1:]
+        if action == "undo":
+            del self._taken[agent][-1:]
+        if action in ("undo", "earlier") and taken == [False]:
+            raise SwarmError(f"{action} is left out: the command that it was for was not taken")
+
+    @property
+    def there(self) -> bool:
+        """Whether there are any."""
+        return any(self._taken.values())
+
+    def clear(self) -> None:
+        """Note that the person sees them."""
+        self._taken.clear()

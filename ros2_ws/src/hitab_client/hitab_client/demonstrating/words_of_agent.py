@@ -9,8 +9,10 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus
 
 from hitab_client.demonstrating.behavior_keys import Keys
+from hitab_client.demonstrating.pressed import Asked, Pressed
+from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import FLAGS, Number, Use
+from hitab_core import FLAGS, Number, Use, some, without_numbers
 from hitab_ros.conversions import numbers_of_behaviors
 
 
@@ -38,6 +40,41 @@ class Words:
         """Return the numbers that a behavior takes and is not given."""
         given = {argument.partition("=")[0] for argument in use.arguments if "=" in argument}
         return [n for n in self.numbers.get(use.name, ()) if n.name not in given]
+
+    def open_parameter(self, use: Use) -> int | None:
+        """Return the place of a parameter that is bound to no target; None: there is none."""
+        use = without_numbers(use)
+        for declared in map(Use.parse, self.behaviors):
+            if declared.name == use.name and len(declared.arguments) == len(use.arguments):
+                pairs = enumerate(zip(use.arguments, declared.arguments, strict=True))
+                return next(
+                    (i for i, (a, own) in pairs if a == own and a not in self.targets), None
+                )
+        return None
+
+    def open_part(self, pressed: Pressed) -> Asked | None:
+        """Return what a person can be asked for, of a behavior that needs a target or a number."""
+        use = Use.parse(pressed.behavior)
+        place, numbers = self.open_parameter(use), self.open_numbers(use)
+        if place is not None:
+            return Asked(use, pressed, place, self.targets) if self.targets else None
+        return Asked(use, pressed, number=numbers[0]) if numbers else None
+
+    def check_bound(self, use: Use, agent: str) -> None:
+        """Check that a behavior of an agent has all its targets.
+
+        Raises:
+            SwarmError: naming the targets that there are.
+        """
+        if (place := self.open_parameter(use)) is None:
+            return
+        needs = f"{use} needs a target for {use.arguments[place]}"
+        if not self.targets:
+            raise SwarmError(f"{needs}, and {agent} has none")
+        raise SwarmError(
+            f"{needs}: name the behavior with one, such as {use.name}({self.targets[0]}); the "
+            f"targets are {some(self.targets)}"
+        )
 
     def on_key(self, key: str) -> str:
         """Return the behavior on a key; "" if there is none."""

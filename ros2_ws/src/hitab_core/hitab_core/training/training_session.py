@@ -55,7 +55,7 @@ PACE_MAX = 1000.0
 
 
 class Request(NamedTuple):
-    """A numbered command, which may come again if its acknowledgement was lost."""
+    """A numbered command or edit, which may come again if its acknowledgement was lost."""
 
     demonstrator: str
     number: int
@@ -87,6 +87,7 @@ class TrainingSession:
         note: what the demonstrator should know of this, until an example is recorded.
         perception: what the agent perceived lately, and around each command.
         requests: the latest commands it has obeyed that were numbered, before a crash too.
+        edits: that were numbered, made before a crash.
     """
 
     def __init__(
@@ -121,6 +122,8 @@ class TrainingSession:
         self.testing = False
         self.asked = Questions()
         self.requests: deque[Request] = deque(maxlen=REMEMBERED)
+        self.edits: deque[Request] = deque(maxlen=REMEMBERED)
+        self._asked_by: Request | None = None
         self.note = ""
         self.late = LateCommands({} if people is None else people)
         self._loops: tuple[tuple[Example, ...], list[Remark]] = (), []
@@ -245,9 +248,10 @@ class TrainingSession:
                 self.perception.silence.keep(
                     list(map(Stretch.from_record, record.get("silent", ())))
                 )
-                if "request" in record:
-                    demonstrator, number = record["request"]
-                    self.requests.append(Request(str(demonstrator), int(number)))
+            if "request" in record:
+                demonstrator, number = record["request"]
+                requests = self.requests if record["do"] == "command" else self.edits
+                requests.append(Request(str(demonstrator), int(number)))
             if record["do"] == "dismiss":
                 self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
@@ -481,6 +485,11 @@ class TrainingSession:
         self.asked.answered.append(f"{question.text} {chosen.name}")
         return question
 
+    def begins(self, request: Request) -> bool:
+        """Note whose edit comes next; return False if it was made already, before a crash too."""
+        self._asked_by = request if request.number else None
+        return request not in self.edits
+
     def undo(self) -> None:
         """Undo the last command, deletion or relabeling.
 
@@ -591,6 +600,7 @@ class TrainingSession:
             self.curriculum = replace(self.curriculum, features=features)
 
     def _edit(self, record: Mapping[str, Any]) -> None:
+        asked_by, self._asked_by = self._asked_by, None
         # Refuse before writing anything.
         edit = self._prepared(record)
         assert edit is not None
@@ -602,6 +612,8 @@ class TrainingSession:
             labels.append(str(edit.entered))
         for label in labels:
             self.running.add_state(Use.parse(label))
+        if asked_by is not None:
+            record = {**record, "request": list(asked_by)}
         self._write(record)
         self._make(edit)
         if edit.features is not None:

@@ -12,6 +12,7 @@ from hitab_studio.session import Session
 @action("undo", repeats=True)
 async def undo(session: Session, data: Data) -> None:
     """Undo the last command or edit."""
+    session.unseen.check(session.agent, "undo")
     await session.request(SwarmClient.undo)
     session.tell("Undone")
 

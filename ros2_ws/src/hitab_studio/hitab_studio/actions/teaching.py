@@ -73,8 +73,8 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
         seen: the world's cycle that the page showed when the person pressed the key.
         sequence: number of a lost command that is sent again; 0: a new one.
     """
-    session.lost = None
     agent, number, sent = session.agent, sequence or time.time_ns() // 1000, False
+    taken = False
     learns = session.is_training
     # An agent that was restarted meanwhile has to be discovered first.
     seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
@@ -98,7 +98,11 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
         )
 
     try:
+        if session.lost is not None and session.unseen.there:
+            raise SwarmError(f"{behavior} is left out: {session.lost.behavior} was not taken")
+        session.lost = None
         await session.ask_agent(job)
+        taken = True
     except SwarmError:
         known = session.shared.store.known
         status = known.statuses.get(agent)
@@ -110,6 +114,8 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
     else:
         if not learns:
             session.tell(f"{agent} performs {behavior}")
+    finally:
+        session.unseen.add(agent, taken)
 
 
 @action("send-again")
@@ -118,6 +124,7 @@ async def send_again(session: Session, data: Data) -> None:
     lost = session.lost
     if lost is None:
         return
+    session.lost = None
     if lost.agent != session.agent:
         session.look_at(lost.agent)
     await _commanded(session, lost.behavior, int(data.get("seen") or 0), lost.sequence)

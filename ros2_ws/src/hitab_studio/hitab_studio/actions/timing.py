@@ -78,6 +78,7 @@ def _told(seconds: float) -> str:
 @action("earlier", repeats=True)
 async def due_earlier(session: Session, data: Data) -> None:
     """Have the last command be due a little earlier than it is at present."""
+    session.unseen.check(session.agent, "earlier")
 
     def job(swarm: Connected, agent: str) -> str:
         return put_earlier(swarm.agents, swarm.world, agent)

@@ -7,11 +7,25 @@
 //   data-seen          with the cycle that the field showed when the key or the button was pressed
 //   data-hotkey="k"    pressing the key clicks the element (keys.js)
 //   data-off="why"     it does nothing at present, and says why
+//
+// The server says what it has heard. What was sent into a connection that had broken is sent again,
+// with all that came after it.
+let nth = 0;
+let unheard = [];
+let oldest = 0;
 export function told(what, more = {}) {
   tellTyped(); // the server hears of everything in the order in which the person did it
-  window.emitEvent("studio", { do: what, ...more });
+  unheard.push({ do: what, ...more, nth: ++nth });
+  window.emitEvent("studio", unheard.at(-1));
 }
 window.studioTell = told;
+window.studioHeard = (last) => (unheard = unheard.filter((asked) => asked.nth > last));
+setInterval(() => {
+  const before = oldest;
+  oldest = unheard[0]?.nth;
+  if (oldest !== before || !window.socket?.connected) return;
+  for (const asked of unheard) window.emitEvent("studio", asked);
+}, 1000);
 
 function dataOf(element) {
   const data = { ...element.dataset };
