@@ -146,8 +146,20 @@ class Questions:
         """Do not ask a question again, given `Question.words`."""
         self._dismissed.add(tuple(key))
 
-    def _number(self, key: tuple[Any, ...]) -> int:
-        return self._numbers.setdefault(key, len(self._numbers) + 1)
+    def _question(
+        self,
+        kind: QuestionKind,
+        about: tuple[Any, ...],
+        text: str,
+        state: str,
+        choices: tuple[Choice, ...],
+        examples: tuple[int, ...] = (),
+        situation: tuple[float, ...] = (),
+    ) -> Question:
+        """Return a question, with its number if it came up before about the same."""
+        key = (kind, *about)
+        number = self._numbers.setdefault(key, len(self._numbers) + 1)
+        return Question(number, kind, text, state, examples, choices, situation, key)
 
     # -- finding ----------------------------------------------------------------------------
 
@@ -195,91 +207,53 @@ class Questions:
             for label in _weighed(group):
                 wrong = {e.command or -e.number for e in group if e.next_state != label}
                 gone = sorted(number for command in wrong for number in recorded[command])
-                choices.append(
-                    Choice(
-                        label,
-                        f"deletes {numbered('example', gone)}",
-                        {"do": "delete", "numbers": gone},
-                    )
-                )
+                effect = f"deletes {numbered('example', gone)}"
+                choices.append(Choice(label, effect, {"do": "delete", "numbers": gone}))
             numbers = tuple(example.number for example in group)
-            key = (QuestionKind.CONTRADICTION, numbers)
             found.append(
-                Question(
-                    self._number(key),
+                self._question(
                     QuestionKind.CONTRADICTION,
+                    (numbers,),
                     question_texts.commanded(group),
                     group[0].state,
-                    numbers,
                     tuple(choices),
+                    numbers,
                     group[0].features,
-                    key,
                 )
             )
         return sorted(found, key=lambda question: -max(question.examples))
 
     def _of_proposal(self, proposal: Proposal, given: Material) -> Question:
+        numbers, state, place = proposal.examples, proposal.state, proposal.place
         if proposal.kind is ProposalKind.MISTAKE:
-            key = (QuestionKind.MISTAKE, proposal.examples)
-            choices = [
-                Choice(
-                    REMOVE,
-                    question_texts.removed(proposal),
-                    {"do": "delete", "numbers": list(proposal.examples)},
-                ),
-                Choice(KEEP, "changes nothing", None),
-            ]
-            return Question(
-                self._number(key),
-                QuestionKind.MISTAKE,
-                question_texts.mistaken(proposal, given.examples),
-                proposal.state,
-                proposal.examples,
-                tuple(choices),
-                key=key,
+            deletes = {"do": "delete", "numbers": list(numbers)}
+            remove = Choice(REMOVE, question_texts.removed(proposal), deletes)
+            keep = Choice(KEEP, "changes nothing", None)
+            text = question_texts.mistaken(proposal, given.examples)
+            return self._question(
+                QuestionKind.MISTAKE, (numbers,), text, state, (remove, keep), numbers
             )
-        assert proposal.place is not None
-        where: tuple[Any, ...] = (QuestionKind.SPARSE, proposal.state, proposal.place)
+        assert place is not None
+        text = question_texts.unshown(proposal, given.evidence(state))
         labels = [label for label in (proposal.instead, *given.labels) if label]
-        return Question(
-            self._number(where),
-            QuestionKind.SPARSE,
-            question_texts.unshown(proposal, given.evidence(proposal.state)),
-            proposal.state,
-            proposal.examples,
-            _commands(proposal.state, proposal.place, labels),
-            proposal.place,
-            where,
+        choices = _commands(state, place, labels)
+        return self._question(
+            QuestionKind.SPARSE, (state, place), text, state, choices, numbers, place
         )
 
     def _of_unshown(self, found: Unshown, evidence: Evidence) -> Question:
-        key = (QuestionKind.UNSHOWN, found.state, found.situation)
-        return Question(
-            self._number(key),
-            QuestionKind.UNSHOWN,
-            question_texts.never_shown(found, evidence),
-            found.state,
-            (),
-            _commands(found.state, found.situation, found.next_states, bisects=found.bisects),
-            found.situation,
-            key,
-        )
+        state, place = found.state, found.situation
+        text = question_texts.never_shown(found, evidence)
+        choices = _commands(state, place, found.next_states, bisects=found.bisects)
+        about = (state, place)
+        return self._question(QuestionKind.UNSHOWN, about, text, state, choices, situation=place)
 
-    def _of_ambiguity(self, ambiguity: Ambiguity) -> Question:
-        key = (QuestionKind.AMBIGUITY, *ambiguity.key)
-        return Question(
-            self._number(key),
-            QuestionKind.AMBIGUITY,
-            ambiguity.text,
-            ambiguity.state,
-            (),
-            _commands(
-                ambiguity.state,
-                ambiguity.situation,
-                [side.next_state for side in (ambiguity.learned, ambiguity.other)],
-            ),
-            ambiguity.situation,
-            key,
+    def _of_ambiguity(self, found: Ambiguity) -> Question:
+        state, place = found.state, found.situation
+        labels = [side.next_state for side in (found.learned, found.other)]
+        choices = _commands(state, place, labels)
+        return self._question(
+            QuestionKind.AMBIGUITY, found.key, found.text, state, choices, situation=place
         )
 
 
