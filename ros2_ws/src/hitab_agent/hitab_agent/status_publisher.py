@@ -150,7 +150,7 @@ class StatusPublisher:
         status.active_path = self.path
         status.examples = len(session.log) if session else 0
         status.default_examples = session.log.defaults if session else 0
-        status.questions = session.asked.count(session.log) if session else 0
+        status.questions = len(session.asked.known()) if session else 0
         status.remarks = len(agent.remarks())
         status.unsure = agent.monitor.unsure
         status.when_unsure = agent.monitor.caution.when_unsure.value

@@ -434,7 +434,7 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             trained.command(("Left", "Right")[commands % 2])
             trained.session.delete([commands])
             trained.session.relabel([commands - 1], Use("Stay"))
-            trained.session.asked.count(trained.session.log)
+            trained.session.asked.known()
             command = len(looks)
             examples = trained.session.examples
             looks.clear()

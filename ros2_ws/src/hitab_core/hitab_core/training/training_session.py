@@ -84,6 +84,7 @@ class TrainingSession:
     otherwise in Start, and stays there until the next command.
 
     Attributes:
+        asked: what the agent asks the demonstrator.
         note: what the demonstrator should know of this, until an example is recorded.
         perception: what the agent perceived lately, and around each command.
         requests: the latest commands it has obeyed that were numbered, before a crash too.
@@ -119,7 +120,7 @@ class TrainingSession:
         self.perception = Perceived(domain, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
         self.testing = False
-        self.asked = Questions()
+        self.asked = Questions(self.log, self.perception.situations, self._material)
         self.requests: deque[Request] = deque(maxlen=REMEMBERED)
         self.note = ""
         self.late = LateCommands({} if people is None else people)
@@ -417,8 +418,7 @@ class TrainingSession:
 
     def search(self) -> Iterator[None]:
         """Look for questions in steps, see `Questions.search`, and for loops."""
-        news = self.perception.situations.news
-        yield from self.asked.search(self._material, self.log, news)
+        yield from self.asked.search()
         self.remarks(look=True)
 
     def remarks(self, *, look: bool = False) -> list[Remark]:
@@ -436,14 +436,6 @@ class TrainingSession:
             self._loops = examples, found
         about, found = self._loops
         return [*(found if about is examples else ()), *self._trial.remarks(examples)]
-
-    def questions(self) -> list[Question]:
-        """Return what the agent asks the demonstrator now; this can take a tenth of a second.
-
-        Raises:
-            TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
-        """
-        return self.asked.find(self._material, self.log, self.perception.situations.news)
 
     def _material(self) -> Material:
         examples, features = self.log.examples, self.curriculum.features
@@ -471,7 +463,7 @@ class TrainingSession:
         Raises:
             TrainingError: if the question is not open, or has no such choice.
         """
-        question = self.asked.get(number, self.questions())
+        question = self.asked.get(number)
         chosen = choice_of(question, choice)
         if dismiss or chosen.record is None:
             self._write({"do": "dismiss", "key": list(question.words)})
