@@ -506,7 +506,7 @@ class Agent:
         self._latest_saved = saved.name
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
-        return Saved(saved.automaton, self.library.path(saved.name), notes, replaced)
+        return Saved(saved.automaton, self.library.shelf.file(saved.name), notes, replaced)
 
     def discard(self) -> None:
         """Give up the training under way and perform nothing.

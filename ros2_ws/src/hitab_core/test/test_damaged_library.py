@@ -251,7 +251,7 @@ def test_what_is_restored_comes_back_with_all_that_is_made_of_it(
     assert agent.reload() == ["High", "Low", "Middle", "Other"]
     assert agent.faults == ()
     assert agent.behavior == "High", "it begins what it should have begun with"
-    assert agent.library.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
+    assert agent.library.shelf.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
 
 
 def test_what_is_given_up_can_be_trained_anew_and_brings_back_what_is_made_of_it(

@@ -90,8 +90,8 @@ def test_a_renamed_behavior_does_the_same_and_so_does_what_uses_it(
     ]
     assert other.file("Control").uses["ComeNear"] == other.file("ComeNear").checksum
     assert other.file("ComeNear").provenance.note == '"Approach" renamed to "ComeNear"'
-    assert other.versions("Approach") == [1], "it can still be restored"
-    assert other.versions("Control") == [1, 2]
+    assert other.shelf.versions("Approach") == [1], "it can still be restored"
+    assert other.shelf.versions("Control") == [1, 2]
 
 
 def test_behaviors_that_decide_otherwise_once_a_name_differs_are_named(
@@ -133,7 +133,7 @@ def test_a_name_that_is_taken_or_impossible_is_refused(
 def test_nothing_is_renamed_while_something_is_lost_that_may_use_it(
     library: BehaviorLibrary,
 ) -> None:
-    library.path("Keepaway").write_text("nothing")
+    library.shelf.file("Keepaway").write_text("nothing")
     with pytest.raises(
         LibraryError, match=r"files that may use it cannot be read.*Keepaway\.hfa\.yaml"
     ):
@@ -222,7 +222,7 @@ def test_an_import_says_what_it_replaces(
     other = BehaviorLibrary(tmp_path / "other", robot)
     other.save(teach("Approach", [], [("Start", [], "Stop")]))
     other.save(teach("Control", [], [("Start", [], "Stop")]))
-    other.path("Control").write_text("nothing")
+    other.shelf.file("Control").write_text("nothing")
     with other.change() as change:
         assert change.install(library.texts()) == ["Approach", "Control", "Keepaway"]
         assert {name: change.replaced(name) for name in sorted(change.changed)} == {

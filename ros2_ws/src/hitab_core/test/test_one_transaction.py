@@ -209,7 +209,7 @@ def test_the_training_is_offered_again_if_it_was_about_to_be_saved_and_was_not(m
         def killed(folder, changes):
             raise Killed
 
-        patch.setattr("hitab_core.library.folder.commit", killed)
+        patch.setattr("hitab_core.library.change.commit", killed)
         with pytest.raises(Killed):
             agent.save()
     end_of(agent)

@@ -227,13 +227,13 @@ def diff(
 
     there = opened(library, agent, swarm, name)
     there.load(strict=False)
-    versions = there.versions(name)
+    versions = there.shelf.versions(name)
     if not versions:
         _known(name, there.names(), {})
     if len(versions) < 2 and before is None:
         raise LibraryError(f'{there.folder}: "{name}" has no earlier version to compare with')
-    old = there.version(name, before if before is not None else versions[-2])
-    new = there.version(name, after if after is not None else versions[-1])
+    old = there.shelf.version(name, before if before is not None else versions[-2])
+    new = there.shelf.version(name, after if after is not None else versions[-1])
     console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
     console.say(difference(old, new))
 

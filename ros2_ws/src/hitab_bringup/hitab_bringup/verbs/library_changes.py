@@ -51,7 +51,7 @@ def restore(
     there = opened(library, agent, swarm)
     if version is None:
         there.load(strict=False)
-        if versions := there.versions(name):
+        if versions := there.shelf.versions(name):
             raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
         kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
         raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
@@ -83,7 +83,7 @@ def accept(
         library = open_library(folder)
         accepted = library.accept_edits(*(name.removesuffix(SUFFIX) for name in names))
         for name in accepted:
-            console.say(f"accepted {library.path(name)}")
+            console.say(f"accepted {library.shelf.file(name)}")
             tell_broken(library, name)
         if accepted:
             _tell_users(folder)
@@ -112,7 +112,7 @@ def delete(
     console.say(f"deleted {name} from {there.folder}")
     if users:
         console.say(f"{', '.join(users)} cannot be used until there is a {name} again")
-    number = there.sound_version(name)
+    number = there.shelf.sound_version(name)
     if number is not None:
         console.say(as_command(Do.RESTORE(behavior=name, version=number, folder=there.folder)))
     else:
