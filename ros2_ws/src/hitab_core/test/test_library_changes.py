@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,10 +14,9 @@ from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle_file import (
-    bundle_text,
-    parts_of,
+    bundle_file_text,
     read_bundle_file,
-    read_bundled,
+    texts_with_parts,
 )
 from hitab_core.library.commit import COMMIT, carry_out, forget, withdraw
 from hitab_core.library.durable_files import sync_trees
@@ -147,7 +145,7 @@ def test_nothing_is_renamed_while_something_is_lost_that_may_use_it(
 
 def export(library: BehaviorLibrary, *names: str) -> Path:
     path = library.folder.parent / "behaviors.yaml"
-    text = bundle_text(library.files, parts_of(library.files, names), library.domain.name)
+    text = bundle_file_text(texts_with_parts(library.files, names), library.domain.name)
     path.write_text(text, encoding="utf-8")
     return path
 
@@ -172,9 +170,8 @@ def test_every_text_is_read_as_it_was_written(
     library: BehaviorLibrary, tmp_path: Path, text: str
 ) -> None:
     """Texts written by other means, such as an editor with other ends of lines."""
-    files = {"Approach": replace(library.file("Approach"), text=text)}
     path = tmp_path / "behaviors.yaml"
-    path.write_bytes(bundle_text(files, ["Approach"], "small_robot").encode())
+    path.write_bytes(bundle_file_text({"Approach": text}, "small_robot").encode())
     assert read_bundle_file(path).texts == {"Approach": text}
 
 
@@ -202,16 +199,14 @@ def test_what_is_wrong_with_an_exported_file_is_named(
 def test_every_behavior_of_an_exported_file_is_checked(
     library: BehaviorLibrary, robot: Domain
 ) -> None:
-    files = {
-        name: replace(
-            library.file(name), text=library.file(name).text.replace("command: 1,", "command: 7,")
-        )
+    texts = {
+        name: library.file(name).text.replace("command: 1,", "command: 7,")
         for name in ("Approach", "Control")
     }
     path = library.folder.parent / "behaviors.yaml"
-    path.write_text(bundle_text(files, list(files), robot.name))
+    path.write_text(bundle_file_text(texts, robot.name))
     with pytest.raises(LibraryError) as refused:
-        read_bundled(read_bundle_file(path), Editions(robot))
+        Editions(robot).read_all(read_bundle_file(path).texts)
     assert "Approach.hfa.yaml:" in str(refused.value)
     assert "Control.hfa.yaml:" in str(refused.value)
 

@@ -11,10 +11,8 @@ from .bundle import make_bundle as make_bundle
 from .bundle import plan_bundle as plan_bundle
 from .bundle import read_bundle as read_bundle
 from .bundle_file import bundle_file_text as bundle_file_text
-from .bundle_file import bundle_text as bundle_text
-from .bundle_file import parts_of as parts_of
 from .bundle_file import read_bundle_file as read_bundle_file
-from .bundle_file import read_bundled as read_bundled
+from .bundle_file import texts_with_parts as texts_with_parts
 from .differences import difference as difference
 from .digests import checksum as checksum
 from .edition import Edition as Edition

@@ -164,7 +164,6 @@ class BehaviorLibrary:
         *,
         classifier: str = "tree",
         agent: str = "",
-        author: str = "",
         note: str = "",
     ) -> Path:
         """Add a behavior, or a new version of it.
@@ -173,7 +172,6 @@ class BehaviorLibrary:
             automaton: trained; its transition functions must be what its examples teach.
             classifier: that learned them.
             agent: the agent that was trained.
-            author: who trained it.
             note: free text.
 
         Returns:
@@ -184,7 +182,7 @@ class BehaviorLibrary:
                 changed.
         """
         with self.change() as change:
-            change.save(automaton, classifier, Provenance(agent=agent, author=author, note=note))
+            change.save(automaton, classifier, Provenance(agent=agent, note=note))
             change.commit()
         return self.shelf.file(automaton.name)
 

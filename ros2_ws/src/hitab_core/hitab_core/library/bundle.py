@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from hitab_core.errors import LibraryError, VocabularyError
 from hitab_core.hierarchy import in_order
-from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.check import misfits
@@ -118,15 +118,8 @@ def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
             f'the bundle of "{bundle.name}" has digest {found[:16]}… instead of '
             f"{bundle.digest[:16]}…: it was corrupted in transit; send it again"
         )
-    files: dict[str, BehaviorFile] = {}
-    problems: list[str] = []
-    for name, text in bundle.files:
-        try:
-            files[name] = editions.read(text, file_name(name))
-        except LibraryError as error:
-            problems.append(str(error))
-    if not problems:
-        problems += misfits(files, editions.domain)[0].values()
+    files = editions.read_all(dict(bundle.files))
+    problems = list(misfits(files, editions.domain)[0].values())
     if not problems and not _is_well_packed(bundle, files):
         problems.append(
             f'"{bundle.name}" is not packed with what it is made of and nothing else, each once '
