@@ -27,7 +27,6 @@ from hitab_core.errors import (
 )
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
 from hitab_core.library.change import refused_name
 from hitab_core.library.contents import Losses
 from hitab_core.library.edition import Edition
@@ -552,28 +551,6 @@ class Agent:
             )
         self.take_up(edition, library=library)
         return sorted(self.edition.files)
-
-    def take_in(self, bundle: Bundle, start: Use | None = None) -> str:
-        """Add behaviors sent by another agent, all or none, and restart what is being performed.
-
-        Args:
-            bundle: the behaviors.
-            start: what to perform instead of the active behavior.
-
-        Returns:
-            The digest of these files as they are now in the library.
-
-        Raises:
-            LibraryError, VocabularyError: naming everything wrong with the bundle, or what it does
-                not fit; nothing has changed.
-        """
-        files = read_bundle(bundle, self.library.editions)
-        with self.library.change() as change:
-            edition = plan_bundle(change, bundle)
-            state = self._state(edition, self.check_fit(edition, start))
-            change.commit()
-        self._swap(state, self.library)
-        return digest_in(edition, files)
 
     def take_up(
         self, edition: Edition, start: Use | None = None, library: BehaviorLibrary | None = None

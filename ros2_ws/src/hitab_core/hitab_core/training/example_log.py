@@ -30,6 +30,7 @@ class ExampleLog:
 
     Attributes:
         history: of the edits, for undo and redo.
+        next_command: number of the next command.
         recorded: how many examples commands have added, whatever became of them.
     """
 
@@ -41,7 +42,7 @@ class ExampleLog:
         self._contradictory = set[Place]()  # where ordinary examples contradict each other
         self._told: tuple[Example, ...] | None = None
         self.recorded = 0
-        self._next_number = self._next_command = 1
+        self._next_number = self.next_command = 1
         self.history = History()
         self.make(self.replacement(examples))
         self.history = History()
@@ -61,11 +62,6 @@ class ExampleLog:
     def defaults(self) -> int:
         """The number of default examples."""
         return sum(example.is_default for example in self._examples)
-
-    @property
-    def next_command(self) -> int:
-        """The number of the next command."""
-        return self._next_command
 
     def preview(
         self,
@@ -87,7 +83,7 @@ class ExampleLog:
                 example.
             entered: the values of the default example; None: there is none.
         """
-        command, number = self._next_command, self._next_number
+        command, number = self.next_command, self._next_number
         found = (kind, number, command, cycle, ago, readings, numbers)
         taught = Example(state, features, next_state, *found)
         return [taught] if entered is None else [taught, default_example(taught, entered)]
@@ -128,7 +124,7 @@ class ExampleLog:
             case "add":
                 state, to, number = record["state"], record["next_state"], self._next_number
                 kind, values = ExampleKind(record["kind"]), values_of(record["features"])
-                example = Example(state, values, to, kind, number, self._next_command)
+                example = Example(state, values, to, kind, number, self.next_command)
                 return self.replacement([example], f"answered {state} → {to}")
             case "relabel":
                 given = tuple(map(float, record.get("with", ())))
@@ -205,7 +201,7 @@ class ExampleLog:
             self._count(example, 1)
         self.recorded += sum(e.number >= self._next_number for e in edit.came)
         self._next_number = max((self._next_number, *(e.number + 1 for e in edit.came)))
-        self._next_command = max((self._next_command, *(e.command + 1 for e in edit.came)))
+        self.next_command = max((self.next_command, *(e.command + 1 for e in edit.came)))
         self.history.add(edit)
 
     def _count(self, example: Example, by: int) -> None:
