@@ -15,12 +15,10 @@ from enum import StrEnum
 
 from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
-from hitab_core.automaton import OWN_FEATURES
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.remedies import Do
 from hitab_core.running.running_automaton import Reach, RunContext, Running, RunningAutomaton
-from hitab_core.running.senses import value_or_nan
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.vocabulary import unknown
 
@@ -157,12 +155,7 @@ class CautionMonitor:
             evidence = Evidence.of(state, examples, scales, [str(use) for use in features])
             rated = function, Confidences(function, evidence)
             self._rated[id(function), state] = rated
-        values = [
-            running.own_feature(use)
-            if use in OWN_FEATURES
-            else value_or_nan(context.senses.look, use.bound(running.bindings))
-            for use in features
-        ]
+        values = list(map(running.look, features))
         return rated[1](values).doubts(self.caution.support, self.caution.distance)
 
     def halt(self, running: Running | None) -> None:

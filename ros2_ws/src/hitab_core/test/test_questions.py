@@ -156,7 +156,7 @@ def test_a_mistaken_example_is_found_by_the_correction_of_what_it_made_the_robot
     assert wrong in question.examples
     cart.session.answer(question.number)
     assert wrong not in [e.number for e in cart.session.examples]
-    cost = cart.agent.journal.costs("Shuttle")
+    cost = cart.agent.journal.costs()
     assert [(c.proposals, c.finished) for c in cost] == [(1, False)]
 
 

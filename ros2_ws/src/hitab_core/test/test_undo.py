@@ -442,7 +442,7 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             resuming = len(looks)
             assert trained.session.examples == examples
             looks.clear()
-            assert trained.agent.journal.costs("Home")[0].commands == commands + 1
+            assert trained.agent.journal.costs()[0].commands == commands + 1
             telling = len(looks)
             trained.agent.journal.close()
             return command, resuming / commands, telling / commands

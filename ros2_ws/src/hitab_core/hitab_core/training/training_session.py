@@ -133,8 +133,6 @@ class TrainingSession:
         self.running = self._perform(())
 
     def _perform(self, states: Sequence[Use]) -> RunningAutomaton:
-        bindings = self._bindings
-        self.perception.bind(self.context.senses, bindings)
         blank = Automaton(
             self.curriculum.name,
             tuple(states),
@@ -142,7 +140,7 @@ class TrainingSession:
             {},
             self.curriculum.parameters,
         )
-        running = RunningAutomaton(self.context, blank, bindings)
+        running = RunningAutomaton(self.context, blank, self._bindings)
         for label in _labels(self.log.examples):
             running.add_state(Use.parse(label))
         return running
