@@ -19,6 +19,7 @@ from hitab_core.automaton import FLAGS
 from hitab_core.caution import CautionMonitor, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.errors import (
+    FeatureValueError,
     FolderInUseError,
     LibraryError,
     LostBehaviorError,
@@ -35,7 +36,7 @@ from hitab_core.remedies import Do, Remedy
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
-from hitab_core.running.senses import Senses
+from hitab_core.running.senses import BLIND, Senses
 from hitab_core.saving import Saved, edition_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
@@ -222,7 +223,8 @@ class Agent:
         self.body.sense(values, heard)
         self.context.senses.forget()
         if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
-            self.session.perceived(cycle, time, jumped=jumped)
+            session = self.session
+            session.perception.keep(session.running, cycle, time, jumped=jumped)
 
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
@@ -417,7 +419,7 @@ class Agent:
         if session.perception.moments.latest is None and 0.0 <= ago <= KEPT_SECONDS:
             ago, seen = 0.0, 0  # nothing has changed since the training began
         if self.awaits_percept:
-            self.context.senses.check_perceived()
+            raise FeatureValueError(BLIND)
         with self.context.senses.blind_unless_perceived():
             return session.command(use, self.cycle, ago=ago, seen=seen, pace=pace, request=request)
 
@@ -498,7 +500,8 @@ class Agent:
                 state = self._state(edition, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
-            self.journal.saved(saved.name, saved.checksum)
+            record = {"do": "save", "automaton": saved.name, "checksum": saved.checksum}
+            self.journal.write(record)
             change.commit()
         self.journal.archive()
         write_people(self._folder, self.people)

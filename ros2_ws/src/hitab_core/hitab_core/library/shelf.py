@@ -11,6 +11,7 @@ from hitab_core.automaton import RESERVED
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import SUFFIX, BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
+from hitab_core.library.check import misfits
 from hitab_core.library.commit import Changes
 from hitab_core.library.contents import Contents, Losses
 from hitab_core.library.durable_files import file_errors
@@ -112,7 +113,9 @@ class Shelf:
         """Sort files by whether they can be used; those of a known edition can."""
         if not unreadable and self.editions.knows(readable):
             return Contents(readable, {}, {}, {})
-        return Contents.of(readable, unreadable, self.editions.domain, self.sound_version)
+        wrong, lost = misfits(readable, self.editions.domain, unreadable, self.sound_version)
+        problems = {name: error.problem for name, error in unreadable.items()}
+        return Contents(readable, unreadable, problems | wrong, lost)
 
     def edition(self, contents: Contents) -> Edition:
         """Return the edition of some contents.

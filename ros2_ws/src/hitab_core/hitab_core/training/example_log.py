@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -57,11 +57,6 @@ class ExampleLog:
 
     def __len__(self) -> int:
         return len(self._examples)
-
-    @property
-    def defaults(self) -> int:
-        """The number of default examples."""
-        return sum(example.is_default for example in self._examples)
 
     def preview(
         self,
@@ -222,10 +217,6 @@ class ExampleLog:
         if not numbers:
             return []
         return [e for e in self._examples if e.command in commands or e.number in numbers]
-
-    def of_commands(self, commands: Collection[int]) -> list[Example]:
-        """Return the examples that commands recorded."""
-        return [example for example in self._examples if example.command in commands]
 
     def commands_of(self, numbers: Iterable[int]) -> dict[int, int]:
         """Return the commands that examples were recorded by, each with one of these examples.

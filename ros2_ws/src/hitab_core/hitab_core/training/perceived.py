@@ -146,7 +146,7 @@ class Perceived:
 
     def begin(self) -> None:
         """Forget what was, since it has nothing to do with what follows."""
-        self.moments.begin()
+        self.moments = Moments()
         self.silence.end()
         self._entered = None
 
@@ -244,10 +244,6 @@ class Perceived:
                 "check the sensors, or choose other features"
             )
         return values
-
-    def met(self, features: Sequence[Use]) -> list[tuple[str, tuple[float, ...]]]:
-        """Return the values of features in a sample of what was met, with the states."""
-        return [(m.state, self.in_moment(m, features)) for m in self.situations]
 
     # -- moments that stay with the examples ------------------------------------------------
 

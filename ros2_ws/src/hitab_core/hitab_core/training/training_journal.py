@@ -82,16 +82,6 @@ class TrainingJournal:
         if self._file is not None:
             self._file.append({**record, "at": time.time()})
 
-    def saved(self, behavior: str, checksum: str) -> None:
-        """Write that the training is being saved.
-
-        If the process ends before `archive`, the next one recognizes the saved file by this.
-
-        Raises:
-            LibraryError: if it cannot be written.
-        """
-        self.write({"do": "save", "automaton": behavior, "checksum": checksum})
-
     def costs(self) -> list[TrainingCost]:
         """Return what the trainings on disk cost, oldest first.
 

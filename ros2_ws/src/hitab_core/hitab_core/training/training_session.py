@@ -207,17 +207,6 @@ class TrainingSession:
         self._left = True
         self.perception.begin()
 
-    def perceived(self, cycle: int, time: float, *, jumped: bool = False) -> None:
-        """Keep what the agent perceives now, before it acts on that.
-
-        Args:
-            cycle: of the world.
-            time: simulated time, s.
-            jumped: whether the situation does not follow from the last one.
-        """
-        if not self._left:
-            self.perception.keep(self.running, cycle, time, jumped=jumped)
-
     def check_on(self, repertoire: Repertoire) -> None:
         """Check that the training could continue with another repertoire.
 
@@ -437,6 +426,7 @@ class TrainingSession:
 
     def _material(self) -> Material:
         examples, features = self.log.examples, self.curriculum.features
+        met = self.perception.situations
         repertoire = self.context.repertoire
         return Material(
             examples,
@@ -447,7 +437,7 @@ class TrainingSession:
             tuple(self.states),
             tuple(map(str, self.curriculum.states)) or tuple(self.states),
             tuple(self.perception.corrections(examples, features)),
-            tuple(self.perception.met(features)),
+            tuple((m.state, self.perception.in_moment(m, features)) for m in met),
         )
 
     def answer(self, number: int, choice: str = "", *, dismiss: bool = False) -> Question:
