@@ -23,16 +23,12 @@ class DistributionReport:
     """The receivers' answers to a distribution.
 
     Attributes:
-        sequence: number of the distribution.
-        digest: given by the source.
-        accepted: receivers that verified the same digest.
+        accepted: receivers that verified the digest of the source.
         refused: receivers that refused, with their reasons.
         silent: receivers that did not answer.
         message: what the source said.
     """
 
-    sequence: int
-    digest: str
     accepted: list[str] = field(default_factory=list)
     refused: dict[str, str] = field(default_factory=dict)
     silent: list[str] = field(default_factory=list)
@@ -100,7 +96,7 @@ class Acknowledgements:
             known = len(acks)
             if wanted <= acks.keys() or not self._link.spin_until(one_more, seconds):
                 break
-        report = DistributionReport(sequence, digest)
+        report = DistributionReport()
         for name in receivers:
             ack = acks.get(name)
             if ack is None:

@@ -373,7 +373,7 @@ class Agent:
         session = TrainingSession(
             self.context, curriculum, examples, self.journal.write, people=self.people
         )
-        self.journal.begin(curriculum, examples, session.readable)
+        self.journal.begin(curriculum, examples, session.perception.readable)
         self._stop()
         self.session = session
         self.mode = Mode.TRAINING

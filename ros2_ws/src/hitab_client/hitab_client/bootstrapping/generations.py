@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -245,11 +244,6 @@ def held(run_folder: Path) -> Iterator[None]:
                 "until that has ended, or end it with Ctrl-C"
             ) from None
         yield
-
-
-def time_now() -> str:
-    """Return the current time as ISO 8601, in UTC, to the second."""
-    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def record_of(generation: Generation) -> dict[str, Any]:

@@ -119,10 +119,6 @@ class BehaviorLibrary:
         """What was wrong with the others then, by behavior."""
         return {} if self._contents is None else self._contents.problems
 
-    def names(self) -> list[str]:
-        """Return the names of the behaviors in `files`, sorted."""
-        return sorted(self.files)
-
     def file(self, name: str) -> BehaviorFile:
         """Return one behavior file.
 

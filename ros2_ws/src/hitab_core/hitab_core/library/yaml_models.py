@@ -147,15 +147,15 @@ Names = Annotated[dict[str, str], NONE_IS_EMPTY]
 """Texts by name."""
 
 
-def read_record(model: type[R], value: Any, complaints: Complaints, at: Place = ()) -> R | None:
-    """Read the content of a document at a place; None: there are complaints."""
+def read_record(model: type[R], value: Any, complaints: Complaints) -> R | None:
+    """Read the content of a document; None: there are complaints."""
     records: dict[int, type[Record]] = {}
     try:
         return model.model_validate(value, context=records)
     except ValidationError as wrong:
         for error in wrong.errors(include_url=False):
             path, around = _place(value, error["loc"])
-            complaints.add((*at, *path), _in_words(error, path, records.get(id(around))))
+            complaints.add(path, _in_words(error, path, records.get(id(around))))
         return None
 
 

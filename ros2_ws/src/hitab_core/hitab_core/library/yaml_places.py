@@ -126,22 +126,19 @@ def read_text(path: Path, *, error: type[HitabError] = LibraryError) -> str:
         ) from None
 
 
-def read_yaml(
-    text: str, file: str, *, error: type[HitabError] = LibraryError, largest: int = LARGEST
-) -> Document:
+def read_yaml(text: str, file: str, *, error: type[HitabError] = LibraryError) -> Document:
     """Read a text that is one YAML document.
 
     Args:
         text: the document.
         file: its name, for errors.
         error: type of the error to raise.
-        largest: maximum number of characters.
 
     Raises:
         error: naming the file and line of anything that is not YAML, or not plain data.
     """
-    if len(text) > largest:
-        raise error(f"{file}: has {len(text)} characters; the limit is {largest}")
+    if len(text) > LARGEST:
+        raise error(f"{file}: has {len(text)} characters; the limit is {LARGEST}")
     try:
         text.encode()
         return _Reader(file, error).document(text)

@@ -104,7 +104,7 @@ class TrainingSession:
         Args:
             context: of the agent.
             curriculum: what to train.
-            examples: to continue from, with readings in the order of `readable`.
+            examples: to continue from, with readings in the order of `Perceived.readable`.
             journal: keeps each step.
             names: of the readings of ``examples``; empty: all that can be read. What cannot be
                 read any more is NaN.
@@ -148,11 +148,6 @@ class TrainingSession:
     @property
     def _bindings(self) -> dict[str, str]:
         return dict(zip(self.curriculum.parameters, self.curriculum.arguments, strict=True))
-
-    @property
-    def readable(self) -> tuple[Use, ...]:
-        """Names of the readings of its examples."""
-        return self.perception.readable
 
     @property
     def examples(self) -> tuple[Example, ...]:
@@ -533,7 +528,7 @@ class TrainingSession:
             VocabularyError: if there is no such feature.
         """
         self._check_features(features)
-        edit = exchange(self.log, self.curriculum, features, self.readable)
+        edit = exchange(self.log, self.curriculum, features, self.perception.readable)
         return self._learned(self.log.after(edit), "shown", edit.features)
 
     def _prepared(self, record: Mapping[str, Any]) -> Edit | None:
@@ -548,13 +543,13 @@ class TrainingSession:
                 return retiming(self.log, self.perception, numbers, ago, self.curriculum.features)
             case "features":
                 features = tuple(map(Use.parse, record["features"]))
-                return exchange(self.log, self.curriculum, features, self.readable)
+                return exchange(self.log, self.curriculum, features, self.perception.readable)
         return self.log.prepared(record)
 
     def _check_features(self, features: Sequence[Use]) -> None:
         chosen = replace(self.curriculum, features=tuple(features))
         check_curriculum(chosen, self.context.repertoire)
-        unread = [use for use in features if use not in self.readable]
+        unread = [use for use in features if use not in self.perception.readable]
         if unread and not self.log.examples:
             raise TrainingError(
                 f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
@@ -633,7 +628,7 @@ class TrainingSession:
             {},
             self.curriculum.parameters,
             examples,
-            readable=self.readable,
+            readable=self.perception.readable,
         )
         return relearned(unlearned, self.context.repertoire.domain, self.curriculum.classifier)
 
