@@ -161,8 +161,8 @@ class Agent:
     @property
     def behavior(self) -> str:
         """The top-level behavior, or the automaton being trained; empty if idle."""
-        if self.mode in (Mode.TRAINING, Mode.TESTING) and self.session is not None:
-            return self.session.curriculum.name
+        if self._trained is not None:
+            return self._trained.curriculum.name
         return "" if self.mode is Mode.IDLE or self.top is None else str(self.top)
 
     @property
@@ -189,11 +189,16 @@ class Agent:
     @property
     def running(self) -> Running | None:
         """What it performs, its training included; None: nothing."""
-        if self.mode is Mode.IDLE:
-            return None
-        if self.mode is Mode.PERFORMING or self.session is None:
-            return self._performance
-        return self.session.running
+        return self._performed if self._trained is None else self._trained.running
+
+    @property
+    def _trained(self) -> TrainingSession | None:
+        """The training, unless it waits while something else is performed."""
+        return self.session if self.mode in (Mode.TRAINING, Mode.TESTING) else None
+
+    @property
+    def _performed(self) -> Running | None:
+        return self._performance if self.mode is Mode.PERFORMING else None
 
     # -- perceiving and acting --------------------------------------------------------------
 
@@ -222,19 +227,18 @@ class Agent:
         self.context.clock.now = time
         self.body.sense(values, heard)
         self.context.senses.forget()
-        if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
-            session = self.session
+        if (session := self._trained) is not None:
             session.perception.keep(session.running, cycle, time, jumped=jumped)
 
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
         self._episode_since = self.cycle
         self._random.seed(agent_seed(seed, episode, self.name))
-        if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
-            self.session.restart()
-        elif self._performance is not None and self.mode is Mode.PERFORMING:
-            self._performance.stop()
-            self._performance.start()
+        if self._trained is not None:
+            self._trained.restart()
+        elif self._performed is not None:
+            self._performed.stop()
+            self._performed.start()
 
     def tick(self) -> None:
         """Perform one timestep on the last percept.
@@ -242,33 +246,15 @@ class Agent:
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
-        if self.monitor.is_on and not self._dares():
+        active = self._trained or self._performed
+        if active is None:
             return
-        if self.mode is Mode.PERFORMING:
-            if self._performance is not None:
-                self._performance.tick()
-        elif self.mode is not Mode.IDLE and self.session is not None:
-            self.session.tick()
-        if self.monitor.is_on and self._is_judged and not self.monitor.has_dared():
+        if self.mode is Mode.TRAINING:
+            active.tick()
+            return
+        examples = () if self._trained is None else self._trained.examples
+        if not self.monitor.watch(active.tick, self.running, self.context, examples):
             self._hand_back()
-
-    @property
-    def _is_judged(self) -> bool:
-        return self.mode in (Mode.PERFORMING, Mode.TESTING)
-
-    def _dares(self) -> bool:
-        """Return whether to decide; halt or hand back if it is unsure."""
-        self.monitor.judge(on=self._is_judged)
-        if not self._is_judged:
-            return True
-        trained = self.session.examples if self.mode is Mode.TESTING and self.session else ()
-        if self.monitor.is_sure(self.running, self.context, trained):
-            self.monitor.release()
-            return True
-        if self.monitor.caution.when_unsure is WhenUnsure.HALT:
-            self.monitor.halt(self.running)
-        self._hand_back()
-        return False
 
     def _hand_back(self) -> None:
         """Hand back if the agent's caution says so."""

@@ -131,4 +131,4 @@ def test_a_bundle_that_does_not_fit_the_receivers_own_behaviors_changes_nothing(
         install(bundle, receiver)
     receiver.load()
     assert receiver.digest == before
-    assert receiver.names() == ["Approach", "Mine"]
+    assert sorted(receiver.files) == ["Approach", "Mine"]
