@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from hitab_core.advice.remarks import Remark, loops
 from hitab_core.automaton import FLAGS, START, Automaton, as_entered
+from hitab_core.default_example import default_example
 from hitab_core.errors import (
     FeatureValueError,
     HitabError,
@@ -223,20 +224,23 @@ class TrainingSession:
             if edit is not None:
                 self._make(edit)
             if record["do"] == "command":
-                self.perception.keep_around(int(record["examples"][0]["command"]), record)
-                self.late.keep(record)
-                self.perception.silence.keep(
-                    list(map(Stretch.from_record, record.get("silent", ())))
-                )
-                if "request" in record:
-                    demonstrator, number = record["request"]
-                    self.requests.append(Request(str(demonstrator), int(number)))
+                self._keep(record)
+                silent = map(Stretch.from_record, record.get("silent", ()))
+                self.perception.silence.keep(list(silent))
             if record["do"] == "dismiss":
                 self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
         self.perception.remember()
         self.check_on(self.context.repertoire)
         self.rebuild(self.context)
+
+    def _keep(self, record: Mapping[str, Any]) -> None:
+        """Keep what the record of a command tells besides its examples."""
+        self.perception.keep_around(int(record["examples"][0]["command"]), record)
+        self.late.keep(record)
+        if "request" in record:
+            demonstrator, number = record["request"]
+            self.requests.append(Request(str(demonstrator), int(number)))
 
     def rebuild(self, context: RunContext) -> None:
         """Restart at Start, since behaviors of the repertoire may have changed."""
@@ -337,18 +341,13 @@ class TrainingSession:
             )
         again = label == due.state
         values = perception.values(due, chosen)
-        assumed = not again and not self.context.repertoire.is_one_shot(state)
-        taught = self.log.preview(
-            due.state,
-            values,
-            label,
-            kind=ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED,
-            entered=as_entered(chosen, values) if assumed else None,
-            cycle=due.cycle,
-            ago=max(0.0, perception.time - due.time),
-            readings=due.readings,
-            numbers=numbers,
-        )
+        kind = ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED
+        ago = max(0.0, perception.time - due.time)
+        number, command = self.log.next_number, self.log.next_command
+        found = (kind, number, command, due.cycle, ago, due.readings, numbers)
+        taught = [Example(due.state, values, label, *found)]
+        if not again and not self.context.repertoire.is_one_shot(state):
+            taught.append(default_example(taught[0], as_entered(chosen, values)))
         edit = self.log.addition(taught, settled)
         # On disk first: acknowledged examples must survive a crash.
         record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
@@ -358,11 +357,8 @@ class TrainingSession:
         if request is not None:
             record["request"] = list(request)
         self._write(record)
-        if request is not None:
-            self.requests.append(request)
         self.log.make(edit)
-        perception.keep_around(taught[0].command, around)
-        self.late.keep(record)
+        self._keep(record)
         perception.enter(label, due)
         running.take_down_flags()
         running.add_state(state)
