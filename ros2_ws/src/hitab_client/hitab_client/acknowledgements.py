@@ -23,21 +23,26 @@ class DistributionReport:
     """The receivers' answers to a distribution.
 
     Attributes:
-        accepted: receivers that verified the digest of the source.
+        sequence: number of the distribution.
+        digest: given by the source.
+        accepted: receivers that verified the same digest.
         refused: receivers that refused, with their reasons.
         silent: receivers that did not answer.
         message: what the source said.
     """
 
+    sequence: int = 0
+    digest: str = ""
     accepted: list[str] = field(default_factory=list)
     refused: dict[str, str] = field(default_factory=dict)
     silent: list[str] = field(default_factory=list)
     message: str = ""
 
     @property
-    def complete(self) -> bool:
-        """Whether every receiver has it."""
-        return not self.refused and not self.silent
+    def missing(self) -> dict[str, str]:
+        """Why the other receivers do not have it."""
+        refusing = {n: f"refuses: {w.removeprefix(f'{n} ')}" for n, w in self.refused.items()}
+        return refusing | dict.fromkeys(self.silent, "does not answer")
 
 
 class Acknowledgements:
@@ -96,7 +101,7 @@ class Acknowledgements:
             known = len(acks)
             if wanted <= acks.keys() or not self._link.spin_until(one_more, seconds):
                 break
-        report = DistributionReport()
+        report = DistributionReport(sequence, digest)
         for name in receivers:
             ack = acks.get(name)
             if ack is None:

@@ -256,8 +256,7 @@ class Bootstrapping:
                 seconds=self._patience,
                 progress=lambda done, total: self._progress(done, total, "distributing"),
             )
-        missing = {name: f"refuses: {why}" for name, why in report.refused.items()}
-        missing |= dict.fromkeys(report.silent, "does not answer")
+        missing = report.missing
         made = made.but(team=tuple(report.accepted), missing=missing)
         if missing:
             made = made.but(unscored="it is not performed by all of the team")
