@@ -211,8 +211,8 @@ def read_generations(folder: Path, agent: str, behavior: str) -> Generations:
     if not path.exists():
         return Generations(agent=agent, behavior=behavior).but(folder=folder)
     document = open_yaml(path, error=SwarmError)
-    read = open_record(Generations, document, FORMAT, SwarmError)
-    complaints = Complaints(document, SwarmError)
+    read = open_record(Generations, document, FORMAT)
+    complaints = Complaints(document)
     for key, found, own in (("agent", read.agent, agent), ("behavior", read.behavior, behavior)):
         if found != own:
             complaints.add((key,), f"`{key}: {found}` is not known {has([own], found)}")

@@ -159,19 +159,18 @@ def read_record(model: type[R], value: Any, complaints: Complaints) -> R | None:
         return None
 
 
-def open_record(model: type[R], document: Document, newest: int, error: type[HitabError]) -> R:
+def open_record(model: type[R], document: Document, newest: int) -> R:
     """Read a document as a record; without ``format:`` it has the first format.
 
     Args:
         model: of the record.
         document: to read.
         newest: the newest format that the caller reads.
-        error: the type of errors.
 
     Raises:
-        error: naming everything that is wrong, by file and line.
+        HitabError: of the document's type, naming everything that is wrong, by file and line.
     """
-    complaints = Complaints(document, error)
+    complaints = Complaints(document)
     found = document.value.get("format", 1) if isinstance(document.value, dict) else 1
     if isinstance(found, int) and found > newest:
         complaints.add(("format",), newer_format(found, newest))
