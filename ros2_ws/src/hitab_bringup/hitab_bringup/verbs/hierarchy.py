@@ -94,8 +94,7 @@ def _meant(
     Raises:
         SwarmError: if there is none, or no such commander; naming those that do not answer.
     """
-    from hitab_client import SwarmError
-    from hitab_client.command_view import tree_of
+    from hitab_client import SwarmError, tree_of
     from hitab_client.identity import other_swarm
     from hitab_core import has
 
