@@ -17,8 +17,6 @@ from typing import Any
 
 import pytest
 
-from hitab_client.world_client import by_name
-
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
 QUIET = (
@@ -90,7 +88,7 @@ def begin(person: Person, name: str, *features: str) -> None:
 def entity(swarm: Any, name: str) -> Any:
     """Return a thing as the world shows it now."""
     swarm.link.spin(0.02)
-    return by_name(swarm.world.state.entities)[name]
+    return next(e for e in swarm.world.state.entities if e.name == name)
 
 
 def free_port() -> int:

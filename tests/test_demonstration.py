@@ -5,7 +5,6 @@ from hitab_msgs.msg import Example
 from waiting import hanging
 
 from hitab_client.errors import SwarmError
-from hitab_client.world_client import by_name
 from hitab_core.domain import load_domain
 from hitab_core.library.behavior_library import BehaviorLibrary
 
@@ -133,6 +132,11 @@ def test_a_step_without_an_agent_says_who_was_missing_and_why(begun, hitab):
     assert begun.link.spin_until(lambda: not begun.world.wait().missing, 30)
 
 
+def x_of(state):
+    """Return where the agent is, m."""
+    return next(e.x for e in state.entities if e.name == ONE)
+
+
 def test_an_agent_that_is_unsure_halts_says_why_and_goes_on_when_it_is_sure(begun, hitab):
     agents, world = begun.agents, begun.world
     teach_to_stop(begun)
@@ -143,9 +147,9 @@ def test_an_agent_that_is_unsure_halts_says_why_and_goes_on_when_it_is_sure(begu
     world.step(2)
     assert not agents.statuses[ONE].unsure
     put(begun, 40.0)
-    place = by_name(world.step(3).entities)[ONE].x
+    place = x_of(world.step(3))
     assert begun.link.spin_until(lambda: "nearest one" in agents.statuses[ONE].unsure, 10)
-    assert by_name(world.step(5).entities)[ONE].x == pytest.approx(place, abs=0.3)
+    assert x_of(world.step(5)) == pytest.approx(place, abs=0.3)
     assert "unsure: Near" in hitab("status").stdout
     put(begun, 8.0)
     world.step(2)

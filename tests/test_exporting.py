@@ -99,7 +99,7 @@ def test_the_percepts_lead_through_every_transition_of_a_library(name):
         taken |= engine_of(name, behavior)[0].taken
         there |= all_transitions(hierarchy(name, behavior))
     assert taken == there
-    assert {use.partition("(")[0] for use, _, _ in taken} == set(library(name).names())
+    assert {use.partition("(")[0] for use, _, _ in taken} == set(library(name).files)
 
 
 @pytest.mark.parametrize(("name", "behavior"), BEHAVIORS)

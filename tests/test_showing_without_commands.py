@@ -104,15 +104,15 @@ def test_what_a_keeper_does_becomes_a_behavior_that_it_performs(
     agents.perform(ONE, "ServoBall")
     places = {ONE: {"x": -6.0, "y": 1.0, "heading": 180.0}, "ball": {"x": 0.0, "y": 0.0}}
     world.shown(world.place({**places, "taker_1": {"x": 9.0}, "taker_2": {"x": 8.0}}))
-    before = recorder.count
+    before = recorder.bag.count
     world.step(60)  # of three keepers, each with a percept and an action
-    assert keepers.link.spin_until(lambda: recorder.count > before + 6 * 60, SECONDS)
+    assert keepers.link.spin_until(lambda: recorder.bag.count > before + 6 * 60, SECONDS)
     keepers.link.spin(0.5)
     recorder.close()
     agents.perform(ONE, "")
 
     library = tmp_path / "library"
-    words = [str(recorder.path), "Copied", "-a", ONE, "-l", str(library), "--json", "-"]
+    words = [str(recorder.bag.path), "Copied", "-a", ONE, "-l", str(library), "--json", "-"]
     shown = hitab("library", "label", *words, *(f"-f{f}" for f in FEATURES))
     assert shown.returncode == 0, shown.stderr
     spans = [span["behavior"] for span in json.loads(shown.stdout)]

@@ -27,9 +27,9 @@ def recorded(swarm: RunningSwarm) -> Iterator[str]:
     assert swarm.link.spin_until(heard, SECONDS)
     away_from_everybody(swarm, 7.0)
     swarm.agents.perform(ONE, "ServoBall")
-    before = recorder.count
+    before = recorder.bag.count
     swarm.world.step(40)  # of three keepers, each with a percept and an action
-    assert swarm.link.spin_until(lambda: recorder.count > before + 6 * 40, SECONDS)
+    assert swarm.link.spin_until(lambda: recorder.bag.count > before + 6 * 40, SECONDS)
     swarm.link.spin(0.5)
     recorder.close()
     swarm.agents.perform(ONE, "")

@@ -105,7 +105,7 @@ def recorded(keepers: RunningSwarm, tmp_path_factory: pytest.TempPathFactory) ->
     recorder.close()
     assert recorder.problem == ""
     there = content(Path(saved.path).parent)
-    return Recorded(recorder.path, there, len(there["examples"]))
+    return Recorded(recorder.bag.path, there, len(there["examples"]))
 
 
 def test_examples_from_a_recording_equal_those_made_live(

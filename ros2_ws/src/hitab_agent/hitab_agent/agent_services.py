@@ -222,7 +222,8 @@ class AgentServices:
         name = request.automaton or agent.training
         if not name:
             raise self._no_training(Do.EXAMPLES_OF)
-        costs = agent.journal.costs(name)
+        known = agent.journal.costs()
+        costs = [cost for cost in known if cost.automaton == name]
         if not costs and name == agent.training:
             raise TrainingError(
                 f'nothing was done yet in the training of "{name}"',
@@ -231,7 +232,7 @@ class AgentServices:
         if not costs:
             raise TrainingError(
                 f'{agent.name} has no record of a training of "{name}" '
-                f"{has(agent.journal.trained(), name)}; ask the agent that was trained"
+                f"{has([cost.automaton for cost in known], name)}; ask the agent that was trained"
             )
         response.costs = [cost_message(cost) for cost in costs]
         return quantity(len(costs), "training")
@@ -337,7 +338,7 @@ def bindings_of(request: Any) -> dict[str, str]:
 def _open_questions(agent: Agent) -> str:
     """Return how many questions about a training are open, as far as known; empty: none."""
     session = agent.session
-    known = session.asked.known(session.log) if session is not None else []
+    known = session.asked.known() if session is not None else []
     if not known:
         return ""
     told = quantity(len(known), "open question")

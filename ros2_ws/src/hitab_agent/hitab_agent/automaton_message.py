@@ -66,7 +66,7 @@ def training_message(session: TrainingSession, domain: Domain) -> msg.Automaton:
         _learned(session, domain),
         curriculum.parameters,
         examples,
-        readable=session.readable,
+        readable=session.perception.readable,
     )
     chosen = list(map(str, curriculum.states))
     message = automaton_message(

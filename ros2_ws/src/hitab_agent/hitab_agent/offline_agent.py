@@ -119,7 +119,7 @@ class OfflineAgent:
         if service == session_topics.SEARCHED:
             # The node looks for them in slices between its cycles; they get the same numbers.
             if self.agent.session is not None:
-                self.agent.session.questions()
+                self.agent.session.asked.find()
             return None
         kind = session_topics.SERVICES[service]
         return self._services[service].callback(request, kind.Response())

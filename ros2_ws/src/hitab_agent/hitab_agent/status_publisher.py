@@ -148,9 +148,10 @@ class StatusPublisher:
         status.mode = agent.mode.value
         status.behavior = agent.behavior
         status.active_path = self.path
-        status.examples = len(session.log) if session else 0
-        status.default_examples = session.log.defaults if session else 0
-        status.questions = session.asked.count(session.log) if session else 0
+        examples = session.examples if session else ()
+        status.examples = len(examples)
+        status.default_examples = sum(example.is_default for example in examples)
+        status.questions = len(session.asked.known()) if session else 0
         status.remarks = len(agent.remarks())
         status.unsure = agent.monitor.unsure
         status.when_unsure = agent.monitor.caution.when_unsure.value

@@ -117,7 +117,7 @@ class TrainingTopic:
             done=history.done,
             undone=history.undone,
             searched=searched,
-            questions=[question_message(q, session) for q in asked.known(session.log)],
+            questions=[question_message(q, session) for q in asked.known()],
             answered=asked.answered,
             remarks=remark_messages(self._agent.remarks()),
             cost=self._cost,
@@ -152,6 +152,6 @@ def _marks(session: TrainingSession | None) -> tuple[Any, ...]:
     """Return what tells a change: the examples are others then, or the rest differs."""
     if session is None:
         return (None,)
-    known = [question.number for question in session.asked.known(session.log)]
+    known = [question.number for question in session.asked.known()]
     more = len(session.asked.answered), session.perception.situations.news, session.remarks()
     return session.examples, session, session.curriculum, known, more

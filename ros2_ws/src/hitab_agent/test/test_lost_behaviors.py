@@ -52,7 +52,7 @@ class Walkers:
         return BehaviorLibrary(self.folder / name / "library", DOMAIN)
 
     def damage(self, name: str, behavior: str) -> None:
-        path = self.library(name).path(behavior)
+        path = self.library(name).shelf.file(behavior)
         data = path.read_bytes()
         path.write_bytes(data[: len(data) // 2])
 

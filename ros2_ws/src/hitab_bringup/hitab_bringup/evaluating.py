@@ -100,7 +100,7 @@ def part_of(
     automata = opened.load()
     versions = versions or {}
     for name, number in versions.items():
-        automata[name] = opened.version(name, number).automaton
+        automata[name] = opened.shelf.version(name, number).automaton
     repertoire = Repertoire(opened.domain.without(without), automata)
     if use is not None:
         if use.name not in repertoire:

@@ -259,7 +259,7 @@ def read_exercise(path: Path) -> Exercise:
         LessonError: naming everything that is wrong, by file and line.
     """
     document = read_yaml(read_text(path, error=LessonError), str(path), error=LessonError)
-    return open_record(Exercise, document, FORMAT, LessonError)
+    return open_record(Exercise, document, FORMAT)
 
 
 def is_exercise(path: Path) -> bool:

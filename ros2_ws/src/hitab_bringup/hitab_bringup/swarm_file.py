@@ -78,13 +78,13 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
         ['keeper_1', 'keeper_2']
     """
     document = read_yaml(text, str(path), error=DescriptionError)
-    file = open_record(SwarmLines, document, FORMAT, DescriptionError)
+    file = open_record(SwarmLines, document, FORMAT)
     name = file.swarm or path.stem
     # In a namespace its name, and so its run folder's, is longer.
     runs = (run_dir,) if run_dir is not None else state_home().glob(f"{name}*")
     kept = (file for run in runs for file in run.glob(f"libraries/*/*{SUFFIX}"))
     words = Words(frozenset(file.name.removesuffix(SUFFIX) for file in kept))
-    return _Reader(file, Complaints(document, DescriptionError), path, words).swarm(name)
+    return _Reader(file, Complaints(document), path, words).swarm(name)
 
 
 def world_module(kind: str) -> str:

@@ -171,7 +171,7 @@ def test_an_import_says_what_it_replaces_before_and_after(lib: Path, tmp_path: P
     assert "accepted other/Keepaway.hfa.yaml" in done(
         "library", "accept", "other/Keepaway.hfa.yaml"
     )
-    number = library_of(other).versions("Keepaway")[-1]
+    number = library_of(other).shelf.versions("Keepaway")[-1]
     replaced = f"version {number + 1}, replaces version {number} (8 examples)"
     before = {path: path.read_bytes() for path in other.rglob("*") if path.is_file()}
     text = done("library", "import", "all.yaml", "-l", "other", "--dry-run")

@@ -95,6 +95,6 @@ def test_a_swarm_that_goes_down_names_the_trainings_that_it_keeps(folder):
     TrainingJournal(folder / "state" / "a", "keepaway").archive()
     saved = TrainingJournal(folder / "state" / "b", "keepaway")
     saved.begin(Curriculum("Chase", ()), [Example("Stop", (), "Stop", number=1, command=1)], ())
-    saved.saved("Chase", "0")
+    saved.write({"do": "save", "automaton": "Chase", "checksum": "0"})
     saved.archive()
     assert [text.split()[0] for text in left_to_resume(folder)] == ["a"]

@@ -18,6 +18,7 @@ from .acknowledgements import DistributionReport as DistributionReport
 from .angles import as_direction as as_direction
 from .command_view import Branch as Branch
 from .command_view import CommandView as CommandView
+from .command_view import tree_of as tree_of
 from .errors import DescriptionError as DescriptionError
 from .errors import LessonError as LessonError
 from .errors import NamesTakenError as NamesTakenError

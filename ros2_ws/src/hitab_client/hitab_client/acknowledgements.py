@@ -31,17 +31,18 @@ class DistributionReport:
         message: what the source said.
     """
 
-    sequence: int
-    digest: str
+    sequence: int = 0
+    digest: str = ""
     accepted: list[str] = field(default_factory=list)
     refused: dict[str, str] = field(default_factory=dict)
     silent: list[str] = field(default_factory=list)
     message: str = ""
 
     @property
-    def complete(self) -> bool:
-        """Whether every receiver has it."""
-        return not self.refused and not self.silent
+    def missing(self) -> dict[str, str]:
+        """Why the other receivers do not have it."""
+        refusing = {n: f"refuses: {w.removeprefix(f'{n} ')}" for n, w in self.refused.items()}
+        return refusing | dict.fromkeys(self.silent, "does not answer")
 
 
 class Acknowledgements:

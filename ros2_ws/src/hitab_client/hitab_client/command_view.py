@@ -91,10 +91,6 @@ class CommandView:
             self.discover()
             self._link.spin_until(lambda: self._watched <= self.groups.keys(), LATER_SECONDS)
 
-    def tree(self) -> list[Branch]:
-        """Return the top-level commanders, each with everything below it."""
-        return tree_of(self.groups)
-
 
 @dataclass(frozen=True)
 class Branch:

@@ -109,13 +109,9 @@ class Learned:
         states = map(Use.parse, self.states)
         return learn_numbers(states, self.scales, self.examples, self.numbers_of)
 
-    def tree(self, state: str) -> TransitionTree | None:
-        """Return the tree of a state, if it has one."""
-        return self.trees.get(state)
-
     def decides(self, state: str, values: Sequence[float]) -> Mapping[str, float]:
         """Return the probability of each next state; nothing if that is unknown."""
-        tree = self.tree(state)
+        tree = self.trees.get(state)
         if tree is None or any(math.isnan(v) for v in values):
             return {}
         return tree.explain(values, self.features).distribution

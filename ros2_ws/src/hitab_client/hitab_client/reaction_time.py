@@ -124,18 +124,13 @@ def simulated(seconds: float, status: WorldStatus | None, speed: float = 1.0) ->
 def measured(
     signal: Callable[[], None],
     pressed: Callable[[float], float | None],
-    *,
-    rounds: int = ROUNDS,
-    clock: Callable[[], float] = time.monotonic,
 ) -> float:
     """Measure a person's reaction time: they press a key at each signal.
 
     Args:
         signal: gives the signal.
         pressed: waits for the key, for so many seconds at most; returns when it was pressed, by
-            the clock, or None.
-        rounds: how often.
-        clock: tells the time, s.
+            the monotonic clock, or None.
 
     Returns:
         The median, s, to a hundredth.
@@ -144,14 +139,14 @@ def measured(
         SwarmError: if the key was not pressed in half of the rounds.
     """
     times = []
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         while pressed(random.uniform(0.8, 2.0)) is not None:
             pass  # too early
         signal()
-        shown = clock()
+        shown = time.monotonic()
         at = pressed(LONGEST)
         if at is not None:
             times.append(at - shown)
-    if len(times) < math.ceil(rounds / 2):
+    if len(times) < math.ceil(ROUNDS / 2):
         raise SwarmError("the key was pressed too rarely; try again", Do.MEASURE_REACTION())
     return check(round(statistics.median(times), 2))

@@ -59,10 +59,6 @@ class Stops:
         """The ROS domain."""
         return int(self._link.node.context.get_domain_id())
 
-    def spin(self) -> None:
-        """Hear what they say, for a moment."""
-        self._link.spin(0.02)
-
     def look(self) -> None:
         """Look who is there; call it about twice a second."""
         for topic in set(self._link.topics_of_type(TYPE)) - self._topics:
@@ -197,7 +193,7 @@ class Stops:
                 end.look()
             while time.monotonic() < until:
                 for end in ends:
-                    end.spin()
+                    end._link.spin(0.02)
 
     @staticmethod
     def settled(ends: Sequence[Stops]) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
@@ -78,15 +78,6 @@ class WorldClient:
         else:
             self.status, self.stranger = None, status.swarm
 
-    def refuse_stranger(self) -> None:
-        """Raise if the world is known to belong to another swarm.
-
-        Raises:
-            SwarmError: naming both swarms.
-        """
-        if self.stranger is not None:
-            raise other_swarm("the world", self.stranger, self.identity)
-
     def _take_state(self, state: WorldState) -> None:
         self.state = state
         now, simulated = time.monotonic(), seconds_of(state.header.stamp)
@@ -114,7 +105,8 @@ class WorldClient:
             seconds,
             waiting_for=lambda: "the world",
         )
-        self.refuse_stranger()
+        if self.stranger is not None:
+            raise other_swarm("the world", self.stranger, self.identity)
         if self.status is None:
             late = f"the world has been silent for {seconds:g} s"
             silent = SwarmError(late, Do.LOGS(node=names.WORLD))
@@ -321,8 +313,3 @@ class WorldClient:
             return f"; no node answers for {', '.join(self.missing)}"
         problem = self.status.last_error if self.status is not None else ""
         return f"; the world reports: {problem}" if problem else ""
-
-
-def by_name(entities: Iterable[Entity]) -> dict[str, Entity]:
-    """Return entities by name."""
-    return {entity.name: entity for entity in entities}

@@ -20,7 +20,7 @@ def folder(tmp_path, monkeypatch):
 def test_a_recording_gets_another_name(folder):
     assert recordings.rename("one.mcap", " goal 1 ") == folder / "goal 1.mcap"
     assert (folder / "goal 1.mcap").read_bytes() == b"one.mcap"
-    assert {r.name for r in recordings.recordings()} == {"goal 1.mcap", "two.mcap"}
+    assert {r.path.name for r in recordings.recordings()} == {"goal 1.mcap", "two.mcap"}
     assert recordings.rename("two.mcap", "two.mcap") == folder / "two.mcap"
 
 

@@ -199,8 +199,8 @@ def described_kind(name: str, described: Mapping[str, Any]) -> CommanderKind:
 
 
 def _opened(document: Document) -> CommanderKind:
-    record = open_record(KindRecord, document, FORMAT, VocabularyError)
-    complaints = Complaints(document, VocabularyError)
+    record = open_record(KindRecord, document, FORMAT)
+    complaints = Complaints(document)
     kind = kind_in(record, record.commander, complaints)
     if not record.commander:
         complaints.add((), "`commander:` is missing here; write the name of the kind")

@@ -19,6 +19,7 @@ from hitab_core.automaton import FLAGS
 from hitab_core.caution import CautionMonitor, WhenUnsure
 from hitab_core.domain import Domain
 from hitab_core.errors import (
+    FeatureValueError,
     FolderInUseError,
     LibraryError,
     LostBehaviorError,
@@ -27,7 +28,6 @@ from hitab_core.errors import (
 )
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import Bundle, digest_in, plan_bundle, read_bundle
 from hitab_core.library.change import refused_name
 from hitab_core.library.contents import Losses
 from hitab_core.library.edition import Edition
@@ -36,7 +36,7 @@ from hitab_core.remedies import Do, Remedy
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
-from hitab_core.running.senses import Senses
+from hitab_core.running.senses import BLIND, Senses
 from hitab_core.saving import Saved, edition_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
@@ -161,8 +161,8 @@ class Agent:
     @property
     def behavior(self) -> str:
         """The top-level behavior, or the automaton being trained; empty if idle."""
-        if self.mode in (Mode.TRAINING, Mode.TESTING) and self.session is not None:
-            return self.session.curriculum.name
+        if self._trained is not None:
+            return self._trained.curriculum.name
         return "" if self.mode is Mode.IDLE or self.top is None else str(self.top)
 
     @property
@@ -189,11 +189,16 @@ class Agent:
     @property
     def running(self) -> Running | None:
         """What it performs, its training included; None: nothing."""
-        if self.mode is Mode.IDLE:
-            return None
-        if self.mode is Mode.PERFORMING or self.session is None:
-            return self._performance
-        return self.session.running
+        return self._performed if self._trained is None else self._trained.running
+
+    @property
+    def _trained(self) -> TrainingSession | None:
+        """The training, unless it waits while something else is performed."""
+        return self.session if self.mode in (Mode.TRAINING, Mode.TESTING) else None
+
+    @property
+    def _performed(self) -> Running | None:
+        return self._performance if self.mode is Mode.PERFORMING else None
 
     # -- perceiving and acting --------------------------------------------------------------
 
@@ -222,18 +227,18 @@ class Agent:
         self.context.clock.now = time
         self.body.sense(values, heard)
         self.context.senses.forget()
-        if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
-            self.session.perceived(cycle, time, jumped=jumped)
+        if (session := self._trained) is not None:
+            session.perception.keep(session.running, cycle, time, jumped=jumped)
 
     def restart(self, seed: int, episode: int) -> None:
         """Begin an episode: reseed the agent's random numbers, put the behavior in Start."""
         self._episode_since = self.cycle
         self._random.seed(agent_seed(seed, episode, self.name))
-        if self.session is not None and self.mode in (Mode.TRAINING, Mode.TESTING):
-            self.session.restart()
-        elif self._performance is not None and self.mode is Mode.PERFORMING:
-            self._performance.stop()
-            self._performance.start()
+        if self._trained is not None:
+            self._trained.restart()
+        elif self._performed is not None:
+            self._performed.stop()
+            self._performed.start()
 
     def tick(self) -> None:
         """Perform one timestep on the last percept.
@@ -241,33 +246,15 @@ class Agent:
         Raises:
             FeatureValueError: if a feature that a decision needs has no value.
         """
-        if self.monitor.is_on and not self._dares():
+        active = self._trained or self._performed
+        if active is None:
             return
-        if self.mode is Mode.PERFORMING:
-            if self._performance is not None:
-                self._performance.tick()
-        elif self.mode is not Mode.IDLE and self.session is not None:
-            self.session.tick()
-        if self.monitor.is_on and self._is_judged and not self.monitor.has_dared():
+        if self.mode is Mode.TRAINING:
+            active.tick()
+            return
+        examples = () if self._trained is None else self._trained.examples
+        if not self.monitor.watch(active.tick, self.running, self.context, examples):
             self._hand_back()
-
-    @property
-    def _is_judged(self) -> bool:
-        return self.mode in (Mode.PERFORMING, Mode.TESTING)
-
-    def _dares(self) -> bool:
-        """Return whether to decide; halt or hand back if it is unsure."""
-        self.monitor.judge(on=self._is_judged)
-        if not self._is_judged:
-            return True
-        trained = self.session.examples if self.mode is Mode.TESTING and self.session else ()
-        if self.monitor.is_sure(self.running, self.context, trained):
-            self.monitor.release()
-            return True
-        if self.monitor.caution.when_unsure is WhenUnsure.HALT:
-            self.monitor.halt(self.running)
-        self._hand_back()
-        return False
 
     def _hand_back(self) -> None:
         """Hand back if the agent's caution says so."""
@@ -372,7 +359,7 @@ class Agent:
         session = TrainingSession(
             self.context, curriculum, examples, self.journal.write, people=self.people
         )
-        self.journal.begin(curriculum, examples, session.readable)
+        self.journal.begin(curriculum, examples, session.perception.readable)
         self._stop()
         self.session = session
         self.mode = Mode.TRAINING
@@ -418,7 +405,7 @@ class Agent:
         if session.perception.moments.latest is None and 0.0 <= ago <= KEPT_SECONDS:
             ago, seen = 0.0, 0  # nothing has changed since the training began
         if self.awaits_percept:
-            self.context.senses.check_perceived()
+            raise FeatureValueError(BLIND)
         with self.context.senses.blind_unless_perceived():
             return session.command(use, self.cycle, ago=ago, seen=seen, pace=pace, request=request)
 
@@ -499,14 +486,15 @@ class Agent:
                 state = self._state(edition, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
-            self.journal.saved(saved.name, saved.checksum)
+            record = {"do": "save", "automaton": saved.name, "checksum": saved.checksum}
+            self.journal.write(record)
             change.commit()
         self.journal.archive()
         write_people(self._folder, self.people)
         self._latest_saved = saved.name
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
-        return Saved(saved.automaton, self.library.path(saved.name), notes, replaced)
+        return Saved(saved.automaton, self.library.shelf.file(saved.name), notes, replaced)
 
     def discard(self) -> None:
         """Give up the training under way and perform nothing.
@@ -552,28 +540,6 @@ class Agent:
             )
         self.take_up(edition, library=library)
         return sorted(self.edition.files)
-
-    def take_in(self, bundle: Bundle, start: Use | None = None) -> str:
-        """Add behaviors sent by another agent, all or none, and restart what is being performed.
-
-        Args:
-            bundle: the behaviors.
-            start: what to perform instead of the active behavior.
-
-        Returns:
-            The digest of these files as they are now in the library.
-
-        Raises:
-            LibraryError, VocabularyError: naming everything wrong with the bundle, or what it does
-                not fit; nothing has changed.
-        """
-        files = read_bundle(bundle, self.library.editions)
-        with self.library.change() as change:
-            edition = plan_bundle(change, bundle)
-            state = self._state(edition, self.check_fit(edition, start))
-            change.commit()
-        self._swap(state, self.library)
-        return digest_in(edition, files)
 
     def take_up(
         self, edition: Edition, start: Use | None = None, library: BehaviorLibrary | None = None

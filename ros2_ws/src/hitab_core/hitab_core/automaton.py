@@ -140,8 +140,3 @@ class Automaton:
     def behaviors_used(self) -> frozenset[str]:
         """Names of the behaviors that its states perform."""
         return frozenset(state.name for state in self.states if state.name not in FLAGS)
-
-    @property
-    def flags(self) -> tuple[str, ...]:
-        """The flags that it can raise."""
-        return tuple(label for label in self._labels if label in FLAGS)

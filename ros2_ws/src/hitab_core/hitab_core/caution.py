@@ -9,18 +9,16 @@ is known only afterwards: far from the moments that showed them, it does nothing
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
-from hitab_core.automaton import OWN_FEATURES
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.remedies import Do
 from hitab_core.running.running_automaton import Reach, RunContext, Running, RunningAutomaton
-from hitab_core.running.senses import value_or_nan
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.vocabulary import unknown
 
@@ -100,56 +98,63 @@ class CautionMonitor:
         self._halted: Running | None = None
         self._rated: dict[tuple[int, str], tuple[TransitionFunction, Confidences]] = {}
 
-    @property
-    def is_on(self) -> bool:
-        """Whether decisions are judged."""
-        return self.caution.when_unsure is not WhenUnsure.GO_ON
-
     def set(self, caution: Caution) -> None:
         """Judge by another caution from now on."""
         if caution.when_unsure is not WhenUnsure.HALT:
-            self.release()
+            self._release()
         self.caution, self.unsure = caution, ""
-        self.judge(on=False)
 
-    def judge(self, *, on: bool) -> None:
-        """Judge the numbers of the tick that follows, or let all pass."""
-        self.reach.farthest = (on and self.caution.distance) or math.inf
-        self.reach.beyond = ""
-
-    def has_dared(self) -> bool:
-        """Return whether the tick did all; `unsure` says why not."""
-        self.unsure = self.reach.beyond
-        return not self.unsure
-
-    def is_sure(
-        self, running: Running | None, context: RunContext, trained: Sequence[Example] = ()
+    def watch(
+        self,
+        tick: Callable[[], None],
+        running: Running | None,
+        context: RunContext,
+        trained: Sequence[Example] = (),
     ) -> bool:
-        """Judge the next decisions on all levels of what is performed; `unsure` says why not.
+        """Have the next decisions made if they are sure on all levels, or if none are judged.
 
         Args:
+            tick: makes them.
             running: what is performed.
             context: of the agent.
             trained: examples of the outermost automaton, if that is in training.
+
+        Returns:
+            Whether everything was done; `unsure` says why not.
         """
-        self.unsure = ""
-        examples = trained
-        while isinstance(running, RunningAutomaton) and not self.unsure:
-            function = running.function
-            own = examples or running.automaton.examples
-            if function is not None and own:
-                doubt = self._doubt(running, function, own, context)
-                self.unsure = f"{running.label} in {running.active}: {doubt}" if doubt else ""
-            running, examples = running.child, ()
+        if self.caution.when_unsure is WhenUnsure.GO_ON:
+            tick()
+            return True
+        self.unsure = self._doubts(running, context, trained)
+        if not self.unsure:
+            self._release()
+            self.reach.farthest, self.reach.beyond = self.caution.distance or math.inf, ""
+            try:
+                tick()
+            finally:
+                self.reach.farthest = math.inf
+            self.unsure = self.reach.beyond
+        elif self.caution.when_unsure is WhenUnsure.HALT:
+            self._halt(running)
         return not self.unsure
 
-    def _doubt(
-        self,
-        running: RunningAutomaton,
-        function: TransitionFunction,
-        examples: Sequence[Example],
-        context: RunContext,
+    def _doubts(
+        self, running: Running | None, context: RunContext, examples: Sequence[Example]
     ) -> str:
+        """Return why a decision is unsure; empty if all are sure."""
+        while isinstance(running, RunningAutomaton):
+            own = examples or running.automaton.examples
+            if own and (doubt := self._doubt(running, own, context)):
+                return f"{running.label} in {running.active}: {doubt}"
+            running, examples = running.child, ()
+        return ""
+
+    def _doubt(
+        self, running: RunningAutomaton, examples: Sequence[Example], context: RunContext
+    ) -> str:
+        function = running.function
+        if function is None:
+            return ""
         features, state = running.automaton.features, running.active
         rated = self._rated.get((id(function), state))
         if rated is None or rated[0] is not function:
@@ -157,16 +162,11 @@ class CautionMonitor:
             evidence = Evidence.of(state, examples, scales, [str(use) for use in features])
             rated = function, Confidences(function, evidence)
             self._rated[id(function), state] = rated
-        values = [
-            running.own_feature(use)
-            if use in OWN_FEATURES
-            else value_or_nan(context.senses.look, use.bound(running.bindings))
-            for use in features
-        ]
+        values = list(map(running.look, features))
         return rated[1](values).doubts(self.caution.support, self.caution.distance)
 
-    def halt(self, running: Running | None) -> None:
-        """Stop the basic behavior that is performed, until `release`."""
+    def _halt(self, running: Running | None) -> None:
+        """Stop the basic behavior that is performed, until it is released."""
         if self._halted is None:
             while isinstance(running, RunningAutomaton):
                 running = running.child
@@ -174,7 +174,7 @@ class CautionMonitor:
                 running.stop()
                 self._halted = running
 
-    def release(self) -> None:
+    def _release(self) -> None:
         """Start again what was halted."""
         halted, self._halted = self._halted, None
         if halted is not None:

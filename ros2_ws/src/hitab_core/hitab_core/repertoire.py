@@ -23,6 +23,7 @@ class Repertoire:
 
     Attributes:
         domain: of the robot.
+        automata: hand-written and trained, by name.
         lost: why behaviors cannot be used, by name. If the library cannot be read, any unknown
             one may be among them.
     """
@@ -37,28 +38,23 @@ class Repertoire:
         self.domain = domain
         self.lost = dict(lost or {})
         self._unread = unread
-        self._automata: dict[str, Automaton] = {}
+        self.automata: dict[str, Automaton] = {}
         for automaton in domain.automata.values():
             if automaton.name not in self.lost:
-                self._automata[automaton.name] = automaton
+                self.automata[automaton.name] = automaton
         for automaton in (trained or {}).values():
             self.check_name(automaton.name)
-            self._automata[automaton.name] = automaton
+            self.automata[automaton.name] = automaton
         behaviors: dict[str, BasicBehavior | Automaton] = {
             name: b for name, b in domain.behaviors.items() if name not in self.lost
         }
-        behaviors |= self._automata
+        behaviors |= self.automata
         self._parameters = {name: behavior.parameters for name, behavior in behaviors.items()}
-        circle = circle_among(self._automata, self._used)
+        circle = circle_among(self.automata, self._used)
         if circle:
             _refuse(circle)
-        for automaton in self._automata.values():
+        for automaton in self.automata.values():
             self._check_uses(automaton)
-
-    @property
-    def automata(self) -> Mapping[str, Automaton]:
-        """The automata, hand-written and trained, by name."""
-        return self._automata
 
     @property
     def vacancies(self) -> tuple[str, ...]:
@@ -81,10 +77,10 @@ class Repertoire:
     @property
     def _vacant(self) -> list[str]:
         out, automata = sorted(self.domain.taken_out), self.domain.automata
-        return [name for name in out if self._automata.get(name) is automata[name]]
+        return [name for name in out if self.automata.get(name) is automata[name]]
 
     def _need(self, name: str) -> str:
-        users = [user for user in self._automata if name in self.needed_by(user)[:-1]]
+        users = [user for user in self.automata if name in self.needed_by(user)[:-1]]
         return f"; it is needed for {', '.join(sorted(users))}" if users else ""
 
     def __contains__(self, name: object) -> bool:
@@ -102,7 +98,7 @@ class Repertoire:
             VocabularyError: if there is none.
         """
         self._refuse_lost(name)
-        found = self._automata.get(name) or self.domain.behaviors.get(name)
+        found = self.automata.get(name) or self.domain.behaviors.get(name)
         if found is None:
             raise VocabularyError(unknown("behavior", name, self.names()))
         return found
@@ -160,15 +156,6 @@ class Repertoire:
         self.check_state(use)
         self.commanded(use)
 
-    def check_new(self, automaton: Automaton) -> None:
-        """Check an automaton, including its name, before training it.
-
-        Raises:
-            VocabularyError: naming what is wrong.
-        """
-        self.check_name(automaton.name)
-        self.check(automaton)
-
     def check(self, automaton: Automaton) -> None:
         """Check that everything ``automaton`` uses exists and that it is not recursive.
 
@@ -200,7 +187,7 @@ class Repertoire:
             raise VocabularyError(f'automaton "{automaton.name}": {error}') from None
 
     def _used(self, name: str) -> Iterable[str]:
-        automaton = self._automata.get(name)
+        automaton = self.automata.get(name)
         return () if automaton is None else automaton.behaviors_used
 
     def check_name(self, name: str) -> None:
@@ -220,7 +207,7 @@ class Repertoire:
     def needed_by(self, name: str) -> list[str]:
         """Return the automata that ``name`` is made of, dependencies first, itself last."""
         self.get(name)
-        return [made for made in in_order([name], self._used) if made in self._automata]
+        return [made for made in in_order([name], self._used) if made in self.automata]
 
 
 def _refuse(circle: Sequence[str]) -> NoReturn:

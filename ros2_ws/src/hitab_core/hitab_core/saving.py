@@ -69,7 +69,7 @@ def edition_with(
     """
     losses = known.losses
     try:
-        if losses and change.problems.keys() <= losses.reasons.keys():
+        if losses and change.contents.problems.keys() <= losses.reasons.keys():
             return change.edition()  # what was lost may be usable again
         # Other agents' additions to a shared library are picked up on reload.
         return library.editions.of({**known.files, saved.name: saved}, losses)

@@ -26,7 +26,7 @@ def spreads(values: Floats, scales: Sequence[Scale]) -> Floats:
     for f, scale in enumerate(scales):
         if not scale.kind.is_measured:
             continue
-        apart = _differences(values[:, f], scale)
+        apart = differences(values[:, f], values[:, f], scale)
         apart = apart[apart > 0]  # NaN is not
         if len(apart):
             found[f] = float(np.median(apart))
@@ -49,8 +49,9 @@ def distances(values: Floats, scales: Sequence[Scale], spread: Floats) -> Floats
     """
     found = np.zeros((len(scales), len(values), len(values)))
     for f, scale in enumerate(scales):
-        apart = _differences(values[:, f], scale)
-        apart = apart / (apart + spread[f]) if scale.kind.is_measured else np.sign(apart)
+        apart = differences(values[:, f], values[:, f], scale)
+        if scale.kind.is_measured:
+            apart /= apart + spread[f]
         lacking = np.isnan(values[:, f])
         apart[lacking[:, None] | lacking] = 0.5
         apart[lacking[:, None] & lacking] = 0.0
@@ -58,9 +59,17 @@ def distances(values: Floats, scales: Sequence[Scale], spread: Floats) -> Floats
     return found
 
 
-def _differences(column: Floats, scale: Scale) -> Floats:
-    apart = np.abs(column[:, None] - column)
+def differences(some: Floats, others: Floats, scale: Scale) -> Floats:
+    """Return how much values of a feature differ from others, shape (k, n); NaN: one is missing.
+
+    On a circle it is the shorter way round. Values that compare by equality differ by 0 or 1.
+
+    Args:
+        some, others: shapes (k,) and (n,).
+        scale: how they compare.
+    """
+    apart = np.abs(some[:, None] - others)
     if scale.kind is FeatureKind.TOROIDAL:
         apart %= scale.period
-        apart = np.minimum(apart, scale.period - apart)
-    return apart
+        return np.minimum(apart, scale.period - apart)
+    return apart if scale.kind.is_measured else np.sign(apart)

@@ -39,6 +39,6 @@ def test_an_example_that_lacks_the_tested_value_supports_every_leaf_in_part():
     rows = [("S", (1.0,), "A", False), ("S", (9.0,), "B", False), ("S", (9.5,), "B", False)]
     given = evidence([*rows, ("S", (math.nan,), "B", False)], [METERS], ["Range"], ["m"])
     rate = Confidences(given.learn(), given)
-    supports = [rate([v]).support.ordinary for v in (1.0, 9.0)]
+    supports = [rate([v]).support for v in (1.0, 9.0)]
     assert sum(supports) == pytest.approx(4)
     assert supports[0] == pytest.approx(1 + 1 / 3)

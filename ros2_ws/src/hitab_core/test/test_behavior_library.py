@@ -59,7 +59,7 @@ def test_what_was_saved_is_there_for_others(
 ) -> None:
     other = again(library)
     trained = other.load()
-    assert sorted(trained) == other.names() == ["Approach", "Control", "Keepaway"]
+    assert sorted(trained) == sorted(other.files) == ["Approach", "Control", "Keepaway"]
     assert trained["Keepaway"].examples == keepaway.examples
     assert other.digest == library.digest
     assert Repertoire(robot, trained).needed_by("Keepaway") == ["Approach", "Control", "Keepaway"]
@@ -147,10 +147,10 @@ def test_earlier_versions_are_kept_and_can_be_restored(
     first = library.file("Approach").checksum
     library.save(teach("Approach", ["DistanceTo(ball)"], [("Start", [3], "GoSlow")]))
     second = library.file("Approach")
-    assert library.versions("Approach") == [1, 2]
+    assert library.shelf.versions("Approach") == [1, 2]
     assert second.provenance.version == 2
     assert second.provenance.earlier == first
-    assert library.version("Approach", 1).checksum == first
+    assert library.shelf.version("Approach", 1).checksum == first
     library.restore("Approach", 1)
     third = again(library).file("Approach")
     assert third.automaton.examples == approach.examples
@@ -169,7 +169,7 @@ def test_the_difference_between_versions_names_examples_rules_states_and_feature
             [("Start", [20.25, 0], "GoFast"), ("GoFast", [9, 1], "Kick")],
         )
     )
-    found = difference(library.version("Approach", 1), library.version("Approach", 2))
+    found = difference(library.shelf.version("Approach", 1), library.shelf.version("Approach", 2))
     assert found.startswith(
         "- state GoSlow\n- state Stop\n+ state Kick\n+ feature BallIsKickable\nrules:\n"
     )
@@ -259,7 +259,7 @@ def test_a_name_cannot_lead_out_of_the_folder(library: BehaviorLibrary) -> None:
     with pytest.raises(LibraryError, match="no behavior can be called"):
         library.install({"../Approach": library.texts()["Approach"]})
     with pytest.raises(LibraryError, match="no behavior can be called"):
-        library.versions("../../library")
+        library.shelf.versions("../../library")
 
 
 def test_transition_functions_that_are_not_what_the_examples_teach_are_refused(
@@ -300,7 +300,7 @@ def test_a_file_changed_by_other_means_is_kept_before_it_is_replaced(
     with pytest.raises(LibraryError, match="it would take the place of a lost behavior"):
         again(library).save(approach)
     again(library).restore("Approach", 1)
-    assert library.versions("Approach") == [1, 2, 3]
+    assert library.shelf.versions("Approach") == [1, 2, 3]
     kept = library.folder / ".versions/Approach/0002.hfa.yaml"
     assert kept.read_bytes() == b"\xff something of value"
     assert again(library).load().keys() == {"Approach", "Control", "Keepaway"}
@@ -319,11 +319,11 @@ def test_installing_is_all_or_nothing(
     assert snapshot(tmp_path / "other") == {}
     assert other.install(texts) == ["Approach", "Control", "Keepaway"]
     assert other.install(texts) == []
-    assert other.versions("Control") == [1]
+    assert other.shelf.versions("Control") == [1]
     noted = {**texts, "Control": texts["Control"] + "# well done\n"}
     assert other.install(noted) == ["Control"]
     assert again(other).texts() == noted
-    assert other.versions("Control") == [1, 2]
+    assert other.shelf.versions("Control") == [1, 2]
 
 
 def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
@@ -469,9 +469,9 @@ def test_readers_never_see_half_of_what_several_writers_write_even_if_they_are_k
 
 def read_together(folder: Path) -> bytes:
     """Return what all files hold, as a reader of a library sees them."""
-    from hitab_core.library.folder import LibraryFolder
+    from hitab_core.library.commit import held
 
-    with LibraryFolder(folder).held(alone=False):
+    with held(folder, alone=False):
         found = {
             path.read_bytes() if path.exists() else b""
             for path in (folder / name for name in ("One.txt", "Two.txt", ".versions/A/1.txt"))
@@ -513,7 +513,7 @@ def test_two_processes_that_save_the_same_behavior_lose_no_version(tmp_path: Pat
 
     robot = Domain.of("r", "1", lambda name: None, behaviors=[BasicBehavior("Stop")], features=[])
     library = BehaviorLibrary(folder, robot)
-    assert library.versions("Rest") == list(range(1, 17))
-    files = [library.version("Rest", number) for number in library.versions("Rest")]
+    assert library.shelf.versions("Rest") == list(range(1, 17))
+    files = [library.shelf.version("Rest", number) for number in library.shelf.versions("Rest")]
     assert [file.provenance.earlier for file in files[1:]] == [f.checksum for f in files[:-1]]
     assert {file.provenance.agent for file in files} == {"keeper_1", "keeper_2"}

@@ -40,7 +40,7 @@ def repertoire(robot: Domain, library: BehaviorLibrary) -> Repertoire:
 
 @pytest.fixture
 def bundle(library: BehaviorLibrary, repertoire: Repertoire) -> Bundle:
-    return make_bundle(library, repertoire, "Keepaway")
+    return make_bundle(library.texts(), repertoire, "Keepaway")
 
 
 def repacked(*files: tuple[str, str]) -> Bundle:
@@ -54,11 +54,10 @@ def install(bundle: Bundle, receiver: BehaviorLibrary) -> list[str]:
 
 
 def test_a_bundle_holds_all_that_a_behavior_is_made_of_each_after_what_it_uses(
-    bundle: Bundle, library: BehaviorLibrary, repertoire: Repertoire
+    bundle: Bundle,
 ) -> None:
     assert [name for name, _ in bundle.files] == ["Approach", "Control", "Keepaway"]
     assert bundle.name == "Keepaway"
-    assert make_bundle(library.texts(), repertoire, "Keepaway") == bundle
 
 
 def test_a_receiver_has_the_same_files_and_digests_as_the_sender(
@@ -76,11 +75,11 @@ def test_what_is_not_there_or_not_saved_cannot_be_sent(
     library: BehaviorLibrary, repertoire: Repertoire, teach: Teach
 ) -> None:
     with pytest.raises(LibraryError, match='"Dance" cannot be sent: unknown behavior "Dance"'):
-        make_bundle(library, repertoire, "Dance")
+        make_bundle(library.texts(), repertoire, "Dance")
     new = teach("New", [], [("Start", [], "Keepaway")])
     repertoire = Repertoire(repertoire.domain, {**repertoire.automata, "New": new})
     with pytest.raises(LibraryError, match=r'"New" has no file .*; save it first'):
-        make_bundle(library, repertoire, "New")
+        make_bundle(library.texts(), repertoire, "New")
 
 
 def test_a_bundle_that_changed_on_its_way_is_refused(bundle: Bundle, robot: Domain) -> None:
@@ -132,4 +131,4 @@ def test_a_bundle_that_does_not_fit_the_receivers_own_behaviors_changes_nothing(
         install(bundle, receiver)
     receiver.load()
     assert receiver.digest == before
-    assert receiver.names() == ["Approach", "Mine"]
+    assert sorted(receiver.files) == ["Approach", "Mine"]

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from hitab_core.advice.confidence import Confidence, Confidences
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import UNKNOWN, Nearness
-from hitab_core.advice.support import Support
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
@@ -52,10 +51,10 @@ BALL = [
 ]
 
 
-def test_support_is_that_of_the_leaf_with_default_examples_apart():
+def test_support_is_the_number_of_examples_in_the_leaf():
     rate = rated(BALL, [METERS, BOOLEAN_SCALE])
-    assert rate([8.5, 0.0]).support == Support(ordinary=1, default=2)
-    assert rate([8.5, 1.0]).support == Support(ordinary=1, default=0)
+    assert rate([8.5, 0.0]).support == 3
+    assert rate([8.5, 1.0]).support == 1
 
 
 def test_distance_on_a_line_is_in_median_differences_of_the_examples():
@@ -77,13 +76,13 @@ def test_values_that_are_missing_are_left_out():
 def test_a_decision_without_a_tested_value_is_as_sure_as_its_weakest_leaf():
     rate = rated(BALL, [METERS, BOOLEAN_SCALE])
     assert rate([8.5, None]) == rate([8.5, math.nan])
-    assert rate([8.5, None]).support == Support(ordinary=1, default=0)
+    assert rate([8.5, None]).support == 1
 
 
 def test_of_what_is_no_tree_only_the_distance_is_known():
     known = evidence([((0.0, 0.0), "A", False), ((2.0, 0.0), "B", False)], [METERS, METERS])
     found = Confidences(HandWritten(lambda first: "A", (0,)), known)([3.0, None])
-    assert math.isnan(found.support.examples)
+    assert math.isnan(found.support)
     assert found.distance == pytest.approx(0.5)
     assert found.doubts(2, 0) == ""
     assert found.doubts(2, 0.4) == "it is 0.5 spreads of the examples from the nearest one"
@@ -109,7 +108,7 @@ def test_an_automaton_is_rated_by_state_and_its_superseded_examples_support_noth
     }
     assert [state for state, of in evidence.items() if of.next_states] == ["Start", "Go"]
     rated = Confidences(shuttle.transitions["Go"], evidence["Go"])
-    assert rated([1.0]) == Confidence(Support(1, 0), 0)
+    assert rated([1.0]) == Confidence(1, 0)
 
 
 @given(
@@ -132,6 +131,6 @@ def test_the_distance_is_that_of_the_nearest_example_in_the_tested_features(rows
     assert found.distance == pytest.approx(
         Nearness(known.values, scales, sorted(tested))(situation)
     )
-    assert found.support.ordinary >= 1
+    assert found.support >= 1
     for row in known.values.tolist():
         assert rate(row).distance == pytest.approx(0, abs=1e-9)

@@ -14,7 +14,7 @@ from hitab_core.commanding.subordinate import Subordinate
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import Bundle, make_bundle
+from hitab_core.library.bundle import Bundle, make_bundle, plan_bundle
 from hitab_core.remedies import Do
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
@@ -251,7 +251,7 @@ def test_what_is_restored_comes_back_with_all_that_is_made_of_it(
     assert agent.reload() == ["High", "Low", "Middle", "Other"]
     assert agent.faults == ()
     assert agent.behavior == "High", "it begins what it should have begun with"
-    assert agent.library.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
+    assert agent.library.shelf.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
 
 
 def test_what_is_given_up_can_be_trained_anew_and_brings_back_what_is_made_of_it(
@@ -275,14 +275,22 @@ def bundle_of(agent: Agent, name: str) -> Bundle:
     return make_bundle(agent.edition.texts, agent.repertoire, name)
 
 
+def take_in(agent: Agent, bundle: Bundle) -> None:
+    """Have an agent receive behaviors."""
+    with agent.library.change() as change:
+        edition = plan_bundle(change, bundle)
+        change.commit()
+    agent.take_up(edition)
+
+
 def test_other_behaviors_are_received_and_what_is_lost_stays_lost(
     trained: Agent, make: Make
 ) -> None:
     bob = make("bob")
-    bob.take_in(bundle_of(trained, "High"))
+    take_in(bob, bundle_of(trained, "High"))
     damage(bob, "Low")
     again = make("bob")
-    again.take_in(bundle_of(trained, "Other"))
+    take_in(again, bundle_of(trained, "Other"))
     assert sorted(again.edition.files) == ["Other"]
     assert "Low.hfa.yaml" in again.faults[0]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,10 +14,9 @@ from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle_file import (
-    bundle_text,
-    parts_of,
+    bundle_file_text,
     read_bundle_file,
-    read_bundled,
+    texts_with_parts,
 )
 from hitab_core.library.commit import COMMIT, carry_out, forget, withdraw
 from hitab_core.library.durable_files import sync_trees
@@ -90,8 +88,8 @@ def test_a_renamed_behavior_does_the_same_and_so_does_what_uses_it(
     ]
     assert other.file("Control").uses["ComeNear"] == other.file("ComeNear").checksum
     assert other.file("ComeNear").provenance.note == '"Approach" renamed to "ComeNear"'
-    assert other.versions("Approach") == [1], "it can still be restored"
-    assert other.versions("Control") == [1, 2]
+    assert other.shelf.versions("Approach") == [1], "it can still be restored"
+    assert other.shelf.versions("Control") == [1, 2]
 
 
 def test_behaviors_that_decide_otherwise_once_a_name_differs_are_named(
@@ -133,7 +131,7 @@ def test_a_name_that_is_taken_or_impossible_is_refused(
 def test_nothing_is_renamed_while_something_is_lost_that_may_use_it(
     library: BehaviorLibrary,
 ) -> None:
-    library.path("Keepaway").write_text("nothing")
+    library.shelf.file("Keepaway").write_text("nothing")
     with pytest.raises(
         LibraryError, match=r"files that may use it cannot be read.*Keepaway\.hfa\.yaml"
     ):
@@ -147,7 +145,7 @@ def test_nothing_is_renamed_while_something_is_lost_that_may_use_it(
 
 def export(library: BehaviorLibrary, *names: str) -> Path:
     path = library.folder.parent / "behaviors.yaml"
-    text = bundle_text(library.files, parts_of(library.files, names), library.domain.name)
+    text = bundle_file_text(texts_with_parts(library.files, names), library.domain.name)
     path.write_text(text, encoding="utf-8")
     return path
 
@@ -172,9 +170,8 @@ def test_every_text_is_read_as_it_was_written(
     library: BehaviorLibrary, tmp_path: Path, text: str
 ) -> None:
     """Texts written by other means, such as an editor with other ends of lines."""
-    files = {"Approach": replace(library.file("Approach"), text=text)}
     path = tmp_path / "behaviors.yaml"
-    path.write_bytes(bundle_text(files, ["Approach"], "small_robot").encode())
+    path.write_bytes(bundle_file_text({"Approach": text}, "small_robot").encode())
     assert read_bundle_file(path).texts == {"Approach": text}
 
 
@@ -202,16 +199,14 @@ def test_what_is_wrong_with_an_exported_file_is_named(
 def test_every_behavior_of_an_exported_file_is_checked(
     library: BehaviorLibrary, robot: Domain
 ) -> None:
-    files = {
-        name: replace(
-            library.file(name), text=library.file(name).text.replace("command: 1,", "command: 7,")
-        )
+    texts = {
+        name: library.file(name).text.replace("command: 1,", "command: 7,")
         for name in ("Approach", "Control")
     }
     path = library.folder.parent / "behaviors.yaml"
-    path.write_text(bundle_text(files, list(files), robot.name))
+    path.write_text(bundle_file_text(texts, robot.name))
     with pytest.raises(LibraryError) as refused:
-        read_bundled(read_bundle_file(path), Editions(robot))
+        Editions(robot).read_all(read_bundle_file(path).texts)
     assert "Approach.hfa.yaml:" in str(refused.value)
     assert "Control.hfa.yaml:" in str(refused.value)
 
@@ -222,7 +217,7 @@ def test_an_import_says_what_it_replaces(
     other = BehaviorLibrary(tmp_path / "other", robot)
     other.save(teach("Approach", [], [("Start", [], "Stop")]))
     other.save(teach("Control", [], [("Start", [], "Stop")]))
-    other.path("Control").write_text("nothing")
+    other.shelf.file("Control").write_text("nothing")
     with other.change() as change:
         assert change.install(library.texts()) == ["Approach", "Control", "Keepaway"]
         assert {name: change.replaced(name) for name in sorted(change.changed)} == {

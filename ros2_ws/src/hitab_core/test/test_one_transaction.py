@@ -10,7 +10,7 @@ from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import HitabError, LibraryError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import make_bundle
+from hitab_core.library.bundle import digest_in, make_bundle, plan_bundle
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -98,27 +98,13 @@ def _save_over_what_is_performed(agent, make):
     return agent.save
 
 
-def _take_in(agent, make):
-    teacher = make("teacher")
-    teach(teacher, "Low", "Left", "Right")
-    teach(teacher, "High", "Low")
-    bundle = make_bundle(teacher.edition.texts, teacher.repertoire, "High")
-    return lambda: agent.take_in(bundle)
-
-
-def _take_in_and_start(agent, make):
-    take_in = _take_in(agent, make)
-    agent.perform(Use("Left"))
-    return take_in
-
-
 def _reload(agent, make):
     other = make("other", BehaviorLibrary(agent.library.folder, agent.domain))
     teach(other, "More", "Right")
     return agent.reload
 
 
-CHANGES = (_save, _save_over_what_is_performed, _take_in, _take_in_and_start, _reload)
+CHANGES = (_save, _save_over_what_is_performed, _reload)
 
 
 @pytest.mark.parametrize("how", ["once", "full", "killed"])
@@ -209,7 +195,7 @@ def test_the_training_is_offered_again_if_it_was_about_to_be_saved_and_was_not(m
         def killed(folder, changes):
             raise Killed
 
-        patch.setattr("hitab_core.library.folder.commit", killed)
+        patch.setattr("hitab_core.library.change.commit", killed)
         with pytest.raises(Killed):
             agent.save()
     end_of(agent)
@@ -254,14 +240,22 @@ def test_a_bundle_that_does_not_fit_to_what_is_performed_is_refused_before_it_is
     teach(teacher, "Go", "Left")
     bundle = make_bundle(teacher.edition.texts, teacher.repertoire, "Go")
     before = known(pupil)
-    with pytest.raises(
-        VocabularyError, match=r'no longer perform "Go\(ball\)".*something else first'
+    with (
+        pupil.library.change() as change,
+        pytest.raises(
+            VocabularyError, match=r'no longer perform "Go\(ball\)".*something else first'
+        ),
     ):
-        pupil.take_in(bundle)
+        pupil.check_fit(plan_bundle(change, bundle))
     assert known(pupil) == known(make("pupil")) == before
     assert pupil.behavior == "Go(ball)"
     # The ways out that the error names, and that of starting what has come.
-    assert pupil.take_in(bundle, Use("Go")) == bundle.digest
+    with pupil.library.change() as change:
+        edition = plan_bundle(change, bundle)
+        pupil.check_fit(edition, Use("Go"))
+        change.commit()
+    pupil.take_up(edition, Use("Go"))
+    assert digest_in(pupil.edition, dict(bundle.files)) == bundle.digest
     assert pupil.behavior == "Go"
 
 

@@ -215,7 +215,7 @@ def test_what_was_saved_can_be_trained_again_with_other_features(cart: Driven) -
     cart.run(4)
     cart.command("Left")
     cart.agent.save()
-    text = cart.agent.library.path("Shuttle").read_text()
+    text = cart.agent.library.shelf.file("Shuttle").read_text()
     assert "readable:" in text
     again = Agent("cart", CART, BehaviorLibrary(cart.folder / "library", CART))
     again.begin(Curriculum("", (Use("Speed"), Use("Position"))), resume="Shuttle")

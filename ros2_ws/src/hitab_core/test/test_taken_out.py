@@ -108,7 +108,10 @@ def test_what_is_trained_fills_the_gap_while_the_hand_written_ones_are_performed
     player.perform(Use("Match"))
     assert does(player) == ""
     teach(teacher)
-    player.take_in(make_bundle(teacher.library, teacher.repertoire, "Servo"))
+    player.library.install(
+        dict(make_bundle(teacher.library.texts(), teacher.repertoire, "Servo").files)
+    )
+    player.reload()
     assert does(player) == "Crawl"
     assert player.active_path == ["Play", "Servo", "Crawl"]
     assert does(player, 6.0) == "Kick"

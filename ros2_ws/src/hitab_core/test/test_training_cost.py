@@ -41,7 +41,7 @@ class Day:
         self.agent.sense([0.0], [])
 
     def minutes(self) -> list[float]:
-        return [round(c.wall_seconds / MINUTE, 1) for c in self.agent.journal.costs("Chase")]
+        return [round(c.wall_seconds / MINUTE, 1) for c in self.agent.journal.costs()]
 
 
 @pytest.fixture

@@ -375,7 +375,8 @@ def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: l
                 len(model.past),
                 len(model.future),
             )
-            assert log.defaults == sum(e[4] in ("default", "superseded") for e in model.examples)
+            defaults = [e[4] for e in model.examples if e[4] in ("default", "superseded")]
+            assert [e.kind for e in log.examples if e.is_default] == defaults
             assert (trained.agent.mode is Mode.PERFORMING) == model.away
         trained.agent.journal.close()
 
@@ -434,7 +435,7 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             trained.command(("Left", "Right")[commands % 2])
             trained.session.delete([commands])
             trained.session.relabel([commands - 1], Use("Stay"))
-            trained.session.asked.count(trained.session.log)
+            trained.session.asked.known()
             command = len(looks)
             examples = trained.session.examples
             looks.clear()
@@ -442,7 +443,7 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             resuming = len(looks)
             assert trained.session.examples == examples
             looks.clear()
-            assert trained.agent.journal.costs("Home")[0].commands == commands + 1
+            assert trained.agent.journal.costs()[0].commands == commands + 1
             telling = len(looks)
             trained.agent.journal.close()
             return command, resuming / commands, telling / commands

@@ -87,7 +87,7 @@ def test_complaints_are_told_together_in_the_order_of_lines() -> None:
     class MyError(HitabError):
         pass
 
-    complaints = Complaints(read_yaml("a: 1\nb: 2\n", "f.yaml"), MyError)
+    complaints = Complaints(read_yaml("a: 1\nb: 2\n", "f.yaml", error=MyError))
     complaints.raise_any()
     complaints.add(("b",), "is wrong")
     complaints.add(("a",), "is not right")

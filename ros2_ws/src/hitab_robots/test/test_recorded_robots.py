@@ -112,7 +112,7 @@ def test_a_robot_is_trained_from_a_recording_bit_for_bit(
         stage.cycles(5)
         stage.ask(SaveBehavior, "save")
         stage.cycles(3)
-        stage.until(lambda: stage.recorder.count > 100)
+        stage.until(lambda: stage.recorder.bag.count > 100)
         stage.recorder.close()
         learned = stage.node.agent.edition.digest
         stage.executor.remove_node(stage.node)

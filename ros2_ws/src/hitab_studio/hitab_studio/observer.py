@@ -214,7 +214,7 @@ class Observer:
         self._markers.look(self.known.scene, self.known.doing(), self.colors)
         if self._recorder is not None:
             self._recorder.look()
-            self._know(recorded=self._recorder.count)
+            self._know(recorded=self._recorder.bag.count)
             if self._recorder.problem:
                 self._complain(self._recorder.problem, session=self._recording_page)
                 self.stop_recording()
@@ -264,7 +264,7 @@ class Observer:
             SwarmError: if a recording is running, or the file cannot be written.
         """
         if self._recorder is not None:
-            raise SwarmError(f"already recording to {self._recorder.path}")
+            raise SwarmError(f"already recording to {self._recorder.bag.path}")
         self._recorder = Recorder(self._link, path)
         self._recording_page = session
         self._know(recording=path, recorded=0)
@@ -280,4 +280,4 @@ class Observer:
             return ""
         self._know(recording="")
         recorder.close()
-        return str(recorder.path)
+        return str(recorder.bag.path)

@@ -178,18 +178,14 @@ def distribute(
         )
     console.note(report.message)
     told = [f"{name}: has it" for name in report.accepted]
-    told += [
-        f"{name}: refuses: {why.removeprefix(f'{name} ')}" for name, why in report.refused.items()
-    ]
-    told += [f"{name}: does not answer" for name in report.silent]
+    told += [f"{name}: {why}" for name, why in report.missing.items()]
     fields = ("sequence", "digest", "accepted", "refused", "silent")
     console.show(json, {field: getattr(report, field) for field in fields}, *told)
-    if not report.complete:
-        there = len(report.accepted)
-        total = there + len(report.refused) + len(report.silent)
+    if report.missing:
+        there, missing = len(report.accepted), len(report.missing)
         raise HitabError(
-            f'only {there} of {total} receivers have "{behavior}" now; mend what is said of '
-            "the others, and distribute it again"
+            f'only {there} of {there + missing} receivers have "{behavior}" now; mend what is '
+            "said of the others, and distribute it again"
         )
 
 

@@ -94,11 +94,11 @@ def _meant(
     Raises:
         SwarmError: if there is none, or no such commander; naming those that do not answer.
     """
-    from hitab_client import SwarmError
+    from hitab_client import SwarmError, tree_of
     from hitab_client.identity import other_swarm
     from hitab_core import has
 
-    tops = view.tree()
+    tops = tree_of(view.groups)
     all_ = {branch.name: branch for top in tops for branch in top.commanders()}
     if commander in all_ or (tops and not commander):
         return [all_[commander]] if commander else tops

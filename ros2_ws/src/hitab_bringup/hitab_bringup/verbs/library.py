@@ -69,7 +69,7 @@ def list_behaviors(
             names = some(sorted(there.problems))
             whose = some(agents) or str(folder)
             problems.append(f"{whose}: {names} cannot be used")
-        for name in there.names():
+        for name in sorted(there.files):
             row = _row(name, there.file(name))
             found.setdefault((name, row["checksum"]), row)["agents"] += agents
     data = [found[key] for key in sorted(found)]
@@ -187,15 +187,15 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
             continue
         there = open_library(folder)
         losses = there.edition(strict=False).losses
-        bad, known = len(there.problems), len(there.problems) + len(there.names())
+        bad, known = len(there.problems), len(there.problems) + len(sorted(there.files))
         if bad:
             behaviors = quantity(known, "behavior")
             wrong.append(f"{there.folder}: {bad} of {behaviors} cannot be used")
         wrong += [there.problems[name] for name in sorted(there.problems)]
         remedies += [remedy for ways in losses.remedies.values() for remedy in ways]
-        library_changes.tell_broken(there, *there.names())
+        library_changes.tell_broken(there, *sorted(there.files))
         if not losses:
-            names = quantity(len(there.names()), "behavior")
+            names = quantity(len(sorted(there.files)), "behavior")
             console.say(f"{there.folder}: {names}, nothing is wrong")
     if wrong:
         raise LibraryError("\n".join(wrong), *remedies)
@@ -227,13 +227,13 @@ def diff(
 
     there = opened(library, agent, swarm, name)
     there.load(strict=False)
-    versions = there.versions(name)
+    versions = there.shelf.versions(name)
     if not versions:
-        _known(name, there.names(), {})
+        _known(name, sorted(there.files), {})
     if len(versions) < 2 and before is None:
         raise LibraryError(f'{there.folder}: "{name}" has no earlier version to compare with')
-    old = there.version(name, before if before is not None else versions[-2])
-    new = there.version(name, after if after is not None else versions[-1])
+    old = there.shelf.version(name, before if before is not None else versions[-2])
+    new = there.shelf.version(name, after if after is not None else versions[-1])
     console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
     console.say(difference(old, new))
 

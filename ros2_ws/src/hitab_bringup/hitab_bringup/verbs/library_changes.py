@@ -51,7 +51,7 @@ def restore(
     there = opened(library, agent, swarm)
     if version is None:
         there.load(strict=False)
-        if versions := there.versions(name):
+        if versions := there.shelf.versions(name):
             raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
         kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
         raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
@@ -83,7 +83,7 @@ def accept(
         library = open_library(folder)
         accepted = library.accept_edits(*(name.removesuffix(SUFFIX) for name in names))
         for name in accepted:
-            console.say(f"accepted {library.path(name)}")
+            console.say(f"accepted {library.shelf.file(name)}")
             tell_broken(library, name)
         if accepted:
             _tell_users(folder)
@@ -112,7 +112,7 @@ def delete(
     console.say(f"deleted {name} from {there.folder}")
     if users:
         console.say(f"{', '.join(users)} cannot be used until there is a {name} again")
-    number = there.sound_version(name)
+    number = there.shelf.sound_version(name)
     if number is not None:
         console.say(as_command(Do.RESTORE(behavior=name, version=number, folder=there.folder)))
     else:
@@ -174,13 +174,13 @@ def export(
       hitab library export -l my_library -o trained.bundle.yaml
     """
     from hitab_core import LibraryError
-    from hitab_core.library import bundle_text, parts_of
+    from hitab_core.library import bundle_file_text, texts_with_parts
     from hitab_core.library.durable_files import file_errors, write_durably
 
     there = opened(library, agent, swarm)
     there.load()
-    parts = parts_of(there.files, names or there.names())
-    text = bundle_text(there.files, parts, there.domain.name)
+    texts = texts_with_parts(there.files, names or there.files)
+    text = bundle_file_text(texts, there.domain.name)
     path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
     if path.exists() and path.read_bytes() != text.encode() and not replace:
         raise LibraryError(
@@ -188,7 +188,7 @@ def export(
         )
     with file_errors(path, "write"):
         write_durably(path, text.encode())
-    console.say(f"wrote {', '.join(parts)} to {path}")
+    console.say(f"wrote {', '.join(texts)} to {path}")
 
 
 def import_(
@@ -215,7 +215,7 @@ def import_(
     from hitab_bringup.library_choice import known_libraries, library_meant
     from hitab_bringup.opened_library import domain_in, open_library
     from hitab_core import BehaviorLibrary, named_domain
-    from hitab_core.library import read_bundle_file, read_bundled
+    from hitab_core.library import read_bundle_file
 
     bundle = read_bundle_file(file)
     is_new = library is not None and library not in known_libraries()
@@ -225,7 +225,7 @@ def import_(
         if not folder.is_dir() or domain_in(folder) is None
         else open_library(folder)
     )
-    read = read_bundled(bundle, there.editions)
+    there.editions.read_all(bundle.texts)
     with there.change() as change:
         changed = change.install(bundle.texts)
         replaced = {name: change.before_it(name) for name in changed}
@@ -234,11 +234,10 @@ def import_(
             change.commit()
     if dry_run:
         console.note("nothing is changed; without --dry-run:")
-    for behavior in read:
-        what = replaced.get(behavior.name)
-        told = f"version {numbers[behavior.name]}, replaces {what}" if what else "new"
-        there_already = behavior.name not in changed
-        console.say(f"{behavior.name}: {'the same is there already' if there_already else told}")
+    for name in bundle.texts:
+        what = replaced.get(name)
+        told = f"version {numbers[name]}, replaces {what}" if what else "new"
+        console.say(f"{name}: {told if name in changed else 'the same is there already'}")
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
         tell_broken(there, *changed)

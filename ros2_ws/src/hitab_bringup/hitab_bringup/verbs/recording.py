@@ -88,7 +88,7 @@ def record(
     size = path.stat().st_size
     shown = f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"
     console.say(
-        f"recorded {quantity(recorder.count, 'message')} in {lasted:.0f} s to {path} ({shown})"
+        f"recorded {quantity(recorder.bag.count, 'message')} in {lasted:.0f} s to {path} ({shown})"
     )
 
 
@@ -103,7 +103,7 @@ def _path(output: Path | None, swarm: str) -> Path:
 
 def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
     """Record until the time is over, or the file cannot be written any more."""
-    console.note(f"recording to {recorder.path}; Ctrl-C ends it")
+    console.note(f"recording to {recorder.bag.path}; Ctrl-C ends it")
     began = time.monotonic()
     told: list[str] = []
     with _progress() as show:
@@ -117,7 +117,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
                 continue
             looked = now
             recorder.look()
-            show(f"{quantity(recorder.count, 'message')}, {now - began:.0f} s")
+            show(f"{quantity(recorder.bag.count, 'message')}, {now - began:.0f} s")
             if recorder.sessions != told and not recorder.awaited:
                 told = recorder.sessions
                 agents = ", ".join(agent.removeprefix("/") for agent in told)

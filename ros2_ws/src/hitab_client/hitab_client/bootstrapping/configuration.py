@@ -169,7 +169,7 @@ def read_configuration(path: Path, agent: str) -> Configuration:
         SwarmError: naming everything that is wrong, by file and line.
     """
     document = open_yaml(path, error=SwarmError)
-    return open_record(Configuration, document, FORMAT, SwarmError).about(agent)
+    return open_record(Configuration, document, FORMAT).about(agent)
 
 
 def with_condition(configuration: Configuration, text: str, agent: str) -> Configuration:
@@ -185,5 +185,5 @@ def with_condition(configuration: Configuration, text: str, agent: str) -> Confi
     """
     flow = text if text.lstrip().startswith("{") else f"{{{text}}}"
     document = read_yaml(f"wait: {flow}", "--wait", error=SwarmError)
-    read = open_record(Configuration, document, FORMAT, SwarmError).about(agent)
+    read = open_record(Configuration, document, FORMAT).about(agent)
     return configuration.but(wait=read.wait)

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Iterator, Mapping
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -212,8 +211,8 @@ def read_generations(folder: Path, agent: str, behavior: str) -> Generations:
     if not path.exists():
         return Generations(agent=agent, behavior=behavior).but(folder=folder)
     document = open_yaml(path, error=SwarmError)
-    read = open_record(Generations, document, FORMAT, SwarmError)
-    complaints = Complaints(document, SwarmError)
+    read = open_record(Generations, document, FORMAT)
+    complaints = Complaints(document)
     for key, found, own in (("agent", read.agent, agent), ("behavior", read.behavior, behavior)):
         if found != own:
             complaints.add((key,), f"`{key}: {found}` is not known {has([own], found)}")
@@ -245,11 +244,6 @@ def held(run_folder: Path) -> Iterator[None]:
                 "until that has ended, or end it with Ctrl-C"
             ) from None
         yield
-
-
-def time_now() -> str:
-    """Return the current time as ISO 8601, in UTC, to the second."""
-    return datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def record_of(generation: Generation) -> dict[str, Any]:

@@ -23,7 +23,6 @@ from hitab_client.bootstrapping.generations import (
     folder_of,
     held,
     read_generations,
-    time_now,
 )
 from hitab_client.bootstrapping.kept_copies import KeptCopies
 from hitab_client.bootstrapping.trainees import mates_of, refuse_unsaved, training_of
@@ -34,7 +33,7 @@ from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
 from hitab_core import Do, quantity, some
-from hitab_core.library import content_of, reissued
+from hitab_core.library import content_of, reissued, time_now
 
 Progress = Callable[[int, int, str], None]
 """Called with the amount done, the total (0: unknown) and the current activity."""
@@ -246,7 +245,7 @@ class Bootstrapping:
         agent, behavior = known.agent, known.behavior
         rest = Do.GO_BACK(agent=agent, behavior=behavior, generation=number)
         self.left = f"generation {number} is kept, but not given to all of the team; {rest}"
-        report = DistributionReport(0, "")
+        report = DistributionReport()
         if mates:
             report = self._swarm.distribute(
                 agent,
@@ -257,8 +256,7 @@ class Bootstrapping:
                 seconds=self._patience,
                 progress=lambda done, total: self._progress(done, total, "distributing"),
             )
-        missing = {name: f"refuses: {why}" for name, why in report.refused.items()}
-        missing |= dict.fromkeys(report.silent, "does not answer")
+        missing = report.missing
         made = made.but(team=tuple(report.accepted), missing=missing)
         if missing:
             made = made.but(unscored="it is not performed by all of the team")

@@ -210,8 +210,8 @@ def parse_mapping(text: str, path: Path) -> Mapping:
         {'A': 'Forward'}
     """
     document = read_yaml(text, str(path), error=DescriptionError)
-    mapping = open_record(Mapping, document, FORMAT, DescriptionError).but(name=path.stem)
-    complaints = Complaints(document, DescriptionError)
+    mapping = open_record(Mapping, document, FORMAT).but(name=path.stem)
+    complaints = Complaints(document)
     buttons = mapping.buttons
     for name, button in buttons.items():
         first = next(other for other, same in buttons.items() if same == button)

@@ -32,25 +32,18 @@ from typing import Annotated, Any, ClassVar
 from pydantic import Field, PlainValidator
 
 from hitab_client.lessons.conditions import Condition
-from hitab_core import Use, VocabularyError
-from hitab_core.library.yaml_models import NONE_IS_EMPTY, Names, Record, Texts
+from hitab_core import Use
+from hitab_core.library.yaml_models import NONE_IS_EMPTY, Names, Record, Texts, read_use
 
 WITHIN = 20.0
 """Default simulated seconds within which an awaited condition must hold."""
 
 
-def _use(text: Any) -> Use:
-    try:
-        return Use.parse(text if isinstance(text, str) else str(text))
-    except VocabularyError as error:
-        raise ValueError(str(error)) from None
-
-
 def _use_or_none(text: Any) -> Use | None:
-    return None if text == "nothing" else _use(text)
+    return None if text == "nothing" else read_use(str(text))
 
 
-Behavior = Annotated[Use, PlainValidator(_use)]
+Behavior = Annotated[Use, PlainValidator(lambda text: read_use(str(text)))]
 
 
 class Thing(Record):

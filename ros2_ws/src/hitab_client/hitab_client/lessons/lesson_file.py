@@ -44,7 +44,7 @@ def read_lesson(path: Path) -> Lesson:
 def parse_lesson(text: str, path: Path) -> Lesson:
     """Read a lesson from its text; ``path`` is its name for errors."""
     document = read_yaml(text, str(path), error=LessonError)
-    read = open_record(_File, document, FORMAT, LessonError)
+    read = open_record(_File, document, FORMAT)
     steps = tuple(
         _completed(step, document.line(("steps", index)), step.agent or read.agent)
         for index, step in enumerate(read.steps)

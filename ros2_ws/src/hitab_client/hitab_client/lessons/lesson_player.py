@@ -259,10 +259,8 @@ class LessonPlayer:
             receivers=step.receivers,
             start=step.start,
         )
-        if not report.complete:
-            reasons = [f"{name} refuses: {why}" for name, why in report.refused.items()]
-            reasons += [f"{name} does not answer" for name in report.silent]
-            raise LessonError("; ".join(reasons))
+        if missing := report.missing:
+            raise LessonError("; ".join(f"{name} {why}" for name, why in missing.items()))
 
     def _perform(self, step: Perform) -> None:
         for agent in step.agents:

@@ -108,16 +108,6 @@ class Recorder:
             raise
 
     @property
-    def path(self) -> Path:
-        """The file."""
-        return self.bag.path
-
-    @property
-    def count(self) -> int:
-        """The number of recorded messages."""
-        return self.bag.count
-
-    @property
     def missing(self) -> list[str]:
         """The chosen topics that nobody publishes yet."""
         return sorted(self._also - set(self._subscriptions))
@@ -162,7 +152,7 @@ class Recorder:
                 self._end(error)
 
     def _end(self, error: OSError) -> None:
-        self.problem = f"The recording to {self.path} ends here: {error.strerror}"
+        self.problem = f"The recording to {self.bag.path} ends here: {error.strerror}"
 
     def _wanted(self, topic: str) -> list[tuple[Any, QoSProfile]]:
         name = topic.rsplit("/", 1)[-1]

@@ -28,11 +28,6 @@ class Recorded:
     when: float
     size: int
 
-    @property
-    def name(self) -> str:
-        """The name of its file."""
-        return self.path.name
-
 
 def recordings_folder() -> Path:
     """Return the folder of recordings."""

@@ -1,9 +1,9 @@
 """How sure a decision is: what it rests on, and how far it is from what was demonstrated.
 
-*Support* is the number of examples in the leaf that decided, default examples apart from ordinary
-ones. *Distance* is that of the situation from the nearest example of the state, in the features
-that the decision tested, see `hitab_core.advice.nearness`. Both follow from the values that a
-decision has read, so they can be computed after it, and nothing more is read.
+*Support* is the number of examples in the leaf that decided, parts of examples added up.
+*Distance* is that of the situation from the nearest example of the state, in the features that the
+decision tested, see `hitab_core.advice.nearness`. Both follow from the values that a decision has
+read, so they can be computed after it, and nothing more is read.
 
 If a tested value was missing, the decision was a mixture over the branches; its support is then
 that of the weakest leaf that it could have come from.
@@ -16,14 +16,10 @@ from dataclasses import dataclass
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import UNKNOWN, Nearness
-from hitab_core.advice.support import Support, SupportedTree
 from hitab_core.learning import Leaf, Node
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.learning.tree_nodes import nodes
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.wording import quantity
-
-_UNKNOWN = Support(float("nan"), float("nan"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +32,7 @@ class Confidence:
             tested, infinite if no example has the values.
     """
 
-    support: Support
+    support: float
     distance: float
 
     def doubts(self, least_support: float, largest_distance: float) -> str:
@@ -49,8 +45,8 @@ class Confidence:
             largest_distance: unsure if no example is as near as this; 0: any distance will do.
         """
         found = []
-        if self.support.examples < least_support:
-            found.append(f"it rests on {_examples(self.support.examples)}")
+        if self.support < least_support:
+            found.append(f"it rests on {_examples(self.support)}")
         if self.distance == UNKNOWN and largest_distance > 0:
             found.append("no example has the values that it depends on")
         elif self.distance > largest_distance > 0:
@@ -59,33 +55,17 @@ class Confidence:
 
 
 class Confidences:
-    """Rates the decisions of one learned transition function, in some microseconds each."""
+    """Rates the decisions of one learned transition function.
 
-    __slots__ = ("_rated", "_tree", "_whole")
+    Args:
+        function: a learned one; of a classifier that is no tree only the distance is rated.
+        evidence: the examples that it was learned from.
+    """
 
     def __init__(self, function: TransitionFunction, evidence: Evidence) -> None:
-        """Prepare to rate; this takes about as long as learning the function.
-
-        Args:
-            function: a learned one; of a classifier that is no tree only the distance is rated.
-            evidence: the examples that it was learned from.
-        """
-        self._whole = Nearness(evidence.values, evidence.scales, function.features_used)
-        self._tree: SupportedTree | None = None
-        self._rated: dict[int, tuple[Support, Nearness]] = {}
-        if not isinstance(function, TransitionTree):
-            return
-        self._tree = supported = SupportedTree(function, evidence)
-        waiting: list[tuple[Node, tuple[int, ...]]] = [(function.root_, ())]
-        measures: dict[tuple[int, ...], Nearness] = {}
-        while waiting:
-            node, tested = waiting.pop()
-            if not isinstance(node, Leaf):
-                tested = tuple(sorted({*tested, node.feature}))
-                waiting.extend((branch, tested) for branch in node.branches)
-            if tested not in measures:
-                measures[tested] = Nearness(evidence.values, evidence.scales, tested)
-            self._rated[id(node)] = supported.support(node), measures[tested]
+        self._function = function
+        self._evidence = evidence
+        self._measures: dict[frozenset[int], Nearness] = {}
 
     def __call__(self, values: Sequence[float | None]) -> Confidence:
         """Return how sure a decision is.
@@ -94,26 +74,42 @@ class Confidences:
             values: of the automaton's features as the decision read them; None or NaN: not read
                 or missing.
         """
-        if self._tree is None:
-            return Confidence(_UNKNOWN, self._whole(values))
-        node: Node = self._tree.tree.root_
+        if not isinstance(self._function, TransitionTree):
+            used = frozenset(self._function.features_used)
+            return Confidence(float("nan"), self._distance(used, values))
+        node: Node = self._function.root_
+        tested: frozenset[int] = frozenset()
         while not isinstance(node, Leaf):
             value = values[node.feature]
             if value is None or value != value:
-                return self._mixed(node, values)
+                return self._mixed(node, tested, values)
+            tested |= {node.feature}
             branch = node.branch_for(value)
             if branch is None:
                 break
             node = node.branches[branch]
-        support, nearness = self._rated[id(node)]
-        return Confidence(support, nearness(values))
+        return Confidence(sum(node.counts), self._distance(tested, values))
 
-    def _mixed(self, root: Node, values: Sequence[float | None]) -> Confidence:
+    def _mixed(
+        self, root: Node, tested: frozenset[int], values: Sequence[float | None]
+    ) -> Confidence:
         """Return the confidence of a decision that could have come from several leaves."""
-        leaves = [node for node in nodes(root) if isinstance(node, Leaf)]
-        rated = [self._rated[id(leaf)] for leaf in leaves]
-        weakest = min((support for support, _ in rated), key=lambda support: support.examples)
-        return Confidence(weakest, max(nearness(values) for _, nearness in rated))
+        found = []
+        waiting = [(root, tested)]
+        while waiting:
+            node, tested = waiting.pop()
+            if isinstance(node, Leaf):
+                found.append((sum(node.counts), self._distance(tested, values)))
+            else:
+                tested |= {node.feature}
+                waiting += [(branch, tested) for branch in node.branches]
+        return Confidence(min(n for n, _ in found), max(away for _, away in found))
+
+    def _distance(self, tested: frozenset[int], values: Sequence[float | None]) -> float:
+        if tested not in self._measures:
+            known = self._evidence
+            self._measures[tested] = Nearness(known.values, known.scales, sorted(tested))
+        return self._measures[tested](values)
 
 
 def _examples(number: float) -> str:

@@ -1,4 +1,4 @@
-"""What each part of a learned tree rests on: its examples, and how near they come to each test.
+"""How near the examples that a tree was learned from come to each of its tests.
 
 A boundary lies somewhere between two examples. What a tree decides for a value between them says
 more about where boundaries are placed than about what the examples mean, so a decision counts as
@@ -32,26 +32,6 @@ SURE = 2 / 3
 
 
 @dataclass(frozen=True, slots=True)
-class Support:
-    """The examples that a part of a tree rests on.
-
-    An example that lacks a tested value counts in each branch with the branch's share.
-
-    Attributes:
-        ordinary: number of ordinary examples, demonstrated ones and corrections.
-        default: number of default examples.
-    """
-
-    ordinary: float = 0.0
-    default: float = 0.0
-
-    @property
-    def examples(self) -> float:
-        """All of them."""
-        return self.ordinary + self.default
-
-
-@dataclass(frozen=True, slots=True)
 class Decision:
     """What a tree decides in a situation.
 
@@ -60,18 +40,16 @@ class Decision:
         sure: whether it has at least the probability `SURE`.
         clear: whether the situation is well on its side of each test on the path.
         path: the tests on the path, with the branch taken.
-        support: of the leaf.
     """
 
     next_state: str
     sure: bool
     clear: bool
     path: tuple[Step, ...]
-    support: Support
 
 
 class SupportedTree:
-    """A tree with what its nodes rest on.
+    """A tree with how near its examples come to each test.
 
     Attributes:
         tree: the tree.
@@ -81,33 +59,22 @@ class SupportedTree:
     def __init__(self, tree: TransitionTree, evidence: Evidence) -> None:
         self.tree = tree
         self.evidence = evidence
-        self._support: dict[int, Support] = {}
         self._gaps: dict[int, list[tuple[float, float]]] = {}
-        default = evidence.default
-        waiting = [(tree.root_, np.ones(len(evidence.next_states)))]
+        waiting = [(tree.root_, np.ones(len(evidence.next_states), np.bool_))]
         while waiting:
-            node, weights = waiting.pop()
-            self._support[id(node)] = Support(
-                float(weights[~default].sum()), float(weights[default].sum())
-            )
+            node, there = waiting.pop()
             if not isinstance(node, Leaf):
-                branch_of = _branches_of(node, evidence.values[:, node.feature])
-                self._gaps[id(node)] = _gaps(node, evidence.values[:, node.feature], weights > 0)
-                known = weights[branch_of >= 0].sum()
+                column = evidence.values[:, node.feature]
+                self._gaps[id(node)] = _gaps(node, column, there)
+                branch_of = [None if v != v else node.branch_for(v) for v in column.tolist()]
+                lacking = np.isnan(column)  # which is in every branch
                 for i, branch in enumerate(node.branches):
-                    here = branch_of == i
-                    share = weights[here].sum() / known if known else 0.0
-                    waiting.append(
-                        (branch, weights * np.where(branch_of == -1, share, here.astype(float)))
-                    )
-
-    def support(self, node: Node) -> Support:
-        """Return what a node of the tree rests on."""
-        return self._support[id(node)]
+                    here = np.array([of == i for of in branch_of], np.bool_)
+                    waiting.append((branch, there & (here | lacking)))
 
     def decide(self, values: Sequence[float]) -> Decision | None:
         """Return what the tree decides; None if it tests a value that is missing (NaN)."""
-        node, last = self.tree.root_, self.tree.root_
+        node = self.tree.root_
         path: list[Step] = []
         clear = True
         while not isinstance(node, Leaf):
@@ -117,14 +84,13 @@ class SupportedTree:
             branch = node.branch_for(value)
             clear = clear and self._is_clear(node, branch, value)
             path.append((node, branch))
-            last, node = node, node.branches[branch] if branch is not None else Leaf(node.counts)
+            node = node.branches[branch] if branch is not None else Leaf(node.counts)
         largest = max(node.counts)
         return Decision(
             self.tree.labels[node.counts.index(largest)],
             largest >= SURE * sum(node.counts),
             clear,
             tuple(path),
-            self._support.get(id(node)) or self._support[id(last)],
         )
 
     def words(self, path: Sequence[Step]) -> str:
@@ -184,16 +150,6 @@ def situation_in_words(
 
 def _unit(evidence: Evidence, feature: int) -> str:
     return evidence.units[feature] if evidence.scales[feature].kind.is_measured else ""
-
-
-def _branches_of(node: Node, column: Floats) -> Floats:
-    """Return the branch of each value; -1 where it is missing, -2 if there is none."""
-    assert not isinstance(node, Leaf)
-    found = []
-    for value in column.tolist():
-        branch = -1 if math.isnan(value) else node.branch_for(value)
-        found.append(-2 if branch is None else branch)
-    return np.array(found)
 
 
 def _gaps(node: Node, column: Floats, there: Booleans) -> list[tuple[float, float]]:

@@ -119,7 +119,6 @@ class _Shown:
         evidence: all rows.
         apart: shape (n, n), how far rows are apart.
         mistaken: shape (n,), probability that a row is a mistake; 0 for a correction.
-        share: estimated share of mistakes.
     """
 
     own: tuple[Example, ...]
@@ -127,7 +126,6 @@ class _Shown:
     evidence: Evidence
     apart: Floats
     mistaken: Floats
-    share: float
 
     def decisions(
         self, values: Floats, *, without: Collection[int] = (), corrections: bool = True
@@ -316,10 +314,8 @@ def _sparse(shown: _Shown, index: int) -> list[Proposal]:
     return [Proposal(*about, right, meant, why, (index,), place=place)]
 
 
-def _judged(
-    apart: Floats, next_states: Sequence[str], doubtful: int
-) -> tuple[Floats, Floats, float]:
-    """Return how far rows are apart, how likely each is a mistake, and the share of mistakes.
+def _judged(apart: Floats, next_states: Sequence[str], doubtful: int) -> tuple[Floats, Floats]:
+    """Return how far rows are apart, and how likely each is a mistake.
 
     Given is how far they are apart in each feature, shape (m, n, n), and what they say; those
     after the first ``doubtful`` ones are corrections.
@@ -328,7 +324,7 @@ def _judged(
     n, k = len(own), len(labels)
     share, mistaken = MISTAKEN, np.zeros(n)
     if k < 2:
-        return np.zeros((n, n)), mistaken, share
+        return np.zeros((n, n)), mistaken
     one_hot = np.eye(k)[own]
     together = np.tensordot(_relevance(apart, one_hot), apart, axes=1)
     same_side = np.exp(-BOUNDARIES * math.sqrt(len(apart)) * together)
@@ -352,7 +348,7 @@ def _judged(
         mistaken = wrong / (wrong + (1 - share) * meant)
         mistaken[doubtful:] = 0.0
         share = (10 * MISTAKEN + float(mistaken.sum())) / (10 + doubtful)
-    return together, mistaken, share
+    return together, mistaken
 
 
 def _relevance(apart: Floats, one_hot: Floats) -> Floats:

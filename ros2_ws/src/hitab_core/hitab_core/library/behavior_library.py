@@ -21,15 +21,16 @@ from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.change import LibraryChange
+from hitab_core.library.commit import held
 from hitab_core.library.contents import Contents
 from hitab_core.library.digests import digest_of
 from hitab_core.library.durable_files import PATIENCE
 from hitab_core.library.edition import Edition, Editions
 from hitab_core.library.expectation import Expectation
-from hitab_core.library.folder import LibraryFolder
 from hitab_core.library.provenance import Provenance, time_now
 from hitab_core.library.renaming import plan_renaming
 from hitab_core.library.shelf import Shelf
+from hitab_core.library.yaml_places import read_text
 from hitab_core.vocabulary import has
 
 
@@ -40,6 +41,7 @@ class BehaviorLibrary:
         folder: that holds them; made on the first save.
         domain: in which they were trained.
         editions: reads the files.
+        shelf: the files themselves, with all versions.
         generation: number of changes made through this object.
     """
 
@@ -64,8 +66,7 @@ class BehaviorLibrary:
         self.editions = editions or Editions(domain)
         self.generation = 0
         self._clock = clock
-        self._folder = LibraryFolder(self.folder)
-        self._shelf = Shelf(self._folder, self.editions)
+        self.shelf = Shelf(self.folder, self.editions)
         self._contents: Contents | None = None
 
     # -- reading ----------------------------------------------------------------------------
@@ -87,8 +88,8 @@ class BehaviorLibrary:
         return {name: file.automaton for name, file in self._load(strict).usable.items()}
 
     def _load(self, strict: bool) -> Contents:
-        with self._folder.held(alone=False):
-            contents = self._shelf.contents()
+        with held(self.folder, alone=False):
+            contents = self.shelf.contents()
         problems = contents.problems
         if strict and problems:
             raise LibraryError("\n".join(problems[name] for name in sorted(problems)))
@@ -106,15 +107,7 @@ class BehaviorLibrary:
                 file.
             VocabularyError: if they do not fit the domain.
         """
-        return self._shelf.edition(self._load(strict))
-
-    def path(self, name: str) -> Path:
-        """Return where the file of a behavior is, or would be.
-
-        Raises:
-            LibraryError: if no behavior can have this name.
-        """
-        return self._folder.file(name)
+        return self.shelf.edition(self._load(strict))
 
     @property
     def files(self) -> Mapping[str, BehaviorFile]:
@@ -125,10 +118,6 @@ class BehaviorLibrary:
     def problems(self) -> Mapping[str, str]:
         """What was wrong with the others then, by behavior."""
         return {} if self._contents is None else self._contents.problems
-
-    def names(self) -> list[str]:
-        """Return the names of the behaviors in `files`, sorted."""
-        return sorted(self.files)
 
     def file(self, name: str) -> BehaviorFile:
         """Return one behavior file.
@@ -162,8 +151,8 @@ class BehaviorLibrary:
         Raises:
             LibraryError: if it cannot be read, or another process keeps it locked.
         """
-        with self._folder.held(alone=True, patience=patience, sync=sync):
-            yield LibraryChange(self._shelf, self._shelf.contents(), self._clock, self._changed)
+        with held(self.folder, alone=True, patience=patience, sync=sync):
+            yield LibraryChange(self.shelf, self._clock, self._changed)
 
     def save(
         self,
@@ -171,7 +160,6 @@ class BehaviorLibrary:
         *,
         classifier: str = "tree",
         agent: str = "",
-        author: str = "",
         note: str = "",
     ) -> Path:
         """Add a behavior, or a new version of it.
@@ -180,7 +168,6 @@ class BehaviorLibrary:
             automaton: trained; its transition functions must be what its examples teach.
             classifier: that learned them.
             agent: the agent that was trained.
-            author: who trained it.
             note: free text.
 
         Returns:
@@ -191,9 +178,9 @@ class BehaviorLibrary:
                 changed.
         """
         with self.change() as change:
-            change.save(automaton, classifier, Provenance(agent=agent, author=author, note=note))
+            change.save(automaton, classifier, Provenance(agent=agent, note=note))
             change.commit()
-        return self.path(automaton.name)
+        return self.shelf.file(automaton.name)
 
     def remove(self, name: str, *, anyway: bool = False) -> list[str]:
         """Remove a behavior; its versions stay and can be restored.
@@ -242,16 +229,16 @@ class BehaviorLibrary:
         """
         with self.change() as change:
             edited = {}
-            for name in names or self._folder.names():
-                path = self._folder.file(name)
-                text = self._folder.text(path)
+            for name in names or self.shelf.names():
+                path = self.shelf.file(name)
+                text = read_text(path)
                 edited[name] = read_behavior(text, path.name, self.domain, accepting=True)
             accepted = []
             while edited:  # each after what it uses; if they are recursive, saving refuses them
                 made_of = {name: file.automaton.behaviors_used for name, file in edited.items()}
                 name = min(edited, key=lambda name: len(made_of[name] & made_of.keys()))
                 file = edited.pop(name)
-                if name not in change.after:
+                if name not in change.contents.usable:
                     provenance = replace(file.provenance, note="edited by hand")
                     change.save(
                         file.automaton,
@@ -301,29 +288,11 @@ class BehaviorLibrary:
         """Return whether any version of a behavior has this checksum."""
         if name in self.files and self.files[name].checksum == checksum:
             return True
-        for number in reversed(self.versions(name)):
+        for number in reversed(self.shelf.versions(name)):
             with suppress(LibraryError):
-                if self.version(name, number).checksum == checksum:
+                if self.shelf.version(name, number).checksum == checksum:
                     return True
         return False
-
-    # -- versions ---------------------------------------------------------------------------
-
-    def versions(self, name: str) -> list[int]:
-        """Return the numbers of all versions of a behavior, ascending."""
-        return self._folder.versions(name)
-
-    def sound_version(self, name: str) -> int | None:
-        """Return the newest version of a behavior that can be read; None if there is none."""
-        return self._shelf.sound_version(name)
-
-    def version(self, name: str, number: int) -> BehaviorFile:
-        """Return one version of a behavior.
-
-        Raises:
-            LibraryError: if it is missing or faulty.
-        """
-        return self._shelf.version(name, number)
 
     def restore(self, name: str, number: int) -> Path:
         """Make an earlier version of a behavior the newest one.
@@ -335,7 +304,7 @@ class BehaviorLibrary:
             LibraryError: if there is no such version, or it does not fit the library now.
         """
         with self.change() as change:
-            earlier = self.version(name, number)
+            earlier = self.shelf.version(name, number)
             provenance = replace(earlier.provenance, note=f"version {number} restored")
             kept = change.before.readable.get(name, earlier).expectations
             change.save(
@@ -346,7 +315,7 @@ class BehaviorLibrary:
                 expectations=kept,
             )
             change.commit()
-        return self.path(name)
+        return self.shelf.file(name)
 
     # -- inside -----------------------------------------------------------------------------
 

@@ -21,6 +21,16 @@ _APART = {
 }
 """Keys with an empty line above."""
 
+_COMMENTS = {
+    "features": "  # in the order of the examples' values",
+    "examples": "  # in state, seeing these features, go to next_state",
+    "trees": "  # digests of what is learned from the examples of each state",
+    "uses": "  # what it is made of, as it was when this was saved",
+    "readable": "  # what could be read when the commands were given",
+    "readings": "  # in that order; null: it had no value",
+}
+"""Behind keys."""
+
 _WORD = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.()-]*\Z", re.ASCII)
 
 
@@ -44,40 +54,28 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
 
 def _section(key: str, value: Any, rules: Rules, content: Mapping[str, Any]) -> Iterable[str]:
     match key:
-        case "states":
-            return _block("states:", [f"- {scalar(state)}" for state in value], "[]")
+        case "states" | "readable":
+            lines = [f"- {scalar(use)}" for use in value]
         case "features":
-            head = "features:  # in the order of the examples' values"
-            return _block(head, [f"- {_flow(feature)}" for feature in value], "[]")
+            lines = [f"- {_flow(feature)}" for feature in value]
         case "examples":
-            head = "examples:  # in state, seeing these features, go to next_state"
             names = ", ".join(feature["feature"] for feature in content["features"])
-            rows = [f"# features: {names}", *_table(value)] if value else []
-            return _block(head, rows, "[]")
+            lines = [f"# features: {names}", *_table(value)] if value else []
         case "trees":
-            head = "trees:  # digests of what is learned from the examples of each state"
-            return _block(head, _trees(value, rules), "{}")
-        case "uses":
-            head = "uses:  # what it is made of, as it was when this was saved"
-            return _block(
-                head, [f"{name}: {scalar(as_was)}" for name, as_was in value.items()], "{}"
-            )
-        case "readable":
-            head = "readable:  # what could be read when the commands were given"
-            return _block(head, [f"- {scalar(use)}" for use in value], "[]")
+            lines = _trees(value, rules)
+        case "uses" | "provenance":
+            lines = [f"{name}: {scalar(what)}" for name, what in value.items()]
         case "readings":
-            head = "readings:  # in that order; null: it had no value"
-            return _block(head, list(_table(value)) if value else [], "[]")
-        case "provenance":
-            return _block("provenance:", [f"{k}: {scalar(v)}" for k, v in value.items()], "{}")
+            lines = list(_table(value)) if value else []
         case "optional":
             lines = []
             for name, records in value.items():
                 rows = records if isinstance(records, list) else []
                 lines += _block(f"{name}:", [f"- {_flow(row)}" for row in rows], _flow(records))
-            return _block("optional:", lines, "{}")
         case _:
             return [f"{key}: {_flow(value)}"]
+    empty = "{}" if isinstance(value, Mapping) else "[]"
+    return _block(f"{key}:{_COMMENTS.get(key, '')}", lines, empty)
 
 
 def _block(head: str, lines: Sequence[str], empty: str) -> list[str]:

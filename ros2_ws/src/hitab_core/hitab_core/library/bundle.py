@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 from hitab_core.errors import LibraryError, VocabularyError
 from hitab_core.hierarchy import in_order
-from hitab_core.library.behavior_file import BehaviorFile, file_name
-from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.check import misfits
 from hitab_core.library.edition import Edition, Editions
@@ -45,20 +44,17 @@ def bundle_digest(files: tuple[tuple[str, str], ...]) -> str:
     return whole.hexdigest()
 
 
-def make_bundle(
-    library: BehaviorLibrary | Mapping[str, str], repertoire: Repertoire, name: str
-) -> Bundle:
+def make_bundle(texts: Mapping[str, str], repertoire: Repertoire, name: str) -> Bundle:
     """Pack a behavior.
 
     Args:
-        library: of the trained behaviors, or the texts of their files by name.
+        texts: of the files of trained behaviors, by name.
         repertoire: that these behaviors use.
         name: of the behavior.
 
     Raises:
         LibraryError: if the behavior, or one that it uses, has not been saved.
     """
-    texts = library.texts() if isinstance(library, BehaviorLibrary) else library
     try:
         needed = repertoire.needed_by(name)
     except VocabularyError as error:
@@ -118,15 +114,8 @@ def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
             f'the bundle of "{bundle.name}" has digest {found[:16]}… instead of '
             f"{bundle.digest[:16]}…: it was corrupted in transit; send it again"
         )
-    files: dict[str, BehaviorFile] = {}
-    problems: list[str] = []
-    for name, text in bundle.files:
-        try:
-            files[name] = editions.read(text, file_name(name))
-        except LibraryError as error:
-            problems.append(str(error))
-    if not problems:
-        problems += misfits(files, editions.domain)[0].values()
+    files = editions.read_all(dict(bundle.files))
+    problems = list(misfits(files, editions.domain)[0].values())
     if not problems and not _is_well_packed(bundle, files):
         problems.append(
             f'"{bundle.name}" is not packed with what it is made of and nothing else, each once '

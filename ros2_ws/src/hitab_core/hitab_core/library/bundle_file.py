@@ -15,9 +15,8 @@ import yaml
 
 from hitab_core.errors import LibraryError
 from hitab_core.hierarchy import in_order
-from hitab_core.library.behavior_file import BehaviorFile, file_name
+from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.bundle import bundle_digest
-from hitab_core.library.edition import Editions
 from hitab_core.library.yaml_places import read_text, read_yaml
 from hitab_core.vocabulary import has
 
@@ -36,8 +35,8 @@ _HEAD = """\
 """
 
 
-def parts_of(files: Mapping[str, BehaviorFile], names: Iterable[str]) -> list[str]:
-    """Return the names of some behaviors and of those that they are made of, which come first.
+def texts_with_parts(files: Mapping[str, BehaviorFile], names: Iterable[str]) -> dict[str, str]:
+    """Return the texts of some behaviors and of all that they are made of, which come first.
 
     Args:
         files: of the library, all of which can be used.
@@ -46,7 +45,7 @@ def parts_of(files: Mapping[str, BehaviorFile], names: Iterable[str]) -> list[st
     Raises:
         LibraryError: if there is no behavior of one of these names.
     """
-    names = list(names)
+    names = sorted(names)
     for name in names:
         if name not in files:
             raise LibraryError(f'there is no behavior "{name}" to export {has(files, name)}')
@@ -54,18 +53,7 @@ def parts_of(files: Mapping[str, BehaviorFile], names: Iterable[str]) -> list[st
     def uses(name: str) -> Iterable[str]:
         return files[name].automaton.behaviors_used & files.keys()
 
-    return in_order(sorted(names), uses)
-
-
-def bundle_text(files: Mapping[str, BehaviorFile], parts: Iterable[str], domain: str) -> str:
-    """Return the text of a file with some behaviors.
-
-    Args:
-        files: of the library.
-        parts: names of the behaviors, each after those that it uses; see `parts_of`.
-        domain: name of the domain in which they were trained.
-    """
-    return bundle_file_text({name: files[name].text for name in parts}, domain)
+    return {name: files[name].text for name in in_order(names, uses)}
 
 
 def bundle_file_text(texts: Mapping[str, str], domain: str) -> str:
@@ -86,7 +74,7 @@ def bundle_file_text(texts: Mapping[str, str], domain: str) -> str:
 
 
 def read_bundle_file(path: Path) -> BundleFile:
-    """Read a file; whether its behaviors are sound is up to `read_bundled`.
+    """Read a file; whether its behaviors are sound is up to `Editions.read_all`.
 
     Raises:
         LibraryError: naming everything wrong with it.
@@ -99,30 +87,13 @@ def read_bundle_file(path: Path) -> BundleFile:
     from hitab_core.library.bundle_model import BundleFile
     from hitab_core.library.yaml_models import open_record
 
-    bundle = open_record(BundleFile, read_yaml(text, str(path)), FORMAT, LibraryError)
+    bundle = open_record(BundleFile, read_yaml(text, str(path)), FORMAT)
     if bundle_digest(tuple(bundle.texts.items())) != bundle.digest:
         raise LibraryError(
             f"{path}: its digest does not fit its contents: it was edited or damaged; export it "
             "again, and edit behaviors in a library"
         )
     return bundle
-
-
-def read_bundled(bundle: BundleFile, editions: Editions) -> list[BehaviorFile]:
-    """Return the behavior files of a bundle.
-
-    Raises:
-        LibraryError: naming everything wrong with each of them.
-    """
-    files, problems = [], []
-    for name, text in bundle.texts.items():
-        try:
-            files.append(editions.read(text, file_name(name)))
-        except LibraryError as error:
-            problems.append(str(error))
-    if problems:
-        raise LibraryError("\n".join(problems))
-    return files
 
 
 class _Block(str):

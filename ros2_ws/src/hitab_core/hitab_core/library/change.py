@@ -8,10 +8,10 @@ from dataclasses import replace
 from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
+from hitab_core.library.commit import Changes, announce, commit
 from hitab_core.library.contents import Contents, Losses
 from hitab_core.library.edition import Edition
 from hitab_core.library.expectation import Expectation, broken_expectations
-from hitab_core.library.folder import Changes
 from hitab_core.library.provenance import Provenance, tool_name
 from hitab_core.library.shelf import Shelf
 from hitab_core.vocabulary import has
@@ -22,7 +22,7 @@ class LibraryChange:
     """A change being planned while the library is locked.
 
     Get one from `BehaviorLibrary.change`. Plan with `save`, `install` or `remove`, inspect
-    `after`, then `commit` or drop it. Nothing is written before the commit.
+    `contents`, then `commit` or drop it. Nothing is written before the commit.
 
     Attributes:
         before, contents: of the library before the change, and after it.
@@ -34,7 +34,6 @@ class LibraryChange:
     def __init__(
         self,
         shelf: Shelf,
-        there: Contents,
         clock: Callable[[], str],
         done: Callable[[LibraryChange], None],
     ) -> None:
@@ -42,31 +41,19 @@ class LibraryChange:
 
         Args:
             shelf: whose folder is locked exclusively as long as this is used.
-            there: what the folder holds.
             clock: returns the time, ISO 8601, to record in saved files.
             done: called once the change is made.
         """
-        self.before = self.contents = there
+        self.before = self.contents = shelf.contents()
         self.note = b""
         self.changed: dict[str, BehaviorFile | None] = {}
         self.numbers: dict[str, int] = {}
         self._shelf = shelf
-        self._folder = shelf.folder
         self._editions = shelf.editions
         self._domain = shelf.editions.domain
         self._clock = clock
         self._done = done
         self._changes: dict[str, bytes | None] = {}
-
-    @property
-    def after(self) -> dict[str, BehaviorFile]:
-        """The usable files after the change, by name."""
-        return self.contents.usable
-
-    @property
-    def problems(self) -> Mapping[str, str]:
-        """What is wrong with the other files after the change, by name."""
-        return self.contents.problems
 
     @property
     def losses(self) -> Losses:
@@ -108,8 +95,8 @@ class LibraryChange:
                 behavior of its name is lost: only a person replaces that.
         """
         name = automaton.name
-        path = self._folder.file(name)
-        if not (edited or restored) and name in self.problems:
+        path = self._shelf.file(name)
+        if not (edited or restored) and name in self.contents.problems:
             losses = self.losses
             raise LibraryError(refused_name(name, "saved", losses), *losses.remedies[name])
         if expectations is None:
@@ -123,7 +110,7 @@ class LibraryChange:
             )
         # An edited file becomes the new version itself, so do not keep it as an earlier one.
         kept = {} if edited else self._unkept(name)
-        number = self._folder.next_number(name, kept)
+        number = self._shelf.next_number(name, kept)
         text = text_of(
             automaton,
             self._domain,
@@ -144,7 +131,7 @@ class LibraryChange:
             raise LibraryError(f'"{name}" cannot be saved:\n{error}') from None
         self._check_fit({name: new})
         self.numbers[name] = new.provenance.version
-        addition = self._folder.addition(name, new.provenance.version, text)
+        addition = self._shelf.addition(name, new.provenance.version, text)
         self._plan({**kept, **addition}, {name: new})
         return new
 
@@ -158,7 +145,7 @@ class LibraryChange:
             LibraryError: naming what is wrong.
         """
         new = {
-            name: self._editions.read(text, self._folder.file(name).name)
+            name: self._editions.read(text, self._shelf.file(name).name)
             for name, text in texts.items()
         }
         self._check_fit(new)
@@ -168,8 +155,8 @@ class LibraryChange:
         changes: dict[str, bytes | None] = {}
         for name in changed:
             changes |= self._unkept(name)
-            number = self.numbers[name] = self._folder.next_number(name, changes)
-            changes |= self._folder.addition(name, number, texts[name])
+            number = self.numbers[name] = self._shelf.next_number(name, changes)
+            changes |= self._shelf.addition(name, number, texts[name])
         self._plan(changes, new)
         return changed
 
@@ -186,18 +173,18 @@ class LibraryChange:
         Raises:
             LibraryError: if it is missing, or other behaviors use it.
         """
-        names = self._folder.names()
+        names = self._shelf.names()
         if name not in names:
-            raise LibraryError(f'{self._folder.path}: has no behavior "{name}" {has(names, name)}')
-        before = self.problems
+            raise LibraryError(f'{self._shelf.path}: has no behavior "{name}" {has(names, name)}')
+        before = self.contents.problems
         self._plan({**self._unkept(name), file_name(name): None}, {name: None})
-        broken = sorted(self.problems.keys() - before.keys())
+        broken = sorted(self.contents.problems.keys() - before.keys())
         if broken and not anyway:
             raise LibraryError(
-                f'{self._folder.path}: "{name}" cannot be deleted: {", ".join(broken)} could no '
+                f'{self._shelf.path}: "{name}" cannot be deleted: {", ".join(broken)} could no '
                 "longer be used; delete these first"
             )
-        return sorted(self.problems.keys() & self.contents.all_users(name))
+        return sorted(self.contents.problems.keys() & self.contents.all_users(name))
 
     def replaced(self, name: str) -> str:
         """Return the number of a planned version and what it replaces; "" if nothing.
@@ -228,7 +215,7 @@ class LibraryChange:
         Raises:
             LibraryError: if it cannot be written; nothing has changed.
         """
-        self._folder.change(self._changes)
+        commit(self._shelf.path, self._changes)
         self._done(self)
 
     def announce(self) -> None:
@@ -240,7 +227,7 @@ class LibraryChange:
             LibraryError: if it cannot be written; nothing has changed.
         """
         if self._changes:
-            self.note = self._folder.announce(self._changes)
+            self.note = announce(self._shelf.path, self._changes)
         self._done(self)
 
     # -- inside -----------------------------------------------------------------------------
@@ -259,24 +246,24 @@ class LibraryChange:
         return self._shelf.contents_of(readable, unreadable)
 
     def _unkept(self, name: str) -> Changes:
-        there = self.after.get(name)
-        return self._folder.unkept(name, 0 if there is None else there.provenance.version)
+        there = self.contents.usable.get(name)
+        return self._shelf.unkept(name, 0 if there is None else there.provenance.version)
 
     def _as_it_is(self, used: str) -> str:
-        if used in self.after:
-            return self.after[used].checksum
+        if used in self.contents.usable:
+            return self.contents.usable[used].checksum
         return BASIC if used in self._domain.behaviors else HAND_WRITTEN
 
     def _earlier(self, name: str) -> str:
-        if name in self.after:
-            return self.after[name].checksum
+        if name in self.contents.usable:
+            return self.contents.usable[name].checksum
         sound = self._shelf.sound_version(name)
         return "" if sound is None else self._shelf.version(name, sound).checksum
 
     def _check_fit(self, new: Mapping[str, BehaviorFile]) -> None:
         """Refuse files that do not fit together, so that a library never gets worse."""
         problems = self._with(new).problems
-        wrong = [name for name in problems if name in new or name not in self.problems]
+        wrong = [name for name in problems if name in new or name not in self.contents.problems]
         if wrong:
             names = ", ".join(f'"{name}"' for name in sorted(new))
             raise LibraryError(

@@ -11,15 +11,17 @@ import json
 import os
 import re
 import zlib
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from hitab_core.errors import LibraryError
 from hitab_core.library.durable_files import (
+    PATIENCE,
     UNFINISHED,
     file_errors,
     locked,
+    make_folder,
     sync_folder,
     write_durably,
 )
@@ -27,11 +29,49 @@ from hitab_core.library.durable_files import (
 COMMIT = ".commit.json"
 """The note, which describes the change to make."""
 
+Changes = Mapping[str, bytes | None]
+"""New contents of files, by path in the folder; None: remove the file."""
+
 _INSIDE = re.compile(r"(\.?[A-Za-z0-9][A-Za-z0-9_.-]*/)*\.?[A-Za-z0-9][A-Za-z0-9_.-]*\Z")
 _HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]+)\n")
 
 
-def commit(folder: Path, changes: Mapping[str, bytes | None]) -> None:
+@contextmanager
+def held(
+    folder: Path, *, alone: bool, patience: float = PATIENCE, sync: bool = True
+) -> Iterator[None]:
+    """Lock a folder: exclusively (``alone``) to write, or shared to read. Do not nest.
+
+    A pending change is carried out first.
+
+    Args:
+        folder: of the files; made if it is to be written.
+        alone: lock exclusively, to write.
+        patience: seconds to wait for other processes.
+        sync: if the folder is made, sync it to disk.
+
+    Raises:
+        LibraryError: if it cannot be made, or another process keeps it locked.
+    """
+    with file_errors(folder, "use"):
+        if alone:
+            make_folder(folder, sync=sync)
+        is_there = folder.exists()
+    if not is_there:
+        yield
+        return
+    while True:
+        with locked(folder, alone=alone, patience=patience):
+            if alone:
+                finish(folder)
+            if alone or not is_unfinished(folder):
+                yield
+                return
+        with locked(folder, alone=True, patience=patience):
+            finish(folder)
+
+
+def commit(folder: Path, changes: Changes) -> None:
     """Write and remove files, all or none. The caller must hold the exclusive lock.
 
     When this returns, the note is on disk and the change counts as made, even if the files
@@ -39,7 +79,7 @@ def commit(folder: Path, changes: Mapping[str, bytes | None]) -> None:
 
     Args:
         folder: of the files.
-        changes: new contents by path inside the folder; None: remove the file.
+        changes: to make.
 
     Raises:
         LibraryError: if it cannot be written; nothing has changed.
@@ -60,7 +100,7 @@ def commit(folder: Path, changes: Mapping[str, bytes | None]) -> None:
         _remove_note(folder)
 
 
-def announce(folder: Path, changes: Mapping[str, bytes | None]) -> bytes:
+def announce(folder: Path, changes: Changes) -> bytes:
     """Put a note in place without syncing the disk; return its contents.
 
     The caller must hold the exclusive lock and have carried out earlier changes. From now on the
@@ -170,7 +210,7 @@ def pending(folder: Path) -> dict[str, bytes | None]:
         ) from None
 
 
-def _note(changes: Mapping[str, bytes | None]) -> bytes:
+def _note(changes: Changes) -> bytes:
     plan = {
         path: None if data is None else data.decode("latin-1") for path, data in changes.items()
     }
@@ -194,7 +234,7 @@ def _withdrawn(folder: Path) -> bool:
     return True
 
 
-def _carry_out(folder: Path, plan: Mapping[str, bytes | None], *, sync: bool = True) -> None:
+def _carry_out(folder: Path, plan: Changes, *, sync: bool = True) -> None:
     for path, content in plan.items():
         place = folder / path
         if content is not None:

@@ -10,7 +10,6 @@ from hitab_core.automaton import RESERVED
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
-from hitab_core.library.check import misfits
 from hitab_core.remedies import Do, Remedy
 from hitab_core.use import NAME
 from hitab_core.wording import quantity
@@ -65,26 +64,6 @@ class Contents:
     unreadable: Mapping[str, LibraryError]
     problems: Mapping[str, str]
     lost: Mapping[str, list[str]]
-
-    @classmethod
-    def of(
-        cls,
-        readable: Mapping[str, BehaviorFile],
-        unreadable: Mapping[str, LibraryError],
-        domain: Domain,
-        deleted: Callable[[str], int | None] = lambda name: None,
-    ) -> Contents:
-        """Sort files.
-
-        Args:
-            readable: sound in themselves, by name.
-            unreadable: what is wrong with the others.
-            domain: in which they were trained.
-            deleted: returns the newest version of a behavior that was deleted; None: none was.
-        """
-        wrong, lost = misfits(readable, domain, unreadable, deleted)
-        problems = {name: error.problem for name, error in unreadable.items()}
-        return cls(readable, unreadable, {**problems, **wrong}, lost)
 
     @property
     def usable(self) -> dict[str, BehaviorFile]:

@@ -8,7 +8,8 @@ from functools import cached_property
 from weakref import WeakValueDictionary
 
 from hitab_core.domain import Domain
-from hitab_core.library.behavior_file import BehaviorFile
+from hitab_core.errors import LibraryError
+from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.contents import Losses
 from hitab_core.library.digests import digest_of
@@ -68,6 +69,23 @@ class Editions:
         if found is None:
             found = self._files[file, text] = read_behavior(text, file, self.domain)
         return found
+
+    def read_all(self, texts: Mapping[str, str]) -> dict[str, BehaviorFile]:
+        """Return behavior files, given their texts, by name.
+
+        Raises:
+            LibraryError: naming everything wrong with each of them.
+        """
+        files: dict[str, BehaviorFile] = {}
+        problems = []
+        for name, text in texts.items():
+            try:
+                files[name] = self.read(text, file_name(name))
+            except LibraryError as error:
+                problems.append(str(error))
+        if problems:
+            raise LibraryError("\n".join(problems))
+        return files
 
     def knows(self, files: Mapping[str, BehaviorFile]) -> bool:
         """Return whether there is an edition of these files, so that they are known to fit."""

@@ -78,13 +78,6 @@ class Expectation:
         likely = [label for label, p in odds.items() if p == most]
         return likely[0] if len(likely) == 1 else f"by chance among {', '.join(sorted(likely))}"
 
-    def renamed(self, labels: Mapping[str, str]) -> dict[str, Any]:
-        """Return what changes of it when states get other labels."""
-        return {
-            "state": labels.get(self.state, self.state),
-            "next_state": labels.get(self.next_state, self.next_state),
-        }
-
     def record(self) -> dict[str, Any]:
         """Return its entry in a behavior file."""
         return {

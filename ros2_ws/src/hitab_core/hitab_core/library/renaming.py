@@ -61,7 +61,14 @@ def plan_renaming(
         renamed = _renamed(file, domain, old, new)
         provenance = replace(file.provenance, note=f'"{old}" renamed to "{new}"')
         labels = dict(zip(file.automaton.labels, renamed.labels, strict=True))
-        expectations = [replace(one, **one.renamed(labels)) for one in file.expectations]
+        expectations = [
+            replace(
+                one,
+                state=labels.get(one.state, one.state),
+                next_state=labels.get(one.next_state, one.next_state),
+            )
+            for one in file.expectations
+        ]
         saved = change.save(renamed, file.classifier, provenance, expectations=expectations)
         if _rules(saved) != _rules(file, old, new):
             otherwise.append(saved.name)

@@ -147,31 +147,30 @@ Names = Annotated[dict[str, str], NONE_IS_EMPTY]
 """Texts by name."""
 
 
-def read_record(model: type[R], value: Any, complaints: Complaints, at: Place = ()) -> R | None:
-    """Read the content of a document at a place; None: there are complaints."""
+def read_record(model: type[R], value: Any, complaints: Complaints) -> R | None:
+    """Read the content of a document; None: there are complaints."""
     records: dict[int, type[Record]] = {}
     try:
         return model.model_validate(value, context=records)
     except ValidationError as wrong:
         for error in wrong.errors(include_url=False):
             path, around = _place(value, error["loc"])
-            complaints.add((*at, *path), _in_words(error, path, records.get(id(around))))
+            complaints.add(path, _in_words(error, path, records.get(id(around))))
         return None
 
 
-def open_record(model: type[R], document: Document, newest: int, error: type[HitabError]) -> R:
+def open_record(model: type[R], document: Document, newest: int) -> R:
     """Read a document as a record; without ``format:`` it has the first format.
 
     Args:
         model: of the record.
         document: to read.
         newest: the newest format that the caller reads.
-        error: the type of errors.
 
     Raises:
-        error: naming everything that is wrong, by file and line.
+        HitabError: of the document's type, naming everything that is wrong, by file and line.
     """
-    complaints = Complaints(document, error)
+    complaints = Complaints(document)
     found = document.value.get("format", 1) if isinstance(document.value, dict) else 1
     if isinstance(found, int) and found > newest:
         complaints.add(("format",), newer_format(found, newest))

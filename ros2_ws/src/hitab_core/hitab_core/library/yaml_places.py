@@ -50,11 +50,13 @@ class Document:
         file: name of the text, for complaints.
         value: the content, of dict, list, str, int, float, bool and None.
         lines: line number, from 1, of every item, by path.
+        error: type of the errors of what is wrong with it.
     """
 
     file: str
     value: Any
     lines: Mapping[Place, int]
+    error: type[HitabError] = LibraryError
 
     def line(self, path: Place = ()) -> int:
         """Return the line of the item at ``path``, or of the nearest item around it."""
@@ -70,10 +72,9 @@ class Document:
 class Complaints:
     """All faults of a document, gathered so that a user can fix them in one go."""
 
-    def __init__(self, document: Document, error: type[HitabError] = LibraryError) -> None:
+    def __init__(self, document: Document) -> None:
         """Start without complaints about ``document``."""
         self.document = document
-        self._error = error
         self._found: list[tuple[int, str]] = []
         self._remedies: list[Remedy] = []
 
@@ -91,7 +92,7 @@ class Complaints:
     def raise_any(self) -> None:
         """Raise one error with all complaints, sorted by line, if there are any."""
         if self._found:
-            raise self._error(
+            raise self.document.error(
                 "\n".join(
                     f"{self.document.file}:{line}: {text}" for line, text in sorted(self._found)
                 ),
@@ -126,22 +127,19 @@ def read_text(path: Path, *, error: type[HitabError] = LibraryError) -> str:
         ) from None
 
 
-def read_yaml(
-    text: str, file: str, *, error: type[HitabError] = LibraryError, largest: int = LARGEST
-) -> Document:
+def read_yaml(text: str, file: str, *, error: type[HitabError] = LibraryError) -> Document:
     """Read a text that is one YAML document.
 
     Args:
         text: the document.
         file: its name, for errors.
-        error: type of the error to raise.
-        largest: maximum number of characters.
+        error: type of the errors of what is wrong with it.
 
     Raises:
         error: naming the file and line of anything that is not YAML, or not plain data.
     """
-    if len(text) > largest:
-        raise error(f"{file}: has {len(text)} characters; the limit is {largest}")
+    if len(text) > LARGEST:
+        raise error(f"{file}: has {len(text)} characters; the limit is {LARGEST}")
     try:
         text.encode()
         return _Reader(file, error).document(text)
@@ -219,7 +217,7 @@ class _Reader:
                 value = self._value(next(events), events, ())
         if not documents:
             raise self._error(f"{self._file}:1: is empty; write it again, or bring back a copy")
-        return Document(self._file, value, self._lines)
+        return Document(self._file, value, self._lines, self._error)
 
     def _value(self, event: Any, events: Iterator[Any], path: Place) -> Any:
         if isinstance(event, yaml.AliasEvent) or event.anchor is not None:

@@ -33,18 +33,16 @@ def live_features(
     """
     for use in also:
         context.repertoire.domain.check_feature(use)
-    look = context.senses.look
     readings: list[Reading] = []
     while isinstance(running, RunningAutomaton):
-        for feature in running.automaton.features:
-            use = feature.bound(running.bindings)
-            own = use in OWN_FEATURES
-            value = running.own_feature(use) if own else value_or_nan(look, use)
-            readings.append((running.label, str(use), value))
+        readings += [
+            (running.label, str(feature.bound(running.bindings)), running.look(feature))
+            for feature in running.automaton.features
+        ]
         running = running.child
     # Flags and timers are those of one automaton.
     readings += [
-        ("", str(use), math.nan if use in OWN_FEATURES else value_or_nan(look, use))
+        ("", str(use), math.nan if use in OWN_FEATURES else value_or_nan(context.senses.look, use))
         for use in also
     ]
     return readings

@@ -18,7 +18,7 @@ from hitab_core.running.running_basic import (
     RunningBasicBehavior,
     RunningWithNumbers,
 )
-from hitab_core.running.senses import Senses
+from hitab_core.running.senses import Senses, value_or_nan
 from hitab_core.transition_function import Decide, NumberFunction, TransitionFunction
 from hitab_core.use import Use
 
@@ -310,7 +310,7 @@ class RunningAutomaton:
             FeatureValueError: if a required feature has no value.
         """
         for slot, flag in self._flag_slots:
-            self._values[slot] = self.own_feature(Use(flag))
+            self._values[slot] = self._own_feature(Use(flag))
         for slot, flag in self._timer_slots:
             self._values[slot] = self._seconds_since(flag)
         return [self._value_or_nan(slot) for slot in self._slots]
@@ -321,7 +321,13 @@ class RunningAutomaton:
         except NoValueError:
             return math.nan
 
-    def own_feature(self, use: Use) -> float:
+    def look(self, feature: Use) -> float:
+        """Return the current value of a feature in its own terms, or NaN; change nothing."""
+        if feature.name in OWN_NAMES:
+            return self._own_feature(feature)
+        return value_or_nan(self._senses.look, feature.bound(self.bindings))
+
+    def _own_feature(self, use: Use) -> float:
         """Return the current value of a flag or timer; leave flags up."""
         if use.name not in FLAGS:
             return self._seconds_since("".join(use.arguments))

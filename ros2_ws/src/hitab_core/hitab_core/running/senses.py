@@ -170,15 +170,6 @@ class Senses:
         if self._missing:
             self._missing.clear()
 
-    def check_perceived(self) -> None:
-        """Check that there was a percept.
-
-        Raises:
-            FeatureValueError: if there was none: all values would be those of an empty body.
-        """
-        if not self.perceived:
-            raise FeatureValueError(BLIND)
-
     @contextmanager
     def blind_unless_perceived(self) -> Iterator[None]:
         """Explain what a domain's code raises when it looks for a percept that never came.

@@ -78,7 +78,6 @@ class Shown:
         drawn: of each run, sequences of labels drawn from what is probable, shape (draws, n).
         spread: shape (d,), of what was done around what the behaviors would have done.
         rounds: of alternating; 0: none, by a sticky prior alone.
-        settled: whether the labels no longer changed.
     """
 
     labels: tuple[Integers, ...]
@@ -87,7 +86,6 @@ class Shown:
     drawn: tuple[Integers, ...]
     spread: Floats
     rounds: int
-    settled: bool
 
 
 def label(
@@ -143,7 +141,6 @@ def label(
         tuple(drawn),
         spread,
         done,
-        settled,
     )
 
 

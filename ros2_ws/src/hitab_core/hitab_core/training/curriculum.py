@@ -49,14 +49,8 @@ class Curriculum:
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Curriculum:
         """Read what `to_record` wrote."""
-        return cls.parse(
-            record["automaton"],
-            record["features"],
-            record["states"],
-            record["parameters"],
-            record["arguments"],
-            record["classifier"],
-        )
+        keys = ("automaton", "features", "states", "parameters", "arguments", "classifier")
+        return cls.parse(*(record[key] for key in keys))
 
     @classmethod
     def parse(
@@ -115,9 +109,9 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
         repertoire.domain.check_feature(feature, curriculum.parameters)
     for state in curriculum.states:
         repertoire.check_state(state, curriculum.parameters)
-    # Check an empty automaton for reserved names and for parameters that are targets.
-    blank = Automaton(name, (), curriculum.features, {}, curriculum.parameters)
-    repertoire.check_new(blank)
+    repertoire.check_name(name)
+    # An empty automaton shows whether parameters are targets.
+    repertoire.check(Automaton(name, (), curriculum.features, {}, curriculum.parameters))
     learner(curriculum.classifier, [repertoire.domain.scale_of(f) for f in curriculum.features])
 
 

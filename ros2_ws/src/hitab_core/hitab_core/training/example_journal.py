@@ -10,7 +10,7 @@ import fcntl
 import json
 import os
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Self
@@ -26,13 +26,17 @@ class ExampleJournal:
     """The journal of one training, opened by one process at a time.
 
     Use `open` or `begin`, not the constructor.
+
+    Attributes:
+        path: of the file.
+        records: that were written, oldest first.
     """
 
     def __init__(self, path: Path, descriptor: int) -> None:
         """Take over an open, locked file."""
         self.path = path
         self._descriptor = descriptor
-        self._records: list[dict[str, Any]] = []
+        self.records: list[dict[str, Any]] = []
         self._size = 0
 
     @classmethod
@@ -97,24 +101,20 @@ class ExampleJournal:
         journal.path = path
         return journal
 
-    def append(self, record: Mapping[str, Any]) -> int:
+    def append(self, record: Mapping[str, Any]) -> None:
         """Write a record; when this returns, it is on disk.
 
         Args:
             record: anything that JSON can represent.
 
-        Returns:
-            Its number.
-
         Raises:
             LibraryError: if it cannot be written; the journal is unchanged.
         """
-        number = len(self._records) + 1
         try:
             kept = json.loads(json.dumps(record, allow_nan=False))
         except (TypeError, ValueError, RecursionError) as error:
             raise LibraryError(f"{self.path}: cannot hold this record: {error}") from None
-        data = _line(number, kept)
+        data = _line(len(self.records) + 1, kept)
         with file_errors(self.path, "write to"):
             if not os.fstat(self._open()).st_nlink:
                 self._write_afresh()
@@ -128,16 +128,7 @@ class ExampleJournal:
                     os.ftruncate(self._descriptor, self._size)
                 raise
         self._size += len(data)
-        self._records.append(kept)
-        return number
-
-    def records(self) -> Iterator[dict[str, Any]]:
-        """Yield all records, oldest first."""
-        yield from list(self._records)
-
-    def __len__(self) -> int:
-        """Return the number of records."""
-        return len(self._records)
+        self.records.append(kept)
 
     def close(self) -> None:
         """Close it, to be resumed later."""
@@ -177,7 +168,7 @@ class ExampleJournal:
         """Rewrite everything after the file or its folder was removed."""
         again = type(self).open(self.path)
         try:
-            for record in self._records[len(again) :]:
+            for record in self.records[len(again.records) :]:
                 again.append(record)
         except BaseException:
             again.close()
@@ -203,7 +194,7 @@ class ExampleJournal:
         if lines and b"\0" in lines[-1] and not torn:
             torn = lines.pop()
         for number, line in enumerate(lines, 1):
-            self._records.append(_record(line, number, f"{self.path.name}:{number}"))
+            self.records.append(_record(line, number, f"{self.path.name}:{number}"))
         self._size = sum(len(line) + 1 for line in lines)
         if self._size < len(data):
             os.ftruncate(self._descriptor, self._size)

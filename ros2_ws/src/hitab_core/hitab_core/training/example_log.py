@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from hitab_core.default_example import default_example, marked
+from hitab_core.default_example import marked
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, Place
 from hitab_core.example_codec import example_of, values_of
@@ -30,6 +30,7 @@ class ExampleLog:
 
     Attributes:
         history: of the edits, for undo and redo.
+        next_number, next_command: numbers of the next example and of the next command.
         recorded: how many examples commands have added, whatever became of them.
     """
 
@@ -41,7 +42,7 @@ class ExampleLog:
         self._contradictory = set[Place]()  # where ordinary examples contradict each other
         self._told: tuple[Example, ...] | None = None
         self.recorded = 0
-        self._next_number = self._next_command = 1
+        self.next_number = self.next_command = 1
         self.history = History()
         self.make(self.replacement(examples))
         self.history = History()
@@ -56,41 +57,6 @@ class ExampleLog:
 
     def __len__(self) -> int:
         return len(self._examples)
-
-    @property
-    def defaults(self) -> int:
-        """The number of default examples."""
-        return sum(example.is_default for example in self._examples)
-
-    @property
-    def next_command(self) -> int:
-        """The number of the next command."""
-        return self._next_command
-
-    def preview(
-        self,
-        state: str,
-        features: tuple[float, ...],
-        next_state: str,
-        *,
-        kind: ExampleKind,
-        entered: tuple[float, ...] | None = None,
-        cycle: int = 0,
-        ago: float = 0.0,
-        readings: tuple[float, ...] = (),
-        numbers: tuple[float, ...] = (),
-    ) -> list[Example]:
-        """Return the numbered examples that a command teaches, without adding them.
-
-        Args:
-            state, features, next_state, kind, cycle, ago, readings, numbers: of the command's
-                example.
-            entered: the values of the default example; None: there is none.
-        """
-        command, number = self._next_command, self._next_number
-        found = (kind, number, command, cycle, ago, readings, numbers)
-        taught = Example(state, features, next_state, *found)
-        return [taught] if entered is None else [taught, default_example(taught, entered)]
 
     # -- preparing --------------------------------------------------------------------------
 
@@ -126,9 +92,9 @@ class ExampleLog:
                 wanted = self._known(record["numbers"])
                 return self.replacement((), f"deleted {these(wanted)}", wanted)
             case "add":
-                state, to, number = record["state"], record["next_state"], self._next_number
+                state, to, number = record["state"], record["next_state"], self.next_number
                 kind, values = ExampleKind(record["kind"]), values_of(record["features"])
-                example = Example(state, values, to, kind, number, self._next_command)
+                example = Example(state, values, to, kind, number, self.next_command)
                 return self.replacement([example], f"answered {state} → {to}")
             case "relabel":
                 given = tuple(map(float, record.get("with", ())))
@@ -203,9 +169,9 @@ class ExampleLog:
         for example in edit.came:
             self._by_number[example.number] = example
             self._count(example, 1)
-        self.recorded += sum(e.number >= self._next_number for e in edit.came)
-        self._next_number = max((self._next_number, *(e.number + 1 for e in edit.came)))
-        self._next_command = max((self._next_command, *(e.command + 1 for e in edit.came)))
+        self.recorded += sum(e.number >= self.next_number for e in edit.came)
+        self.next_number = max((self.next_number, *(e.number + 1 for e in edit.came)))
+        self.next_command = max((self.next_command, *(e.command + 1 for e in edit.came)))
         self.history.add(edit)
 
     def _count(self, example: Example, by: int) -> None:
@@ -226,10 +192,6 @@ class ExampleLog:
         if not numbers:
             return []
         return [e for e in self._examples if e.command in commands or e.number in numbers]
-
-    def of_commands(self, commands: Collection[int]) -> list[Example]:
-        """Return the examples that commands recorded."""
-        return [example for example in self._examples if example.command in commands]
 
     def commands_of(self, numbers: Iterable[int]) -> dict[int, int]:
         """Return the commands that examples were recorded by, each with one of these examples.

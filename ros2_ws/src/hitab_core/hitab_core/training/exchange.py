@@ -60,7 +60,8 @@ def exchanged(
         if after and all(math.isnan(e.features[i]) for e in after)
     ]
     if missing:
-        kept = [str(use) for use in (*before, *readable)] if any_readings(examples) else before
+        has_readings = any(example.readings for example in examples)
+        kept = (*before, *readable) if has_readings else before
         raise TrainingError(
             f'the examples of "{name}" have no value for {some(missing)} {has(kept)}; '
             f"demonstrate {quantity(len(after), 'example')} again with this feature, or choose "
@@ -81,11 +82,6 @@ def exchange(
         features=names,
         features_before=tuple(map(str, before)),
     )
-
-
-def any_readings(examples: Sequence[Example]) -> bool:
-    """Whether some examples have readings."""
-    return any(example.readings for example in examples)
 
 
 def realigned(

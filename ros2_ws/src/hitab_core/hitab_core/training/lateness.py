@@ -22,9 +22,8 @@ automaton corrects either its last change of state or that it has not changed, w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
 
 import numpy as np
 
@@ -215,13 +214,13 @@ class _Explanations:
 def _explanations(
     commands: Sequence[LateCommand], others: Sequence[LateCommand], scales: Sequence[Scale]
 ) -> _Explanations:
-    guesses = _guesses(commands, scales)
-    firsts = _firsts([*commands, *others], [guess for guess, _ in guesses])
+    guesses, guessed = _guesses(commands, others, scales)
+    firsts = _firsts(guesses, [*commands, *others])
     first = firsts[:, : len(commands)]
     grid = (len(MEDIANS), len(SPREADS))
     fitting = np.empty((len(guesses), len(commands), *grid))
     changing = np.empty_like(fitting)
-    log_likelihood = np.log([odds for _, odds in guesses])[:, None, None] + np.zeros((1, *grid))
+    log_likelihood = np.log(guessed)[:, None, None] + np.zeros((1, *grid))
     for i, command in enumerate(commands):
         length = max(float(command.delays[0]), SHORTEST)
         density = np.concatenate([_density(command.delays), np.zeros((1, *grid))])
@@ -241,74 +240,51 @@ def _explanations(
     return _Explanations(commands, first, fitting, changing, log_likelihood)
 
 
-def _firsts(commands: Sequence[LateCommand], guesses: Sequence[Holds]) -> Integers:
-    """Return the first moment of each command in which each guess holds; -1: none."""
-    values = np.concatenate([command.values for command in commands])
-    lengths = [len(command.values) for command in commands]
-    begins = np.cumsum([0, *lengths[:-1]])
-    places = np.arange(len(values)) - np.repeat(begins, lengths)
-    never = len(values)
-    rows = [np.where(guess(values), places, never) for guess in guesses]
-    first = np.minimum.reduceat(np.array(rows), begins, axis=1)
-    return np.where(first == never, -1, first)
+def _guesses(
+    commands: Sequence[LateCommand], others: Sequence[LateCommand], scales: Sequence[Scale]
+) -> tuple[Booleans, Floats]:
+    """Return what commands may answer to.
 
-
-def _guesses(commands: Sequence[LateCommand], scales: Sequence[Scale]) -> list[_Guess]:
-    """Return what commands may answer to, each with how probable it is at first."""
-    values = np.concatenate([command.values for command in commands])
-    found: list[list[Holds]] = []
-    for f, scale in enumerate(scales):
-        column = values[~np.isnan(values[:, f]), f]
-        of_feature: list[Holds] = []
-        if scale.kind.is_measured:
-            measures: list[Measure] = [partial(_plain, f)]
-            if scale.kind is FeatureKind.TOROIDAL:
-                measures = [partial(_signed, f, scale.period), partial(_off, f, scale.period)]
-            for measure in measures:
-                levels = np.unique(measure(values))
-                levels = levels[~np.isnan(levels)]
-                edges = (levels[1:] + levels[:-1]) / 2.0
-                if len(edges) > THRESHOLDS_MAX:
-                    edges = edges[np.linspace(0, len(edges) - 1, THRESHOLDS_MAX).astype(int)]
-                for edge in edges.tolist():
-                    of_feature += [partial(_below, measure, edge), partial(_above, measure, edge)]
-        else:
-            of_feature = [partial(_is, f, value) for value in np.unique(column).tolist()]
+    Returns:
+        shape (guesses, moments of the commands and then of the others), in which moments each
+            guess holds; and shape (guesses,), how probable it is at first.
+    """
+    values = np.concatenate([command.values for command in (*commands, *others)])
+    own = sum(len(command.values) for command in commands)
+    found: list[list[Booleans]] = []
+    for column, scale in zip(values.T, scales, strict=True):
+        of_feature: list[Booleans] = []
+        if not scale.kind.is_measured:
+            there = np.unique(column[:own])
+            of_feature += [column == value for value in there[~np.isnan(there)]]
+        for measure in _measures(column, scale):
+            levels = np.unique(measure[:own])
+            levels = levels[~np.isnan(levels)]
+            edges = (levels[1:] + levels[:-1]) / 2.0
+            if len(edges) > THRESHOLDS_MAX:
+                edges = edges[np.linspace(0, len(edges) - 1, THRESHOLDS_MAX).astype(int)]
+            of_feature += [holds for edge in edges for holds in (measure < edge, measure > edge)]
         if of_feature:
             found.append(of_feature)
     if not found:
-        return [(lambda values: np.zeros(len(values), np.bool_), 1.0)]
-    return [
-        (guess, 1.0 / (len(found) * len(of_feature)))
-        for of_feature in found
-        for guess in of_feature
-    ]
+        return np.zeros((1, len(values)), np.bool_), np.ones(1)
+    odds = [1.0 / (len(found) * len(of_feature)) for of_feature in found for _ in of_feature]
+    return np.concatenate(found), np.array(odds)
 
 
-Measure = Callable[[Floats], Floats]
-Holds = Callable[[Floats], Booleans]
-_Guess = tuple[Holds, float]
+def _measures(column: Floats, scale: Scale) -> list[Floats]:
+    """Return what may have passed a threshold: a value, or on a circle either side and both."""
+    if scale.kind is FeatureKind.TOROIDAL:
+        signed = (column + scale.period / 2.0) % scale.period - scale.period / 2.0
+        return [signed, np.abs(signed)]
+    return [column] if scale.kind.is_measured else []
 
 
-def _plain(f: int, values: Floats) -> Floats:
-    return np.asarray(values[:, f])
-
-
-def _signed(f: int, period: float, values: Floats) -> Floats:
-    return np.asarray((values[:, f] + period / 2.0) % period - period / 2.0)
-
-
-def _off(f: int, period: float, values: Floats) -> Floats:
-    return np.abs(_signed(f, period, values))
-
-
-def _below(measure: Measure, edge: float, values: Floats) -> Booleans:
-    return np.asarray(measure(values) < edge)
-
-
-def _above(measure: Measure, edge: float, values: Floats) -> Booleans:
-    return np.asarray(measure(values) > edge)
-
-
-def _is(f: int, value: float, values: Floats) -> Booleans:
-    return np.asarray(values[:, f] == value)
+def _firsts(holds: Booleans, commands: Sequence[LateCommand]) -> Integers:
+    """Return the first moment of each command in which each guess holds; -1: none."""
+    lengths = [len(command.values) for command in commands]
+    begins = np.cumsum([0, *lengths[:-1]])
+    never = sum(lengths)
+    places = np.arange(never) - np.repeat(begins, lengths)
+    first = np.minimum.reduceat(np.where(holds, places, never), begins, axis=1)
+    return np.where(first == never, -1, first)

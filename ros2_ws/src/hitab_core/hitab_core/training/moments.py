@@ -103,17 +103,10 @@ class Moments:
     def __init__(self) -> None:
         self._kept: list[Moment] = []
 
-    def __len__(self) -> int:
-        return len(self._kept)
-
     @property
     def latest(self) -> Moment | None:
         """The last moment; None if there is none."""
         return self._kept[-1] if self._kept else None
-
-    def begin(self) -> None:
-        """Forget what was, since it has nothing to do with what follows."""
-        self._kept.clear()
 
     def add(self, moment: Moment) -> None:
         """Keep a moment, unless it follows the last but one too fast; drop those too old."""

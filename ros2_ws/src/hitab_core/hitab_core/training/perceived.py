@@ -21,7 +21,6 @@ from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError
 from hitab_core.example import Example
 from hitab_core.running.running_automaton import RunningAutomaton
-from hitab_core.running.senses import Senses, value_or_nan
 from hitab_core.training.lateness import LateCommand, Lateness
 from hitab_core.training.moments import (
     Moment,
@@ -79,7 +78,6 @@ class Perceived:
             for use in chosen
             if use not in TIMERS and not domain.scale_of(use).kind.is_measured
         ]
-        self._uses: list[Use | None] = []
         self._entered: Moment | None = None
         self._corrected: dict[int, tuple[Moment, str, str]] = {}
         self._paces: dict[int, float] = {}
@@ -96,18 +94,9 @@ class Perceived:
         latest, entered = self.moments.latest, self._entered
         return latest is not None and (entered is None or latest.time > entered.time)
 
-    def bind(self, senses: Senses, bindings: Mapping[str, str]) -> None:
-        """Read from an agent's senses from now on."""
-        self._senses = senses
-        self._uses = [None if u in OWN_FEATURES else u.bound(bindings) for u in self.readable]
-
     def _read(self, running: RunningAutomaton) -> tuple[float, ...]:
         """Return the readings of now; NaN for what cannot be read."""
-        look = self._senses.look
-        values = (
-            running.own_feature(own) if use is None else value_or_nan(look, use)
-            for own, use in zip(self.readable, self._uses, strict=True)
-        )
+        values = map(running.look, self.readable)
         return tuple(value if math.isfinite(value) else math.nan for value in values)
 
     def keep(
@@ -157,7 +146,7 @@ class Perceived:
 
     def begin(self) -> None:
         """Forget what was, since it has nothing to do with what follows."""
-        self.moments.begin()
+        self.moments = Moments()
         self.silence.end()
         self._entered = None
 
@@ -255,10 +244,6 @@ class Perceived:
                 "check the sensors, or choose other features"
             )
         return values
-
-    def met(self, features: Sequence[Use]) -> list[tuple[str, tuple[float, ...]]]:
-        """Return the values of features in a sample of what was met, with the states."""
-        return [(m.state, self.in_moment(m, features)) for m in self.situations]
 
     # -- moments that stay with the examples ------------------------------------------------
 

@@ -34,6 +34,7 @@ from hitab_core.training.question import (
     QuestionKind,
     added,
 )
+from hitab_core.training.situations import Situations
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
 
@@ -44,12 +45,22 @@ CORRECTED = 2
 class Questions:
     """The questions of one training, numbered as they come up.
 
+    Args:
+        log: of the examples of the training.
+        situations: that were met in it.
+        material: returns what they are found from; called if anything has changed.
+
     Attributes:
         answered: what was answered, in words, oldest first.
     """
 
-    def __init__(self) -> None:
+    def __init__(
+        self, log: ExampleLog, situations: Situations, material: Callable[[], Material]
+    ) -> None:
         self.answered: list[str] = []
+        self._log = log
+        self._situations = situations
+        self._material = material
         self._numbers: dict[tuple[Any, ...], int] = {}
         self._dismissed: set[tuple[str, ...]] = set()
         self._about: tuple[Example, ...] | None = None
@@ -57,62 +68,47 @@ class Questions:
         self._known: list[Question] = []
         self._searched: Hashable = None
 
-    def count(self, log: ExampleLog) -> int:
-        """Return how many are `known`."""
-        return len(self.known(log))
-
-    def known(self, log: ExampleLog) -> list[Question]:
+    def known(self) -> list[Question]:
         """Return what is asked now, without looking for what takes long to find.
 
         All contradictions are, and of the others the most useful one.
         """
-        self._look_at(log)
+        self._look_at_examples()
         asked = [question for question in self._known if question.words not in self._dismissed]
         others = [q for q in asked if q.kind is not QuestionKind.CONTRADICTION]
         return [q for q in asked if q not in others[1:]]
 
-    def _look_at(self, log: ExampleLog) -> None:
+    def _look_at_examples(self) -> None:
         """Look for those that are found at once, if the examples have changed."""
+        log = self._log
         if self._about is not log.examples:
             self._about, self._searched = log.examples, None
             self._known = self._contradicting = self._contradictions(log.contradictory())
 
-    def find(
-        self, material: Callable[[], Material], log: ExampleLog, news: Hashable = 0
-    ) -> list[Question]:
+    def find(self) -> list[Question]:
         """Return what is asked now, see `known`; this can take a tenth of a second.
-
-        Args:
-            material: returns what they are found from; called if anything has changed.
-            log: of the examples of the training.
-            news: changes when it is worth while to look again, though no example has changed.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        for _ in self.search(material, log, news):
+        for _ in self.search():
             pass
-        return self.known(log)
+        return self.known()
 
-    def search(
-        self, material: Callable[[], Material], log: ExampleLog, news: Hashable = 0
-    ) -> Iterator[None]:
+    def search(self) -> Iterator[None]:
         """Look for questions, for `find`, in steps between which something else can be done.
 
         If the examples change meanwhile, the search ends; begin another one.
 
-        Args:
-            material, log, news: see `find`.
-
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
-        self._look_at(log)
-        examples = self._about
+        self._look_at_examples()
+        examples, news = self._about, self._situations.news
         if self._searched == news:
             return
         found: list[tuple[tuple[float, ...], Question]] = []
-        for ranked in self._found(material(), self._contradicting):
+        for ranked in self._found(self._material(), self._contradicting):
             if ranked is not None:
                 found.append(ranked)
             yield
@@ -120,17 +116,19 @@ class Questions:
                 return
         found.sort(key=lambda ranked: ranked[0])
         # What is asked already stays: somebody may be reading it, or about to answer it.
-        asked = [q for q in self.known(log) if q not in self._contradicting]
+        asked = [q for q in self.known() if q not in self._contradicting]
         others = [question for _, question in found if question not in asked]
         self._known = [*self._contradicting, *asked, *others]
         self._searched = news
 
-    def get(self, number: int, found: Sequence[Question]) -> Question:
+    def get(self, number: int) -> Question:
         """Return an open question.
 
         Raises:
             TrainingError: if it is not open, saying why.
+            FeatureValueError, VocabularyError: as `find`.
         """
+        found = self.find()
         for question in found:
             if question.number == number:
                 return question
@@ -146,8 +144,20 @@ class Questions:
         """Do not ask a question again, given `Question.words`."""
         self._dismissed.add(tuple(key))
 
-    def _number(self, key: tuple[Any, ...]) -> int:
-        return self._numbers.setdefault(key, len(self._numbers) + 1)
+    def _question(
+        self,
+        kind: QuestionKind,
+        about: tuple[Any, ...],
+        text: str,
+        state: str,
+        choices: tuple[Choice, ...],
+        examples: tuple[int, ...] = (),
+        situation: tuple[float, ...] = (),
+    ) -> Question:
+        """Return a question, with its number if it came up before about the same."""
+        key = (kind, *about)
+        number = self._numbers.setdefault(key, len(self._numbers) + 1)
+        return Question(number, kind, text, state, examples, choices, situation, key)
 
     # -- finding ----------------------------------------------------------------------------
 
@@ -195,91 +205,53 @@ class Questions:
             for label in _weighed(group):
                 wrong = {e.command or -e.number for e in group if e.next_state != label}
                 gone = sorted(number for command in wrong for number in recorded[command])
-                choices.append(
-                    Choice(
-                        label,
-                        f"deletes {numbered('example', gone)}",
-                        {"do": "delete", "numbers": gone},
-                    )
-                )
+                effect = f"deletes {numbered('example', gone)}"
+                choices.append(Choice(label, effect, {"do": "delete", "numbers": gone}))
             numbers = tuple(example.number for example in group)
-            key = (QuestionKind.CONTRADICTION, numbers)
             found.append(
-                Question(
-                    self._number(key),
+                self._question(
                     QuestionKind.CONTRADICTION,
+                    (numbers,),
                     question_texts.commanded(group),
                     group[0].state,
-                    numbers,
                     tuple(choices),
+                    numbers,
                     group[0].features,
-                    key,
                 )
             )
         return sorted(found, key=lambda question: -max(question.examples))
 
     def _of_proposal(self, proposal: Proposal, given: Material) -> Question:
+        numbers, state, place = proposal.examples, proposal.state, proposal.place
         if proposal.kind is ProposalKind.MISTAKE:
-            key = (QuestionKind.MISTAKE, proposal.examples)
-            choices = [
-                Choice(
-                    REMOVE,
-                    question_texts.removed(proposal),
-                    {"do": "delete", "numbers": list(proposal.examples)},
-                ),
-                Choice(KEEP, "changes nothing", None),
-            ]
-            return Question(
-                self._number(key),
-                QuestionKind.MISTAKE,
-                question_texts.mistaken(proposal, given.examples),
-                proposal.state,
-                proposal.examples,
-                tuple(choices),
-                key=key,
+            deletes = {"do": "delete", "numbers": list(numbers)}
+            remove = Choice(REMOVE, question_texts.removed(proposal), deletes)
+            keep = Choice(KEEP, "changes nothing", None)
+            text = question_texts.mistaken(proposal, given.examples)
+            return self._question(
+                QuestionKind.MISTAKE, (numbers,), text, state, (remove, keep), numbers
             )
-        assert proposal.place is not None
-        where: tuple[Any, ...] = (QuestionKind.SPARSE, proposal.state, proposal.place)
+        assert place is not None
+        text = question_texts.unshown(proposal, given.evidence(state))
         labels = [label for label in (proposal.instead, *given.labels) if label]
-        return Question(
-            self._number(where),
-            QuestionKind.SPARSE,
-            question_texts.unshown(proposal, given.evidence(proposal.state)),
-            proposal.state,
-            proposal.examples,
-            _commands(proposal.state, proposal.place, labels),
-            proposal.place,
-            where,
+        choices = _commands(state, place, labels)
+        return self._question(
+            QuestionKind.SPARSE, (state, place), text, state, choices, numbers, place
         )
 
     def _of_unshown(self, found: Unshown, evidence: Evidence) -> Question:
-        key = (QuestionKind.UNSHOWN, found.state, found.situation)
-        return Question(
-            self._number(key),
-            QuestionKind.UNSHOWN,
-            question_texts.never_shown(found, evidence),
-            found.state,
-            (),
-            _commands(found.state, found.situation, found.next_states, bisects=found.bisects),
-            found.situation,
-            key,
-        )
+        state, place = found.state, found.situation
+        text = question_texts.never_shown(found, evidence)
+        choices = _commands(state, place, found.next_states, bisects=found.bisects)
+        about = (state, place)
+        return self._question(QuestionKind.UNSHOWN, about, text, state, choices, situation=place)
 
-    def _of_ambiguity(self, ambiguity: Ambiguity) -> Question:
-        key = (QuestionKind.AMBIGUITY, *ambiguity.key)
-        return Question(
-            self._number(key),
-            QuestionKind.AMBIGUITY,
-            ambiguity.text,
-            ambiguity.state,
-            (),
-            _commands(
-                ambiguity.state,
-                ambiguity.situation,
-                [side.next_state for side in (ambiguity.learned, ambiguity.other)],
-            ),
-            ambiguity.situation,
-            key,
+    def _of_ambiguity(self, found: Ambiguity) -> Question:
+        state, place = found.state, found.situation
+        labels = [side.next_state for side in (found.learned, found.other)]
+        choices = _commands(state, place, labels)
+        return self._question(
+            QuestionKind.AMBIGUITY, found.key, found.text, state, choices, situation=place
         )
 
 

@@ -54,25 +54,22 @@ def moved(
     Raises:
         FeatureValueError: as `Perceived.values`.
     """
-    return [
-        due_in(example, kept, *dues[example.command], features)
-        for example in log.of_commands(dues)
-    ]
-
-
-def due_in(
-    e: Example, kept: Perceived, given: float, due: Moment, features: Sequence[Use]
-) -> Example:
-    """Return an example of a command that was given at some time, s, if it was due in a moment."""
-    values = kept.values(due, features)
-    return replace(
-        e,
-        state=e.state if e.is_default else due.state,
-        features=as_entered(features, values) if e.is_default else values,
-        cycle=due.cycle,
-        ago=max(0.0, given - due.time),
-        readings=due.readings,
-    )
+    found = []
+    for e in log.examples:
+        if e.command in dues:
+            given, due = dues[e.command]
+            values = kept.values(due, features)
+            found.append(
+                replace(
+                    e,
+                    state=e.state if e.is_default else due.state,
+                    features=as_entered(features, values) if e.is_default else values,
+                    cycle=due.cycle,
+                    ago=max(0.0, given - due.time),
+                    readings=due.readings,
+                )
+            )
+    return found
 
 
 def _then(kept: Perceived, command: int, example: int, ago: float) -> tuple[float, Moment]:

@@ -82,29 +82,12 @@ class TrainingJournal:
         if self._file is not None:
             self._file.append({**record, "at": time.time()})
 
-    def saved(self, behavior: str, checksum: str) -> None:
-        """Write that the training is being saved.
-
-        If the process ends before `archive`, the next one recognizes the saved file by this.
-
-        Raises:
-            LibraryError: if it cannot be written.
-        """
-        self.write({"do": "save", "automaton": behavior, "checksum": checksum})
-
-    def costs(self, automaton: str) -> list[TrainingCost]:
-        """Return what the trainings of an automaton cost, oldest first.
+    def costs(self) -> list[TrainingCost]:
+        """Return what the trainings on disk cost, oldest first.
 
         Those of which nothing is known, in which nothing was done, or whose journals are damaged,
         are left out.
         """
-        return [cost for cost in self._all_costs() if cost.automaton == automaton]
-
-    def trained(self) -> list[str]:
-        """Return the automata of whose trainings it is known what they cost."""
-        return sorted({cost.automaton for cost in self._all_costs()})
-
-    def _all_costs(self) -> list[TrainingCost]:
         if self._path is None:
             return []
         paths = self._path.parent.glob(f"{self._path.stem}*{self._path.suffix}")
@@ -186,7 +169,7 @@ class TrainingJournal:
         if path is None or not path.exists():
             return None
         file = ExampleJournal.open(path)
-        records = list(file.records())
+        records = file.records
         if not records:
             file.discard()
             return None

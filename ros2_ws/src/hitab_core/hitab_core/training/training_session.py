@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from hitab_core.advice.remarks import Remark, loops
 from hitab_core.automaton import FLAGS, START, Automaton, as_entered
+from hitab_core.default_example import default_example
 from hitab_core.errors import (
     FeatureValueError,
     HitabError,
@@ -60,6 +61,12 @@ class Request(NamedTuple):
     demonstrator: str
     number: int
 
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Request:
+        """Return that which a record of the journal carries out."""
+        demonstrator, number = record["request"]
+        return cls(str(demonstrator), int(number))
+
 
 def _forget(record: Mapping[str, Any]) -> None:
     """Keep no journal."""
@@ -84,6 +91,7 @@ class TrainingSession:
     otherwise in Start, and stays there until the next command.
 
     Attributes:
+        asked: what the agent asks the demonstrator.
         note: what the demonstrator should know of this, until an example is recorded.
         perception: what the agent perceived lately, and around each command.
         requests: the latest commands it has obeyed that were numbered, before a crash too.
@@ -104,7 +112,7 @@ class TrainingSession:
         Args:
             context: of the agent.
             curriculum: what to train.
-            examples: to continue from, with readings in the order of `readable`.
+            examples: to continue from, with readings in the order of `Perceived.readable`.
             journal: keeps each step.
             names: of the readings of ``examples``; empty: all that can be read. What cannot be
                 read any more is NaN.
@@ -120,7 +128,7 @@ class TrainingSession:
         self.perception = Perceived(domain, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
         self.testing = False
-        self.asked = Questions()
+        self.asked = Questions(self.log, self.perception.situations, self._material)
         self.requests: deque[Request] = deque(maxlen=REMEMBERED)
         self.edits: deque[Request] = deque(maxlen=REMEMBERED)
         self._asked_by: Request | None = None
@@ -135,8 +143,6 @@ class TrainingSession:
         self.running = self._perform(())
 
     def _perform(self, states: Sequence[Use]) -> RunningAutomaton:
-        bindings = self._bindings
-        self.perception.bind(self.context.senses, bindings)
         blank = Automaton(
             self.curriculum.name,
             tuple(states),
@@ -144,7 +150,7 @@ class TrainingSession:
             {},
             self.curriculum.parameters,
         )
-        running = RunningAutomaton(self.context, blank, bindings)
+        running = RunningAutomaton(self.context, blank, self._bindings)
         for label in _labels(self.log.examples):
             running.add_state(Use.parse(label))
         return running
@@ -152,11 +158,6 @@ class TrainingSession:
     @property
     def _bindings(self) -> dict[str, str]:
         return dict(zip(self.curriculum.parameters, self.curriculum.arguments, strict=True))
-
-    @property
-    def readable(self) -> tuple[Use, ...]:
-        """Names of the readings of its examples."""
-        return self.perception.readable
 
     @property
     def examples(self) -> tuple[Example, ...]:
@@ -211,17 +212,6 @@ class TrainingSession:
         self._left = True
         self.perception.begin()
 
-    def perceived(self, cycle: int, time: float, *, jumped: bool = False) -> None:
-        """Keep what the agent perceives now, before it acts on that.
-
-        Args:
-            cycle: of the world.
-            time: simulated time, s.
-            jumped: whether the situation does not follow from the last one.
-        """
-        if not self._left:
-            self.perception.keep(self.running, cycle, time, jumped=jumped)
-
     def check_on(self, repertoire: Repertoire) -> None:
         """Check that the training could continue with another repertoire.
 
@@ -243,21 +233,24 @@ class TrainingSession:
             if edit is not None:
                 self._make(edit)
             if record["do"] == "command":
-                self.perception.keep_around(int(record["examples"][0]["command"]), record)
-                self.late.keep(record)
-                self.perception.silence.keep(
-                    list(map(Stretch.from_record, record.get("silent", ())))
-                )
-            if "request" in record:
-                demonstrator, number = record["request"]
-                requests = self.requests if record["do"] == "command" else self.edits
-                requests.append(Request(str(demonstrator), int(number)))
+                self._keep(record)
+                silent = map(Stretch.from_record, record.get("silent", ()))
+                self.perception.silence.keep(list(silent))
+            elif "request" in record:
+                self.edits.append(Request.from_record(record))
             if record["do"] == "dismiss":
                 self.asked.dismiss(record["key"])
             self._tested |= record["do"] == "test"
         self.perception.remember()
         self.check_on(self.context.repertoire)
         self.rebuild(self.context)
+
+    def _keep(self, record: Mapping[str, Any]) -> None:
+        """Keep what the record of a command tells besides its examples."""
+        self.perception.keep_around(int(record["examples"][0]["command"]), record)
+        self.late.keep(record)
+        if "request" in record:
+            self.requests.append(Request.from_record(record))
 
     def rebuild(self, context: RunContext) -> None:
         """Restart at Start, since behaviors of the repertoire may have changed."""
@@ -358,18 +351,13 @@ class TrainingSession:
             )
         again = label == due.state
         values = perception.values(due, chosen)
-        assumed = not again and not self.context.repertoire.is_one_shot(state)
-        taught = self.log.preview(
-            due.state,
-            values,
-            label,
-            kind=ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED,
-            entered=as_entered(chosen, values) if assumed else None,
-            cycle=due.cycle,
-            ago=max(0.0, perception.time - due.time),
-            readings=due.readings,
-            numbers=numbers,
-        )
+        kind = ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED
+        ago = max(0.0, perception.time - due.time)
+        number, command = self.log.next_number, self.log.next_command
+        found = (kind, number, command, due.cycle, ago, due.readings, numbers)
+        taught = [Example(due.state, values, label, *found)]
+        if not again and not self.context.repertoire.is_one_shot(state):
+            taught.append(default_example(taught[0], as_entered(chosen, values)))
         edit = self.log.addition(taught, settled)
         # On disk first: acknowledged examples must survive a crash.
         record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
@@ -379,11 +367,8 @@ class TrainingSession:
         if request is not None:
             record["request"] = list(request)
         self._write(record)
-        if request is not None:
-            self.requests.append(request)
         self.log.make(edit)
-        perception.keep_around(taught[0].command, around)
-        self.late.keep(record)
+        self._keep(record)
         perception.enter(label, due)
         running.take_down_flags()
         running.add_state(state)
@@ -421,8 +406,7 @@ class TrainingSession:
 
     def search(self) -> Iterator[None]:
         """Look for questions in steps, see `Questions.search`, and for loops."""
-        news = self.perception.situations.news
-        yield from self.asked.search(self._material, self.log, news)
+        yield from self.asked.search()
         self.remarks(look=True)
 
     def remarks(self, *, look: bool = False) -> list[Remark]:
@@ -441,16 +425,9 @@ class TrainingSession:
         about, found = self._loops
         return [*(found if about is examples else ()), *self._trial.remarks(examples)]
 
-    def questions(self) -> list[Question]:
-        """Return what the agent asks the demonstrator now; this can take a tenth of a second.
-
-        Raises:
-            TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
-        """
-        return self.asked.find(self._material, self.log, self.perception.situations.news)
-
     def _material(self) -> Material:
         examples, features = self.log.examples, self.curriculum.features
+        met = self.perception.situations
         repertoire = self.context.repertoire
         return Material(
             examples,
@@ -461,7 +438,7 @@ class TrainingSession:
             tuple(self.states),
             tuple(map(str, self.curriculum.states)) or tuple(self.states),
             tuple(self.perception.corrections(examples, features)),
-            tuple(self.perception.met(features)),
+            tuple((m.state, self.perception.in_moment(m, features)) for m in met),
         )
 
     def answer(self, number: int, choice: str = "", *, dismiss: bool = False) -> Question:
@@ -475,7 +452,7 @@ class TrainingSession:
         Raises:
             TrainingError: if the question is not open, or has no such choice.
         """
-        question = self.asked.get(number, self.questions())
+        question = self.asked.get(number)
         chosen = choice_of(question, choice)
         if dismiss or chosen.record is None:
             self._write({"do": "dismiss", "key": list(question.words)})
@@ -562,7 +539,7 @@ class TrainingSession:
             VocabularyError: if there is no such feature.
         """
         self._check_features(features)
-        edit = exchange(self.log, self.curriculum, features, self.readable)
+        edit = exchange(self.log, self.curriculum, features, self.perception.readable)
         return self._learned(self.log.after(edit), "shown", edit.features)
 
     def _prepared(self, record: Mapping[str, Any]) -> Edit | None:
@@ -577,13 +554,13 @@ class TrainingSession:
                 return retiming(self.log, self.perception, numbers, ago, self.curriculum.features)
             case "features":
                 features = tuple(map(Use.parse, record["features"]))
-                return exchange(self.log, self.curriculum, features, self.readable)
+                return exchange(self.log, self.curriculum, features, self.perception.readable)
         return self.log.prepared(record)
 
     def _check_features(self, features: Sequence[Use]) -> None:
         chosen = replace(self.curriculum, features=tuple(features))
         check_curriculum(chosen, self.context.repertoire)
-        unread = [use for use in features if use not in self.readable]
+        unread = [use for use in features if use not in self.perception.readable]
         if unread and not self.log.examples:
             raise TrainingError(
                 f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
@@ -665,7 +642,7 @@ class TrainingSession:
             {},
             self.curriculum.parameters,
             examples,
-            readable=self.readable,
+            readable=self.perception.readable,
         )
         return relearned(unlearned, self.context.repertoire.domain, self.curriculum.classifier)
 

@@ -59,10 +59,6 @@ class Edit:
             direction=Direction.UNDO,
         )
 
-    def __str__(self) -> str:
-        """Describe it for people."""
-        return self.words
-
     def apply(self, examples: list[Example]) -> None:
         """Apply it to a list that is sorted by number."""
         for example in reversed(self.gone):
@@ -81,12 +77,12 @@ class History:
     @property
     def done(self) -> list[str]:
         """Descriptions of what can be undone, oldest first."""
-        return [str(edit) for edit in self._done]
+        return [edit.words for edit in self._done]
 
     @property
     def undone(self) -> list[str]:
         """Descriptions of what can be redone, oldest first; redo begins with the first."""
-        return [str(edit) for edit in reversed(self._undone)]
+        return [edit.words for edit in reversed(self._undone)]
 
     def undo(self) -> Edit:
         """Return the edit that undoes the last addition, deletion or relabeling.

@@ -130,5 +130,5 @@ async def distribute(session: Session, data: Data) -> None:
     session.dialog["report"] = report
     session.tell(
         f"{behavior}: {len(report.accepted)} of {len(receivers)} have it",
-        "good" if report.complete else "bad",
+        "bad" if report.missing else "good",
     )

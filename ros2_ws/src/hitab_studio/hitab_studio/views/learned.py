@@ -27,7 +27,7 @@ def context(session: Session) -> dict[str, Any]:
     behavior = _behavior(session, shown["name"])
     automaton = behavior.automaton if behavior is not None else None
     state = session.state or shown["state"] or START
-    tree = behavior.tree(state) if behavior is not None else None
+    tree = behavior.trees.get(state) if behavior is not None else None
     values = _values(session, shown["label"], behavior)
     events = _events(session)
     names = behavior.features if behavior is not None else ()

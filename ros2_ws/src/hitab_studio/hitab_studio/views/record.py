@@ -14,13 +14,13 @@ MOST = 30
 def context(session: Session) -> dict[str, Any]:
     """Return what the tab shows."""
     known = session.shared.store.known
-    done = [r for r in recordings() if not known.recording.endswith(f"/{r.name}")]
+    done = [r for r in recordings() if not known.recording.endswith(f"/{r.path.name}")]
     return {
         "recording": known.recording,
         "recorded": known.recorded,
         "folder": str(recordings_folder()),
         "files": [
-            (r.name, time.strftime("%d %b %H:%M", time.localtime(r.when)), r.size)
+            (r.path.name, time.strftime("%d %b %H:%M", time.localtime(r.when)), r.size)
             for r in done[:MOST]
         ],
         "more": max(0, len(done) - MOST),
