@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from hitab_client.errors import LessonError
-from hitab_client.lessons.lesson_file import parse_lesson
+from hitab_client.lessons.lesson import parse_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
 
 STOP = """\

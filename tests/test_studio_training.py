@@ -212,6 +212,19 @@ def test_what_a_broken_connection_has_lost_is_asked_again_in_order(swarm, person
 
 
 @needs_browser
+def test_who_is_faster_than_the_page_may_undo_the_first_command(swarm, person):
+    begin(person, "Fast")
+    key = person.page.locator('[data-test="do-GoFast"] kbd').inner_text().lower()
+    person.page.mouse.move(*person.on_screen(9.0, 9.0))
+    person.page.mouse.down()  # the page stays as it is until the finger is up
+    for pressed in (key, "u"):
+        person.page.keyboard.press(pressed)
+    person.waits_until(lambda: swarm.agents.training(ONE).undone, "it is undone")
+    person.page.mouse.up()
+    assert not swarm.agents.training(ONE).examples
+
+
+@needs_browser
 def test_a_game_measures_the_reaction_time(swarm, person):
     begin(person, "Game")
     person.page.evaluate("Math.random = () => 0")  # the discs come as soon as they may

@@ -6,7 +6,7 @@ import pytest
 from taught import examples_of
 
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_client.lessons.lesson_file import read_lesson
+from hitab_client.lessons.lesson import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
 from hitab_client.shipped import find_file, shipped
 from keepaway_world.verbs.evaluation import evaluate, trained_keepers

@@ -11,8 +11,9 @@ from hitab_client.lessons.lesson import (
     Command,
     Test,
     Until,
+    parse_lesson,
+    read_lesson,
 )
-from hitab_client.lessons.lesson_file import parse_lesson, read_lesson
 from hitab_client.shipped import find_file
 from hitab_core.use import Use
 

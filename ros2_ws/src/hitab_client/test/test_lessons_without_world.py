@@ -9,7 +9,7 @@ from hitab_msgs.msg import Reading
 
 from hitab_client.errors import LessonError
 from hitab_client.lessons.condition_watch import ConditionWatch
-from hitab_client.lessons.lesson_file import parse_lesson
+from hitab_client.lessons.lesson import parse_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
 
 LESSON = """\

@@ -23,6 +23,9 @@ from hitab_studio.views import PANELS, render
 
 STATIC = Path(__file__).parent / "static"
 REFRESH_SECONDS = 0.15
+SHOWN_SECONDS = 1.0
+"""How long a page may take to show what was done."""
+
 ALSO_EVERY = 2
 """Refreshes between two drawings of what changes all the time, such as curves."""
 
@@ -49,6 +52,9 @@ class RequestQueue:
     meant: Go, Stop, Go are three commands however fast they come. Repeating actions are never
     dropped.
 
+    What the page says does nothing at present is tried nevertheless as long as the page may not
+    show what was done before, such as a command that is undone at once.
+
     Attributes:
         waiting: the request being handled, and those after it.
     """
@@ -56,12 +62,16 @@ class RequestQueue:
     def __init__(self) -> None:
         self._queue: asyncio.Queue[Data | None] = asyncio.Queue()
         self.waiting: list[Data] = []
+        self._shown_at = 0.0
 
     def add(self, data: Any) -> None:
         """Add a request of the page."""
         if not isinstance(data, Mapping):
             return
         asked = {key: value for key, value in data.items() if key not in ("again", "nth")}
+        off = asked.pop("off", "")
+        if off and not self.waiting and time.monotonic() > self._shown_at:
+            asked = {"do": "why", "reason": off}
         pending = bool(self.waiting) and _same(asked, self.waiting[-1])
         if asked.get("do") not in REPEATED and (data.get("again") or pending):
             return
@@ -84,6 +94,7 @@ class RequestQueue:
         while (data := await self._queue.get()) is not None:
             await perform(session, data)
             self.waiting.remove(data)
+            self._shown_at = time.monotonic() + SHOWN_SECONDS
             if not self.waiting:
                 session.unseen.clear()
             done()
@@ -91,7 +102,7 @@ class RequestQueue:
 
 def _same(one: Data, other: Data) -> bool:
     """Whether two requests ask the same, whatever the page showed meanwhile."""
-    return {**one, "seen": 0} == {**other, "seen": 0}
+    return {**one, "seen": 0, "hotkey": ""} == {**other, "seen": 0, "hotkey": ""}
 
 
 async def perform(session: Session, data: Data) -> None:

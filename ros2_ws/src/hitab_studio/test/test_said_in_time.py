@@ -98,6 +98,27 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
     page(keeper(status), use)
 
 
+def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
+    """It would be the key of a behavior otherwise, which nobody meant."""
+
+    async def use(session: Session) -> None:
+        done: list[str] = []
+
+        async def commanded(session: Session, behavior: str, seen: int) -> None:
+            done.append(behavior)
+
+        monkeypatch.setattr(teaching, "_commanded", commanded)
+        await perform(session, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
+        await perform(session, {"do": "command", "behavior": "GoFast", "hotkey": "1"})
+        assert done == ["GoTo(ball)"]
+        await perform(session, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
+        await perform(session, {"do": "command", "behavior": "GoFast"})
+        assert done == ["GoTo(ball)", "GoFast"]
+        assert session.asked is None
+
+    page(keeper(), use)
+
+
 # -- a name that is taken ---------------------------------------------------------------------
 
 

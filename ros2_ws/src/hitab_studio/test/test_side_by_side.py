@@ -280,6 +280,17 @@ def test_what_is_asked_again_after_something_else_is_done_again(monkeypatch):
     assert asked_twice(monkeypatch, "command", go, stop, go, stop) == [go, stop, go, stop]
 
 
+def test_what_did_nothing_when_the_page_was_drawn_is_tried_after_what_it_does_not_show(
+    monkeypatch,
+):
+    """Undo, pressed right after the first command, would say that there is nothing to undo."""
+    go, off = {"do": "it"}, {"do": "it", "more": 1, "off": "There is nothing to undo."}
+    assert asked_twice(monkeypatch, "it", go, off) == [go, {"do": "it", "more": 1}]
+    requests = RequestQueue()
+    requests.add(off)
+    assert requests.waiting == [{"do": "why", "reason": "There is nothing to undo."}]
+
+
 def test_a_step_is_done_as_often_as_it_is_clicked(monkeypatch):
     step = {"do": "step", "cycles": "1"}
     assert asked_twice(monkeypatch, "step", step, step, {**step, "again": True}) == [step] * 3

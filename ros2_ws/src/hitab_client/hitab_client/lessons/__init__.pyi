@@ -1,4 +1,4 @@
 from .conditions import Condition as Condition
-from .lesson_file import read_lesson as read_lesson
+from .lesson import read_lesson as read_lesson
 from .lesson_player import LessonPlayer as LessonPlayer
 from .lesson_player import LessonReport as LessonReport

@@ -31,9 +31,23 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field, PlainValidator
 
-from hitab_client.lessons.conditions import Condition
+from hitab_client.errors import LessonError
+from hitab_client.lessons.conditions import Condition, Passed
 from hitab_core import Use
-from hitab_core.library.yaml_models import NONE_IS_EMPTY, Names, Record, Texts, read_use
+from hitab_core.library.yaml_models import (
+    NONE_IS_EMPTY,
+    Format,
+    Names,
+    OneOf,
+    Record,
+    Texts,
+    open_record,
+    read_use,
+)
+from hitab_core.library.yaml_places import read_text, read_yaml
+
+FORMAT = 2
+"""The newest format version that is read; 2 has the condition `feature`."""
 
 WITHIN = 20.0
 """Default simulated seconds within which an awaited condition must hold."""
@@ -209,3 +223,46 @@ class Lesson:
     steps: tuple[Step, ...]
     budget: int | None = None
     description: str = ""
+
+
+class _File(Record):
+    format: Format = 1
+    lesson: str
+    agent: str
+    budget: int | None = Field(default=None, ge=1)
+    description: str = ""
+    steps: list[Annotated[Step, OneOf(Step.kinds)]] = Field(min_length=1)
+
+
+def read_lesson(path: Path) -> Lesson:
+    """Read a lesson.
+
+    Raises:
+        LessonError: naming everything that is wrong, by file and line.
+    """
+    return parse_lesson(read_text(path, error=LessonError), path)
+
+
+def parse_lesson(text: str, path: Path) -> Lesson:
+    """Read a lesson from its text; ``path`` is its name for errors."""
+    document = read_yaml(text, str(path), error=LessonError)
+    read = open_record(_File, document, FORMAT)
+    steps = tuple(
+        _completed(step, document.line(("steps", index)), step.agent or read.agent)
+        for index, step in enumerate(read.steps)
+    )
+    return Lesson(read.lesson, path, read.agent, steps, read.budget, read.description)
+
+
+def _completed(step: Step, line: int, agent: str) -> Step:
+    """Return a step with its line, and the agent that it is about where it names none."""
+    more: dict[str, Any] = {"line": line, "agent": agent}
+    match step:
+        case Wait():
+            more |= {"condition": Passed(seconds=step.seconds), "within": step.seconds + 1.0}
+            return Until.model_construct(**more)
+        case Until():
+            more["condition"] = step.condition.about(agent)
+        case Perform(agents=()):
+            more["agents"] = (agent,)
+    return step.but(**more)

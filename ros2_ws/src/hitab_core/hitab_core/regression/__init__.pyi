@@ -2,4 +2,4 @@ from .neighbors import MOMENTS_MAX as MOMENTS_MAX
 from .neighbors import Moment as Moment
 from .neighbors import Neighbors as Neighbors
 from .neighbors import Table as Table
-from .number_learning import learn_numbers as learn_numbers
+from .neighbors import learn_numbers as learn_numbers

@@ -14,15 +14,17 @@ that are 1 apart. The distance is Euclidean; a missing value counts as 1.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
+from hitab_core.example import Example
 from hitab_core.number import Number
 from hitab_core.spread import spreads
+from hitab_core.use import Use
 
 NEAREST = 3
 MOMENTS_MAX = 1000
@@ -233,3 +235,34 @@ def _apart(places: Floats) -> list[int]:
         np.minimum(nearest, np.einsum("ij,ij->i", away, away), out=nearest)
         chosen.append(int(nearest.argmax()))
     return sorted(chosen)
+
+
+def learn_numbers(
+    states: Iterable[Use],
+    scales: Sequence[Scale],
+    examples: Iterable[Example],
+    numbers_of: Callable[[Use], Sequence[Number]],
+) -> dict[str, Neighbors]:
+    """Return what gives the numbers of each state whose behavior takes some, by label.
+
+    A state learns from all commands of it, whatever state they left. Without one that gave
+    numbers, nothing is learned for it.
+
+    Args:
+        states: of the automaton.
+        scales: how the values of each feature compare.
+        examples: with one value per feature.
+        numbers_of: returns the numbers that the behavior of a state takes.
+    """
+    learned = {}
+    shown = [example for example in examples if example.numbers]
+    for state in states:
+        if wanted := numbers_of(state):
+            own = [example for example in shown if example.next_state == str(state)]
+            if own:
+                values = [example.features for example in own]
+                numbers = [example.numbers for example in own]
+                learned[str(state)] = Neighbors(
+                    values, numbers, scales, wanted, [e.number for e in own]
+                )
+    return learned

@@ -33,7 +33,11 @@ from hitab_studio.swarm_link import Connected
 @action("command")
 async def command(session: Session, data: Data) -> None:
     """Command a behavior; first ask for targets and numbers, if it takes some."""
-    session.showing = None
+    keys = dict(zip("123456789", targets_asked(session), strict=False))
+    if (given := keys.get(str(data.get("hotkey")))) is not None:
+        await give_target(session, given)  # pressed before the page showed the targets
+        return
+    session.showing = session.asked = None
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = parameters_of(behavior)
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
@@ -145,6 +149,15 @@ def targets_meant(session: Session, name: str) -> list[str]:
     kinds = dict(zip(scene.names, scene.kinds, strict=True)) if scene is not None else {}
     words = set(kinds.get(name, "").split("_")) - {""}
     return [t for t in targets if words & set(t.split("_"))]
+
+
+def targets_asked(session: Session) -> list[str]:
+    """Return the targets that may be given to what was commanded; none if it needs none."""
+    if session.asked is None:
+        return []
+    training = session.training
+    parameters = training.parameters if training is not None and session.is_training else ()
+    return [*session.watched.vocabulary.targets, *parameters]
 
 
 async def give_target(session: Session, target: str) -> None:

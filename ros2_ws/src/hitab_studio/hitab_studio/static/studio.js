@@ -6,7 +6,7 @@
 //   data-with-form     on a click or a change, also with all values of the form around it
 //   data-seen          with the cycle that the field showed when the key or the button was pressed
 //   data-hotkey="k"    pressing the key clicks the element (keys.js)
-//   data-off="why"     it does nothing at present, and says why
+//   data-off="why"     it does nothing at present, and says why; the server knows whether it still does nothing
 //
 // The server says what it has heard. What was sent into a connection that had broken is sent again,
 // with all that came after it.
@@ -106,7 +106,7 @@ document.addEventListener("pointerdown", () => (seen = shown()), true);
 
 document.addEventListener("click", (event) => {
   const off = event.target.closest("[data-off]");
-  if (off) {
+  if (off && (!off.dataset.do || off.form)) {
     event.preventDefault();
     told("why", { reason: off.dataset.off });
     return;
@@ -123,6 +123,7 @@ document.addEventListener("click", (event) => {
     ...dataOf(element),
     ...(form && element.dataset.withForm !== undefined ? { values: valuesOf(form) } : {}),
     ...(element.dataset.seen !== undefined ? { seen: event.detail ? seen : shown() } : {}),
+    ...(event.detail ? {} : { hotkey: element.dataset.hotkey }),
     shift: event.shiftKey || undefined,
     again: again || undefined,
   });

@@ -8,7 +8,7 @@ from hitab_core import FLAGS, START, Do, Number, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
-from hitab_studio.actions.teaching import targets_meant
+from hitab_studio.actions.teaching import targets_asked, targets_meant
 from hitab_studio.launching import Startable, unknown
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
@@ -239,9 +239,5 @@ def _kind(name: str, trained: frozenset[str]) -> str:
 
 def _targets(session: Session) -> list[tuple[str, bool]]:
     """Return the targets that may be given, with whether what is chosen in the field means it."""
-    if session.asked is None:
-        return []
-    training = session.training
-    parameters = training.parameters if training is not None and session.is_training else ()
     meant = {t for name in session.chosen for t in targets_meant(session, name)}
-    return [(t, t in meant) for t in (*session.watched.vocabulary.targets, *parameters)]
+    return [(t, t in meant) for t in targets_asked(session)]
