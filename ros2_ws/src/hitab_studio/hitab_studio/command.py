@@ -65,13 +65,9 @@ def studio(
     restart.
 
     Examples:
-
       hitab studio
-
       hitab studio keepaway --port 9000 --no-browser
-
       hitab studio --host 0.0.0.0     for other machines, with a token
-
       hitab studio --camera front/image/compressed --map /map     of real robots
     """
     from hitab_studio.access import new_token

@@ -62,9 +62,7 @@ def next_(
         note: To keep with the generation.
 
     Examples:
-
       hitab bootstrap next keeper_1 --note "the closest one takes the ball"
-
       hitab bootstrap next keeper_1 --wait "{said: keeper_2}" --within 20
     """
     from hitab_client.bootstrapping import Evaluation
@@ -106,7 +104,6 @@ def back(
         discard: Give up examples that are in no generation.
 
     Example:
-
       hitab bootstrap back keeper_1 Keepaway 2
     """
     from hitab_client.bootstrapping import Evaluation
@@ -145,9 +142,7 @@ def list_(
         least: Lower is better.
 
     Examples:
-
       hitab bootstrap list keeper_1
-
       hitab bootstrap list keeper_1 Keepaway --by passes
     """
     from hitab_client import SwarmError

@@ -43,15 +43,10 @@ def demonstrate(
         ago: How long ago it was due, s of your time. Default: your reaction time.
 
     Examples:
-
       hitab demonstrate keeper_1 GoFast
-
       hitab demonstrate keeper_1 GoTo ball
-
       hitab demonstrate keeper_1 RunTowards direction=40
-
       hitab demonstrate keeper_1 GoFast --ago 0.5
-
       hitab demonstrate keeper_1 Done
     """
     from hitab_client import reaction_time
@@ -119,9 +114,7 @@ def perform(
         behavior: A behavior; without one, stop.
 
     Examples:
-
       hitab perform keeper_1 Keepaway
-
       hitab perform keeper_1
     """
     from hitab_core import Use
@@ -154,9 +147,7 @@ def distribute(
         start: Make the receivers perform it, from Start.
 
     Examples:
-
       hitab distribute keeper_1 Keepaway --start
-
       hitab distribute keeper_1 ControlBall --to keeper_2 --to keeper_3
     """
     from hitab_core import HitabError, Use

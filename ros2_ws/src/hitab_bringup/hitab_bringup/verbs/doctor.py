@@ -23,7 +23,6 @@ def doctor(json: JsonPath = None) -> None:
     The exit status is 1 if there is an error.
 
     Example:
-
       hitab doctor
     """
     from hitab_core import quantity

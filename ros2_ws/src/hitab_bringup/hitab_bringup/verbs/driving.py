@@ -56,9 +56,7 @@ def drive(
         turn: Of the arrow keys, rad/s.
 
     Examples:
-
       hitab drive
-
       hitab drive robot_1 --speed 0.1
     """
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
@@ -135,9 +133,7 @@ def joystick(
         topic: Where its messages, sensor_msgs/Joy, come.
 
     Examples:
-
       hitab joystick robot_1
-
       hitab joystick robot_1 --mapping my_gamepad.yaml --topic /robot_1/joy
     """
     from hitab_client.demonstrating import JoystickInput, read_mapping

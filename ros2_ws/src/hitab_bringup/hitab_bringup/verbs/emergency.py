@@ -36,9 +36,7 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
     `hitab perform ROBOT` stops one robot.
 
     Examples:
-
       hitab stop
-
       hitab stop --reason "a dog on the field"
     """
     if context.args:
@@ -56,7 +54,6 @@ def go(context: typer.Context, reason: Reason = "") -> None:
     Worlds go on. Robots go on standing still: `hitab arm` lets them act again.
 
     Example:
-
       hitab go
     """
     if context.args:
@@ -83,11 +80,8 @@ def arm(
         all_robots: All robots that wait.
 
     Examples:
-
       hitab arm
-
       hitab arm robot_1 robot_2
-
       hitab arm --all
     """
     from hitab_client import Stops, SwarmError

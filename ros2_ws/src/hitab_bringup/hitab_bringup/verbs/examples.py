@@ -67,11 +67,8 @@ def examples_list(
         cost: Show instead what its trainings took.
 
     Examples:
-
       hitab examples keeper_1
-
       hitab examples list keeper_1 ApproachBall --json examples.json
-
       hitab examples keeper_1 --cost
     """
     with connection(swarm) as swarm_up:
@@ -167,7 +164,6 @@ def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None)
     """Delete examples; `hitab undo` brings them back.
 
     Example:
-
       hitab examples delete keeper_1 3 4
     """
     edit(swarm, agent, "delete", numbers)
@@ -186,9 +182,7 @@ def examples_relabel(
         to: The correct next state; its numbers too, if it takes some.
 
     Examples:
-
       hitab examples relabel keeper_1 5 --to GoSlow
-
       hitab examples relabel keeper_1 5 --to "RunTowards(direction=40)"
     """
     edit(swarm, agent, "relabel", numbers, to)
@@ -207,7 +201,6 @@ def examples_retime(
         ago: Seconds of simulated time from the situation to the command.
 
     Example:
-
       hitab examples retime keeper_1 5 --ago 0.4
     """
     edit(swarm, agent, "retime", numbers, ago)
@@ -223,9 +216,7 @@ def examples_features(
     """Learn from other features of the same examples; `hitab undo` takes that back.
 
     Examples:
-
       hitab examples features keeper_1 -f BallIsKickable --show
-
       hitab examples features keeper_1 -f BallIsKickable -f "DistanceTo(ball)"
     """
     if not show:

@@ -30,9 +30,7 @@ def export(
         force: Replace the file if it exists.
 
     Examples:
-
       hitab export keeper_1 Keepaway --to python
-
       hitab export "Carry(squad_box)" --library foraging --to cpp -o carry.hpp
     """
     from hitab_core import LibraryError, Use

@@ -40,11 +40,8 @@ def tree(
         agents: Show every agent, or commanders only.
 
     Examples:
-
       hitab tree
-
       hitab tree squad_3
-
       hitab tree --watch --commanders
     """
     from hitab_client import CommandView
@@ -187,9 +184,7 @@ def order(
         targets: Targets for its parameters.
 
     Examples:
-
       hitab order captain Regroup
-
       hitab order captain Captain
     """
     from hitab_client import CommandView

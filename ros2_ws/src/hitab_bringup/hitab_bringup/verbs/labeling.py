@@ -49,9 +49,7 @@ def label(
         agent: Whose actions. Default: of the only one.
 
     Examples:
-
       hitab library label session.mcap Chase -a keeper_1 -f "DistanceTo(ball)"
-
       hitab library label session.mcap Chase -a keeper_1 -f "DistanceTo(ball)" -b GoFast -b Stop
       --was 3.2-4.1=Stop -l trained
     """

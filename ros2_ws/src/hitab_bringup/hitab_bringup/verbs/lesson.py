@@ -47,9 +47,7 @@ def run(
         discard: First discard what the agents have not saved.
 
     Examples:
-
       hitab lesson run approach_ball
-
       hitab lesson run approach_ball goto_ball --json lessons.json
     """
     from hitab_client.lessons import LessonPlayer, read_lesson
@@ -142,11 +140,8 @@ def check(
             of the exercise's swarm.
 
     Examples:
-
       hitab lesson check chase
-
       hitab lesson check --swarm keepaway_ann
-
       hitab lesson check my_lesson.yaml
     """
     from hitab_bringup.exercises import is_exercise

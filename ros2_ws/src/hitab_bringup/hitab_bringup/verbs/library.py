@@ -42,9 +42,7 @@ def list_behaviors(
     """List the behaviors of a library, or of all libraries of the swarm that is up.
 
     Examples:
-
       hitab library list -l hitab-demo/library
-
       hitab library list --agent keeper_1
     """
     from hitab_bringup.library_choice import holds_behaviors, libraries_meant
@@ -124,9 +122,7 @@ def show(
         deep: Also show the automata that it uses.
 
     Examples:
-
       hitab library show Keepaway
-
       hitab library show Keepaway --deep --picture keepaway.svg
     """
     there = opened(library, agent, swarm, "" if deep else name)
@@ -170,7 +166,6 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
     This covers their format, their digests and whether they fit together.
 
     Example:
-
       hitab library check -l hitab-demo/library
     """
     from hitab_bringup.library_choice import holds_behaviors, libraries_meant
@@ -217,9 +212,7 @@ def diff(
         after: Another. Default: the newest.
 
     Examples:
-
       hitab library diff Keepaway
-
       hitab library diff Keepaway 1 3
     """
     from hitab_core import LibraryError

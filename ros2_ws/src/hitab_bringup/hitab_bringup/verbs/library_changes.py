@@ -43,7 +43,6 @@ def restore(
         version: Number of the version; without it, the versions that there are.
 
     Example:
-
       hitab library restore Keepaway 2 --agent keeper_1
     """
     from hitab_core import LibraryError, has
@@ -70,9 +69,7 @@ def accept(
         paths: Behavior files, or folders of them.
 
     Examples:
-
       hitab library accept my_library/ApproachBall.hfa.yaml
-
       hitab library accept my_library
     """
     from hitab_bringup.opened_library import open_library
@@ -104,7 +101,6 @@ def delete(
         anyway: Delete it even if others can no longer be used then.
 
     Example:
-
       hitab library delete Chase --agent keeper_1
     """
     there = opened(library, agent, swarm)
@@ -137,7 +133,6 @@ def rename(
         with_users: Rename it in the behaviors that use it, too.
 
     Example:
-
       hitab library rename Chase ChaseBall --with-users --agent keeper_1
     """
     there = opened(library, agent, swarm)
@@ -168,9 +163,7 @@ def export(
         replace: Replace the file if it exists.
 
     Examples:
-
       hitab library export Keepaway --agent keeper_1
-
       hitab library export -l my_library -o trained.bundle.yaml
     """
     from hitab_core import LibraryError
@@ -207,9 +200,7 @@ def import_(
         dry_run: Only say what it would replace.
 
     Examples:
-
       hitab library import Keepaway.bundle.yaml -l my_library --dry-run
-
       hitab library import Keepaway.bundle.yaml --agent keeper_1
     """
     from hitab_bringup.library_choice import known_libraries, library_meant
@@ -257,7 +248,6 @@ def reload(
         agents: The agents. Default: all of the swarm.
 
     Example:
-
       hitab library reload keeper_1
     """
     from hitab_client import SwarmError
@@ -301,11 +291,8 @@ def expect(
         forget: Take this expectation back.
 
     Examples:
-
       hitab library expect Chase GoFast TurnToBall "DirectionTo(ball)=150" --agent keeper_1
-
       hitab library expect Chase --example 7 --blocks --agent keeper_1
-
       hitab library expect Chase --forget expectation_1 --agent keeper_1
     """
     from dataclasses import replace

@@ -37,11 +37,8 @@ def logs(
         level: Only lines of this level or above: debug, info, warn, error or fatal.
 
     Examples:
-
       hitab logs
-
       hitab logs keeper_1 --follow
-
       hitab logs --level warn
     """
     from hitab_bringup.run_logs import logs_of, new_lines

@@ -36,9 +36,7 @@ def perceive(
         watch: Keep it up to date.
 
     Examples:
-
       hitab perceive keeper_1
-
       hitab perceive keeper_1 "DistanceTo(ball)" --watch
     """
     with connection(swarm) as swarm_up:

@@ -30,11 +30,8 @@ def reaction(
         demonstrator: The person whose time it is. Default: you.
 
     Examples:
-
       hitab reaction --measure
-
       hitab reaction 0.3
-
       hitab reaction --forget
     """
     from hitab_client import reaction_time

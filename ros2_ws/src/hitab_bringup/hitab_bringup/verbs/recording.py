@@ -48,11 +48,8 @@ def record(
         seconds: End by itself after so many seconds. Default: with Ctrl-C.
 
     Examples:
-
       hitab record
-
       hitab record -o session.mcap -t /robot_1/scan -t /robot_1/odom
-
       hitab record -o session --robots
     """
     with connection(swarm, reads=True) as there:
@@ -150,9 +147,7 @@ def from_recording(
         save: Also save the training that the recording ends in.
 
     Examples:
-
       hitab library from-recording session.mcap trained
-
       hitab library from-recording session.mcap trained --agent keeper_1 --save
     """
     from hitab_bringup.from_recording import train_from_recording

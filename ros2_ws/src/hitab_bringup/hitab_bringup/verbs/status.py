@@ -46,9 +46,7 @@ def status(
         watch: Keep it up to date.
 
     Examples:
-
       hitab status
-
       hitab status --watch
     """
     from hitab_client import SwarmError

@@ -56,13 +56,9 @@ def up(
         agents: How many, in a world in a Python file. 0: as many as it says.
 
     Examples:
-
       hitab up keepaway
-
       hitab up keepaway --library my_library
-
       hitab up my_swarm.yaml --pace lockstep --paused
-
       hitab up keepaway --namespace left
     """
     from hitab_bringup.bringing_up import bring_up
@@ -125,13 +121,9 @@ def down(
         every: Stop all swarms that were started from here.
 
     Examples:
-
       hitab down
-
       hitab down keepaway
-
       hitab down --all
-
       hitab down --run-dir my_run
     """
     from hitab_client import RunFolder

@@ -128,9 +128,7 @@ def pace(
         factor: For realtime: multiple of real time, above 0. Default: as it is.
 
     Examples:
-
       hitab world pace lockstep
-
       hitab world pace realtime --factor 2
     """
     _control(swarm, "pace", pace=pace, factor=factor or 0.0)
@@ -157,7 +155,6 @@ def place(
         new_episode: Begin a new episode from these positions; what is not named gets new ones.
 
     Example:
-
       hitab world place ball x=3 y=0 keeper_1 x=-5 y=0 heading=90
     """
     placed: dict[str, dict[str, float]] = {}
@@ -211,9 +208,7 @@ def snapshot(
         name: Name of the snapshot.
 
     Examples:
-
       hitab world snapshot save corner
-
       hitab world snapshot restore corner
     """
     with connection(swarm) as swarm_up:
