@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_client import completion, console
+from hitab_client import SwarmError, completion, console
 from hitab_client.command_options import SwarmName
-from hitab_core import Do
+from hitab_core import Do, HitabError, natural
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -60,8 +60,6 @@ def drive(
       hitab drive robot_1 --speed 0.1
     """
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        from hitab_client import SwarmError
-
         raise SwarmError(
             "driving needs a terminal with a keyboard; a gamepad does without",
             Do.DEMONSTRATE(),
@@ -162,9 +160,7 @@ def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrat
     Raises:
         SwarmError: if there is no such agent, or none at all.
     """
-    from hitab_client import SwarmError
     from hitab_client.demonstrating import Demonstrator, behavior_keys
-    from hitab_core import natural
 
     agents, world = swarm_up.agents, swarm_up.world
     if agent:
@@ -196,7 +192,6 @@ def _run(
         tick: called again and again, also while an agent is waited for.
         ended: whether to end.
     """
-    from hitab_core import HitabError
     from hitab_ros import steady_timer
 
     steady_timer(swarm_up.link.node, READ_S, tick)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.commands import as_command, called, with_commands
-from hitab_core import Do
+from hitab_core import Do, some
 
 if TYPE_CHECKING:
     from hitab_client import Stops
@@ -84,7 +84,7 @@ def arm(
       hitab arm robot_1 robot_2
       hitab arm --all
     """
-    from hitab_client import Stops, SwarmError
+    from hitab_client import Stops
 
     if robots and all_robots:
         raise typer.BadParameter("give names of robots or --all, not both")
@@ -122,8 +122,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
     Raises:
         SwarmError: if nobody heard it, or not all confirm it.
     """
-    from hitab_client import Stops, SwarmError
-    from hitab_core import some
+    from hitab_client import Stops
 
     def tell(who: dict[str, str]) -> None:
         console.note(f"waiting for {_listed(who)}")

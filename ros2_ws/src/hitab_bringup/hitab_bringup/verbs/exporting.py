@@ -10,6 +10,7 @@ import typer
 from hitab_bringup.verbs.library_options import Library, opened
 from hitab_client import console
 from hitab_client.command_options import SwarmName
+from hitab_core import LibraryError, Use
 
 
 def export(
@@ -33,7 +34,6 @@ def export(
       hitab export keeper_1 Keepaway --to python
       hitab export "Carry(squad_box)" --library foraging --to cpp -o carry.hpp
     """
-    from hitab_core import LibraryError, Use
     from hitab_core.exporting import LANGUAGES, exported
     from hitab_core.library.durable_files import file_errors, write_durably
 

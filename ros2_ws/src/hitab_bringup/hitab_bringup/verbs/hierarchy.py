@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_client import completion, console
+from hitab_client import SwarmError, completion, console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import Do, quantity
+from hitab_core import Do, Use, has, quantity
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -91,9 +91,7 @@ def _meant(
     Raises:
         SwarmError: if there is none, or no such commander; naming those that do not answer.
     """
-    from hitab_client import SwarmError
     from hitab_client.identity import other_swarm
-    from hitab_core import has
 
     tops = view.tree()
     all_ = {branch.name: branch for top in tops for branch in top.commanders()}
@@ -188,7 +186,6 @@ def order(
       hitab order captain Captain
     """
     from hitab_client import CommandView
-    from hitab_core import Use
 
     use = Use.parse(behavior)
     use = Use(use.name, (*use.arguments, *(targets or [])))
@@ -214,8 +211,6 @@ def order(
 
 
 def _refuse_agent(name: str, behavior: str, commanders: Collection[str]) -> None:
-    from hitab_client import SwarmError
-    from hitab_core import has
 
     if name not in commanders:
         raise SwarmError(

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_client import completion, console
+from hitab_client import LessonError, completion, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_client.commands import with_commands
+from hitab_client.shipped import find_file, shipped_folders, shipped_names
 from hitab_core import Do, HitabError, Remedy, quantity
 
 if TYPE_CHECKING:
@@ -51,7 +52,6 @@ def run(
       hitab lesson run approach_ball goto_ball --json lessons.json
     """
     from hitab_client.lessons import LessonPlayer, read_lesson
-    from hitab_client.shipped import find_file
 
     read = [read_lesson(find_file(name, "lessons", "lesson")) for name in lessons]
     reports = []
@@ -75,8 +75,6 @@ def run(
 
 def _played(player: LessonPlayer) -> LessonReport:
     """Play a lesson; say what it leaves in training, or on Ctrl-C take that back."""
-    from hitab_client import LessonError
-
     try:
         with console.progress(player.lesson.name, "steps") as advance:
             report = player.play(advance)
@@ -107,7 +105,6 @@ def _left(player: LessonPlayer) -> list[Remedy]:
 def list_lessons() -> None:
     """List the shipped lessons."""
     from hitab_client.lessons import read_lesson
-    from hitab_client.shipped import shipped_folders
 
     found = [
         (path, place) for place in shipped_folders("lessons") for path in place.rglob("*.yaml")
@@ -145,9 +142,7 @@ def check(
       hitab lesson check my_lesson.yaml
     """
     from hitab_bringup.exercises import is_exercise
-    from hitab_client import LessonError
     from hitab_client.lessons import read_lesson
-    from hitab_client.shipped import find_file, shipped_names
 
     wrong, data = [], {}
     for name in names or sorted(shipped_names("exercises")):

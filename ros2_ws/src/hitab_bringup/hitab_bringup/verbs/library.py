@@ -12,7 +12,7 @@ from hitab_bringup.verbs import labeling, library_changes, recording
 from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import quantity
+from hitab_core import Do, LibraryError, Remedy, has, load_domain, quantity, some
 
 app = typer.Typer(help="Inspect and change libraries of trained behaviors.")
 
@@ -30,8 +30,6 @@ def read_file(
 ) -> None:
     """Inspect and change libraries of trained behaviors."""
     if file is not None:
-        from hitab_core import load_domain
-
         load_domain(str(file))  # libraries find it by its name
 
 
@@ -47,7 +45,6 @@ def list_behaviors(
     """
     from hitab_bringup.library_choice import holds_behaviors, libraries_meant
     from hitab_bringup.opened_library import open_library
-    from hitab_core import Do, LibraryError, some
 
     libraries = libraries_meant(library, agent, swarm)
     several = len(libraries) > 1
@@ -150,7 +147,6 @@ def show(
 
 
 def _known(name: str, loaded: Any, problems: Mapping[str, str]) -> str:
-    from hitab_core import LibraryError, has
 
     if name in problems:
         raise LibraryError(problems[name])
@@ -170,7 +166,6 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
     """
     from hitab_bringup.library_choice import holds_behaviors, libraries_meant
     from hitab_bringup.opened_library import open_library
-    from hitab_core import LibraryError, Remedy
 
     folders = [*libraries_meant(library, agent, swarm)]
     if len(folders) > 1 and not any(map(holds_behaviors, folders)):
@@ -215,7 +210,6 @@ def diff(
       hitab library diff Keepaway
       hitab library diff Keepaway 1 3
     """
-    from hitab_core import LibraryError
     from hitab_core.library import difference
 
     there = opened(library, agent, swarm, name)

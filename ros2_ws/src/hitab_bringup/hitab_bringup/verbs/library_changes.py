@@ -10,10 +10,10 @@ import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import as_command, called
-from hitab_core import Do, quantity
+from hitab_core import Do, LibraryError, each_once, has, named_domain, quantity, some
 
 if TYPE_CHECKING:
     from hitab_core import BehaviorLibrary
@@ -45,8 +45,6 @@ def restore(
     Example:
       hitab library restore Keepaway 2 --agent keeper_1
     """
-    from hitab_core import LibraryError, has
-
     there = opened(library, agent, swarm)
     if version is None:
         there.load(strict=False)
@@ -166,7 +164,6 @@ def export(
       hitab library export Keepaway --agent keeper_1
       hitab library export -l my_library -o trained.bundle.yaml
     """
-    from hitab_core import LibraryError
     from hitab_core.library import bundle_text, parts_of
     from hitab_core.library.durable_files import file_errors, write_durably
 
@@ -205,7 +202,7 @@ def import_(
     """
     from hitab_bringup.library_choice import known_libraries, library_meant
     from hitab_bringup.opened_library import domain_in, open_library
-    from hitab_core import BehaviorLibrary, named_domain
+    from hitab_core import BehaviorLibrary
     from hitab_core.library import read_bundle_file, read_bundled
 
     bundle = read_bundle_file(file)
@@ -250,9 +247,6 @@ def reload(
     Example:
       hitab library reload keeper_1
     """
-    from hitab_client import SwarmError
-    from hitab_core import each_once
-
     done: list[tuple[str, str]] = []
     refused: list[tuple[str, str]] = []
     with connection(swarm) as swarm_up:
@@ -323,7 +317,6 @@ def tell_broken(library: BehaviorLibrary, *names: str) -> None:
 def _tell_users(folder: Path) -> None:
     """Say which agents use a library that has changed."""
     from hitab_bringup.library_choice import users_of
-    from hitab_core import some
 
     for swarm, agents in users_of(folder):
         console.say(

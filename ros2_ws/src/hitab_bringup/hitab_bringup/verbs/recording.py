@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import with_commands
+from hitab_client.interruptions import not_interrupted
 from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
@@ -53,7 +54,6 @@ def record(
       hitab record -o session --robots
     """
     with connection(swarm, reads=True) as there:
-        from hitab_client.interruptions import not_interrupted
         from hitab_client.recording import Recorder
 
         path = _path(output, there.record.swarm if there.record else "")
@@ -79,8 +79,6 @@ def record(
     for topic, why in recorder.left_out.items():
         console.note(f"{topic} is not in it: {why}")
     if recorder.problem:
-        from hitab_client import SwarmError
-
         raise SwarmError(recorder.problem)
     size = path.stat().st_size
     shown = f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"

@@ -11,10 +11,10 @@ import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_client.commands import as_command
-from hitab_core import Do, natural, quantity
+from hitab_core import Do, each_once, natural, quantity
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -49,8 +49,6 @@ def status(
       hitab status
       hitab status --watch
     """
-    from hitab_client import SwarmError
-
     with connection(swarm, reads=True) as swarm_up:
         swarm_up.agents.await_agents()
         _await_world(swarm_up)
@@ -72,7 +70,6 @@ def status(
 
 
 def _await_world(swarm_up: Connection) -> None:
-    from hitab_client import SwarmError
 
     world = swarm_up.world
     if swarm_up.record is None:
@@ -157,7 +154,6 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
     from rich.console import Group
 
     from hitab_client.run_processes import sentences
-    from hitab_core import each_once
 
     lines: list[Any] = []
     world = data["world"]

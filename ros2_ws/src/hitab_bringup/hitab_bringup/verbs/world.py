@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import with_commands
 from hitab_core import Do, quantity
@@ -18,7 +18,7 @@ from hitab_core import Do, quantity
 if TYPE_CHECKING:
     from hitab_msgs.msg import WorldState
 
-    from hitab_client import SwarmError, WorldClient
+    from hitab_client import WorldClient
 
 TOLD_SECONDS = 2.0  # to wait for why an episode has ended
 
