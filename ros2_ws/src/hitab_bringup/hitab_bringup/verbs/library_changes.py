@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
+from hitab_bringup.verbs.library_options import Agent, Library, Name, opened, write_new
 from hitab_client import SwarmError, console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import as_command, called
@@ -165,19 +165,13 @@ def export(
       hitab library export -l my_library -o trained.bundle.yaml
     """
     from hitab_core.library import bundle_text, parts_of
-    from hitab_core.library.durable_files import file_errors, write_durably
 
     there = opened(library, agent, swarm)
     there.load()
     parts = parts_of(there.files, names or there.names())
     text = bundle_text(there.files, parts, there.domain.name)
     path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
-    if path.exists() and path.read_bytes() != text.encode() and not replace:
-        raise LibraryError(
-            f"{path} exists already; choose another with -o FILE, or give --replace"
-        )
-    with file_errors(path, "write"):
-        write_durably(path, text.encode())
+    write_new(path, text, "" if replace else "--replace")
     console.say(f"wrote {', '.join(parts)} to {path}")
 
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -101,7 +99,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
     console.note(f"recording to {recorder.path}; Ctrl-C ends it")
     began = time.monotonic()
     told: list[str] = []
-    with _progress() as show:
+    with console.err().status("recording") as status:
         looked = began
         while not recorder.problem:
             link.spin(0.1)
@@ -112,19 +110,12 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
                 continue
             looked = now
             recorder.look()
-            show(f"{quantity(recorder.count, 'message')}, {now - began:.0f} s")
+            far = f"{quantity(recorder.count, 'message')}, {now - began:.0f} s"
+            status.update(f"recording: {far}")
             if recorder.sessions != told and not recorder.awaited:
                 told = recorder.sessions
                 agents = ", ".join(agent.removeprefix("/") for agent in told)
                 console.note(f"from now on it can be trained from: {agents}")
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """Show on a terminal how far it is."""
-    err = console.err()
-    with err.status("recording") as status:
-        yield lambda text: status.update(f"recording: {text}")
 
 
 def from_recording(
