@@ -90,7 +90,7 @@ def studio(
     serve(
         find,
         address,
-        startable=() if run_dir else startable_swarms(name),
+        startable={} if run_dir else startable_swarms(name),
         show=browser,
         ready=ready,
         options=Options(map_topic, tuple(camera or ())),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any
@@ -30,7 +30,6 @@ from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.scene import scene_of
 from hitab_studio.swarm_finder import Choice
-from hitab_studio.viewing import Viewing
 
 STOPS_S = 0.5
 """Between two looks for who can be stopped, s: each lists all topics."""
@@ -42,6 +41,19 @@ SOON = 1.0
 """s; a world that is there is heard by then."""
 
 
+@dataclass
+class Viewing:
+    """What pages show.
+
+    Attributes:
+        focus: the agent that each session views; "": none.
+        pages: sessions that are connected.
+    """
+
+    focus: dict[str, str] = field(default_factory=dict)
+    pages: set[str] = field(default_factory=set)
+
+
 class Observer:
     """What is known of one swarm, from its connection to its end.
 
@@ -50,6 +62,7 @@ class Observer:
         agents, world: of the swarm to observe.
         known: what is known at first.
         viewing: what pages show at present; kept up to date by the caller.
+        colors: of states, in the markers for other viewers.
         complain: called with a text and its `agent`, `session` and `error`, if there are any.
         do: does something with the swarm in a thread; see `SwarmLink.do`.
         options: what a person has chosen of the robots' topics.
@@ -57,7 +70,6 @@ class Observer:
     Attributes:
         known: what is known now.
         watches: of the viewed agents, by name.
-        colors: of states, in the markers for other viewers.
     """
 
     def __init__(
@@ -67,12 +79,13 @@ class Observer:
         world: WorldClient,
         known: Known,
         viewing: Viewing,
+        colors: Mapping[str, int],
         complain: Callable[..., None],
         do: Callable[..., Awaitable[Any]],
         options: Options | None = None,
     ) -> None:
         self.known = known
-        self.colors: Mapping[str, int] = {}
+        self._colors = colors
         self._link, self._agents, self._world = link, agents, world
         self._viewing = viewing
         self._complain = complain
@@ -117,7 +130,7 @@ class Observer:
             self._know(scene=scene)
         else:
             self.known = replace(self.known, scene=scene)
-        self._markers.show(scene, self.known.doing(), self.colors)
+        self._markers.show(scene, self.known.doing(), self._colors)
 
     def look(self) -> None:
         """Update what has changed about the agents."""
@@ -140,7 +153,7 @@ class Observer:
         if any(known.groups.get(name) is not group for name, group in groups.items()):
             self._know(groups=MappingProxyType(dict(groups)))
         self._listen()
-        wanted = {agent for agents in self._viewing.focus.values() for agent in agents}
+        wanted = {*self._viewing.focus.values()} - {""}
         for agent in wanted & statuses.keys() - self.watches.keys():
             self.watches[agent] = AgentWatch(
                 self._agents,
@@ -211,7 +224,7 @@ class Observer:
         self._leave_alone()
         self._find_robots()
         self._commanders.discover()
-        self._markers.look(self.known.scene, self.known.doing(), self.colors)
+        self._markers.look(self.known.scene, self.known.doing(), self._colors)
         if self._recorder is not None:
             self._recorder.look()
             self._know(recorded=self._recorder.count)

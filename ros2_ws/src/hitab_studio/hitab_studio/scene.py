@@ -140,25 +140,25 @@ def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
 
 
 class Palette:
-    """A color for each state that was ever active, in order of appearance."""
+    """A color for each state that was ever active, in order of appearance.
+
+    Attributes:
+        given: the color of each state so far.
+    """
 
     def __init__(self) -> None:
-        self.states: list[str] = []
-        self._index: dict[str, int] = {}
+        self.given: dict[str, int] = {}
 
-    def colors(self) -> Mapping[str, int]:
-        """Return the colors that were given so far, as a mapping that does not change."""
-        return MappingProxyType(dict(self._index))
+    @property
+    def states(self) -> list[str]:
+        """All states so far."""
+        return [*self.given]
 
     def index(self, state: str) -> int:
         """Return the color of a state."""
         if not state:
             return NO_COLOR
-        found = self._index.get(state)
-        if found is None:
-            found = self._index[state] = len(self.states) % COLORS
-            self.states.append(state)
-        return found
+        return self.given.setdefault(state, len(self.given) % COLORS)
 
 
 def roster(scene: Scene, palette: Palette) -> str:

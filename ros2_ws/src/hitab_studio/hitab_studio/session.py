@@ -6,7 +6,7 @@ import asyncio
 import json
 import logging
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -18,7 +18,7 @@ from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import Watched
 from hitab_studio.generations import GenerationMaker
-from hitab_studio.launching import Launcher, Startable
+from hitab_studio.launching import NONE, Launcher
 from hitab_studio.lost import Lost
 from hitab_studio.messages import Messages
 from hitab_studio.people import told_apart
@@ -85,7 +85,7 @@ class Shared:
         sessions: the pages that are open, by their ids.
     """
 
-    def __init__(self, link: SwarmLink, startable: Sequence[Startable] = ()) -> None:
+    def __init__(self, link: SwarmLink, startable: Mapping[str, str] = NONE) -> None:
         self.link = link
         self.store = Store()
         self.launcher = Launcher(startable, self.store.touch)
@@ -206,7 +206,7 @@ class Session:
             self.asked = self.showing = None
             self.compare = None
             self.table = Table()
-        self.shared.link.viewing.look_at(self.id, [agent] if agent else [])
+        self.shared.link.viewing.focus[self.id] = agent
         self.touch()
 
     def choose(self, names: list[str]) -> None:

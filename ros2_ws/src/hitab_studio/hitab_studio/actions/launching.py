@@ -12,7 +12,7 @@ async def swarm_start(session: Session, data: Data) -> None:
     """Start a swarm."""
     name = str(data["values"].get("swarm", ""))
     launcher = session.shared.launcher
-    if name not in {swarm.name for swarm in launcher.startable}:
+    if name not in launcher.startable:
         raise SwarmError(f'"{name}" is not a swarm that can be started here.')
     launcher.run("up", name)
 

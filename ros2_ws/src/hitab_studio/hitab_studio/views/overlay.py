@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from hitab_core import FLAGS, START, Do, Number, Use, some
@@ -9,7 +10,7 @@ from hitab_ros.names import WORLD
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_meant
-from hitab_studio.launching import Startable, unknown
+from hitab_studio.launching import NONE, unknown
 from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
@@ -160,10 +161,9 @@ def empty(session: Session) -> tuple[str, str, str]:
 
 def _to_start(session: Session) -> dict[str, Any]:
     """Return the swarms to choose from, and the one that is chosen to be started."""
-    swarms = () if session.shared.launcher.is_busy else startable(session)
+    swarms = NONE if session.shared.launcher.is_busy else startable(session)
     name = _proposed(session)
-    chosen = next((swarm for swarm in swarms if swarm.name == name), None)
-    return {"startable": swarms, "to_start": chosen or (swarms[0] if swarms else None)}
+    return {"startable": swarms, "to_start": name if name in swarms else next(iter(swarms), "")}
 
 
 def _proposed(session: Session) -> str:
@@ -171,13 +171,12 @@ def _proposed(session: Session) -> str:
     return session.to_start or "keepaway"
 
 
-def startable(session: Session) -> tuple[Startable, ...]:
-    """Return the swarms that may be started now: none if one is up."""
+def startable(session: Session) -> Mapping[str, str]:
+    """Return the swarms that may be started now, each with what it is: none if one is up."""
     known = session.shared.store.known
-    if known.target is not None and known.target.choices:
-        return ()
-    up = known.target is not None and known.target.swarm and not known.target.problem
-    return () if up or known.shown or known.statuses else session.shared.launcher.startable
+    target = known.target
+    up = target is not None and (target.choices or (target.swarm and not target.problem))
+    return NONE if up or known.shown or known.statuses else session.shared.launcher.startable
 
 
 def _buttons(session: Session) -> list[dict[str, Any]]:
