@@ -30,7 +30,6 @@ from hitab_studio.swarm_link import Connected, SwarmLink
 
 T = TypeVar("T")
 
-TABS = ("teach", "learned", "examples", "library", "swarm", "record")
 NOTHING = Watched()
 CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
 REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
@@ -302,8 +301,8 @@ class Session:
             SwarmError: if it does not answer, or refuses.
         """
         known = self.shared.store.known
-        if self.player is None and known.world is not None and not known.world_answers:
-            raise SwarmError(f"The world {absence(known, names.WORLD)}.")
+        if self.player is None and known.world and (absent := absence(known, names.WORLD)):
+            raise SwarmError(f"The world {absent.what}.")
         if known.robots is not None:
             raise SwarmError(REAL)
         if why := self.shared.generations.why_busy:
@@ -320,7 +319,7 @@ class Session:
         if not agent:
             raise SwarmError(CHOOSE_FIRST)
         if absent := absence(self.shared.store.known, agent):
-            raise SwarmError(f"{agent} {absent}.")
+            raise SwarmError(f"{agent} {absent.what}.")
         if why := self.shared.generations.why_busy:
             raise SwarmError(why)
         self.hold(agent)

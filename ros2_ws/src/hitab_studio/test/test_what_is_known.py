@@ -13,10 +13,11 @@ from hitab_client import SwarmError
 from hitab_studio.actions import ACTIONS
 from hitab_studio.known import JOINING_SECONDS, Known
 from hitab_studio.page import perform
-from hitab_studio.session import TABS, Session
+from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
 from hitab_studio.views import render
+from hitab_studio.views.side import TABS
 
 ONE = "keeper_1"
 UP = Target(0, "keepaway", (ONE, "keeper_2"), 1, folder="/keepaway", world=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_studio import unavailable
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching import discard, give_target, targets_meant
-from hitab_studio.session import TABS, Session
+from hitab_studio.session import Session
 
 MOST_REASON = 300
 """Characters."""
@@ -74,8 +74,7 @@ async def fold(session: Session, data: Data) -> None:
 @action("tab", repeats=True)
 async def tab(session: Session, data: Data) -> None:
     """Show a tab."""
-    if data["name"] in TABS:
-        session.tab = str(data["name"])
+    session.tab = str(data["name"])
 
 
 @action("level", repeats=True)

@@ -41,8 +41,6 @@ def context(session: Session) -> dict[str, Any]:
         ],
         "count": len(shown if wanted else session.agents),
         "more": max(0, len(shown) - MOST),
-        "filter": session.filter,
-        "replays": player is not None,
     }
 
 

@@ -8,7 +8,6 @@ from typing import Any
 
 from hitab_client import SwarmError, reaction_time
 from hitab_core import FLAGS, FeatureKind, Use, shown_unit
-from hitab_studio import unavailable
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.people import LONGEST_NAME
@@ -31,11 +30,7 @@ def context(session: Session) -> dict[str, Any]:
     """Return what the dialog shows."""
     dialog = session.dialog
     kind = dialog.get("kind", "")
-    found: dict[str, Any] = {
-        "dialog": dialog,
-        "kind": kind,
-        "name_format": NAME_FORMAT,
-    }
+    found: dict[str, Any] = {"kind": kind, "name_format": NAME_FORMAT}
     if kind == "new":
         vocabulary = session.watched.vocabulary
         parameter = dialog["parameter"]
@@ -49,10 +44,8 @@ def context(session: Session) -> dict[str, Any]:
             ],
             "running": world is not None and world.mode != "paused",
             "others": sorted({p.name for p in session.shared.held.values() if p is not session}),
-            "agent_off": unavailable.agent(session),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
-            "training": session.training,
             "saved": _saved(session),
         }
     if kind == "features":
@@ -61,7 +54,6 @@ def context(session: Session) -> dict[str, Any]:
             "features": sorted(
                 _features(session, arguments), key=lambda found: found[0] not in dialog["used"]
             ),
-            "agent_off": unavailable.agent(session),
             "same": dialog["chosen"] == dialog["used"],
             "graph": _graph(session),
         }
@@ -73,7 +65,6 @@ def context(session: Session) -> dict[str, Any]:
         found |= {
             "when_unsure": WHEN_UNSURE,
             "now_unsure": session.status.when_unsure if session.status is not None else "",
-            "agent_off": unavailable.agent(session),
         }
     if kind == "reaction":
         found |= {

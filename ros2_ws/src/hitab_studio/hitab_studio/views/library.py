@@ -18,11 +18,8 @@ def context(session: Session) -> dict[str, Any]:
         text = automaton_as_text(behavior.automaton, trees=False)
     return {
         "trained": sorted(watched.vocabulary.trained),
-        "known": watched.behaviors,
-        "open": session.behavior,
         "behavior": behavior,
         "rules": [_rule(line) for line in text.splitlines()],
-        "compare": session.compare,
         "generations": have_generations(session.shared.store.known.target, session.agent)
         if session.agent
         else [],

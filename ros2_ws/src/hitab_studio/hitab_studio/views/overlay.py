@@ -7,7 +7,6 @@ from typing import Any
 
 from hitab_core import FLAGS, START, Do, Number, Use, some
 from hitab_ros.names import WORLD
-from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.launching import NONE, unknown
@@ -34,7 +33,6 @@ def context(session: Session) -> dict[str, Any]:
     nothing = empty(session)
     known, launch = session.shared.store.known, session.shared.launcher.launch
     world_absent = absence(known, WORLD) if live else None
-    trained = session.training
     faults = list(status.faults) if status is not None else []
     may_not_act = live and any(
         remedy.code == Do.ARM.name for remedy in (status.remedies if status is not None else ())
@@ -43,33 +41,18 @@ def context(session: Session) -> dict[str, Any]:
         "absent": absence(known, session.agent) if live and session.agent else None,
         "world_absent": world_absent,
         "stale": live and bool(world_absent or nothing[0]),
-        "lost": session.lost,
         "lost_off": _lost_off(session),
-        "agent_off": unavailable.agent(session),
-        "undo_off": unavailable.undoing(session),
-        "redo_off": unavailable.redoing(session),
-        "test_off": unavailable.testing(session),
-        "training_off": unavailable.training(session),
-        "last_done": trained.done[-1] if trained is not None and trained.done else "",
         "stuck": _stuck(session),
-        "note": status.note if status is not None else "",
-        "agent": session.agent,
-        "status": status,
         "mode": mode,
         "mode_words": MODE_WORDS.get(mode, ("", "")),
-        "path": list(status.active_path) if status is not None else [],
-        "lock": session.shared.held[session.agent].name if session.locked else None,
         "buttons": _buttons(session),
-        "asked": session.asked,
         "targets": _targets(session),
-        "showing": session.showing,
         "shown_numbers": _shown_numbers(session),
         "arrow": _arrow(session),
         "legend": _legend(session),
         "camera": sensors.camera(session),
         "stopped": "; ".join(faults) if may_not_act else "",
         "faults": [] if may_not_act else faults,
-        "player": session.player,
         "strip": strip(session),
         "empty": nothing,
         "plots": plotted(session),
@@ -79,7 +62,6 @@ def context(session: Session) -> dict[str, Any]:
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         **_to_start(session),
-        "busy": session.busy > 0,
         "kept": session.training is not None and mode in ("idle", "performing"),
     }
 
@@ -88,7 +70,7 @@ def _lost_off(session: Session) -> str:
     """Return why a lost command cannot be sent again now."""
     lost = session.lost
     absent = absence(session.shared.store.known, lost.agent) if lost is not None else None
-    return f"{lost.agent} {absent}: wait until it answers." if lost and absent else ""
+    return f"{lost.agent} {absent.what}: wait until it answers." if lost and absent else ""
 
 
 def _stuck(session: Session) -> str:

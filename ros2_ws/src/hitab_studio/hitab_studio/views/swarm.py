@@ -44,8 +44,8 @@ def absent(known: Known) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for name in known.agents:
         how = absence(known, name)
-        if how is not None and how.word != NOT_HEARD:
-            found.setdefault(how.word, []).append(name)
+        if how is not None and how.state != NOT_HEARD:
+            found.setdefault(how.state, []).append(name)
     return found
 
 
