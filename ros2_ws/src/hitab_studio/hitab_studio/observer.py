@@ -90,6 +90,7 @@ class Observer:
         self._viewing = viewing
         self._complain = complain
         self._do = do
+        assert known.target is not None  # what is connected to
         target = known.target
         # It hands on what it hears, as long as it is there: those who stop all may end at once.
         self._switch = EmergencySwitch(link.node, hands_on=True)
@@ -99,14 +100,13 @@ class Observer:
         self._next_stops = 0.0
         self._signs = SignsOfLife(
             link,
-            (*target.agents, *([names.WORLD] if target.world else [])) if target else (),
-            identity=target.identity if target else "",
+            (*target.agents, *([names.WORLD] if target.world else [])),
+            identity=target.identity,
         )
-        self._processes = Processes(target.folder if target else "")
+        self._processes = Processes(target.folder)
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
-        identity = target.identity if target else ""
-        self._commanders = CommandView(link, agents.prefix, identity)
+        self._commanders = CommandView(link, agents.prefix, target.identity)
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(link)

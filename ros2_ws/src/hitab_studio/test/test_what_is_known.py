@@ -67,7 +67,7 @@ def in_a_studio(use: Callable[[Studio, Session], None]) -> None:
 
 def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
     def use(studio: Studio, session: Session) -> None:
-        session.dialog = {"kind": "distribute", "behavior": "Chase", "receivers": [], "agent": ONE}
+        session.dialog = {"kind": "distribute", "name": "Chase", "agent": ONE}
         studio._take(Known(UP, 2, statuses=hears(ONE, "keeper_2")))
         assert session.dialog, "its swarm is there"
         studio._take(Known(OVER, 3))

@@ -10,6 +10,12 @@ from hitab_studio.session import Session
 MOST_REASON = 300
 """Characters."""
 
+DIALOGS = frozenset(
+    {"help", "reaction", "stop", "caution", "distribute"}
+    | {f"{verb}-{what}" for verb in ("rename", "delete") for what in ("recording", "behavior")}
+)
+"""Those that `ask` opens."""
+
 
 @action("choose", repeats=True)
 async def choose(session: Session, data: Data) -> None:
@@ -90,10 +96,12 @@ async def state(session: Session, data: Data) -> None:
     session.state = "" if session.state == name else name
 
 
-@action("help")
-async def show_help(session: Session, data: Data) -> None:
-    """Show the keys."""
-    session.dialog = {"kind": "help"}
+@action("ask")
+async def ask(session: Session, data: Data) -> None:
+    """Open a dialog that needs no more than a name."""
+    kind, name = str(data["kind"]), str(data.get("name", ""))
+    if kind in DIALOGS:
+        session.dialog = {"kind": kind, "agent": session.agent, "name": name}
 
 
 @action("close", repeats=True)

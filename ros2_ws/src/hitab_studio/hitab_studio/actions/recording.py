@@ -39,12 +39,6 @@ async def replay(session: Session, data: Data) -> None:
     session.show_again()
 
 
-@action("recording-rename-dialog")
-async def rename_dialog(session: Session, data: Data) -> None:
-    """Ask for another name."""
-    session.dialog = {"kind": "rename-recording", "name": str(data["name"])}
-
-
 @action("recording-rename")
 async def rename(session: Session, data: Data) -> None:
     """Give a recording another name."""
@@ -53,12 +47,6 @@ async def rename(session: Session, data: Data) -> None:
     path = recordings.rename(name, str(data["values"].get("name", "")))
     session.close_dialog()
     session.tell(f"{name} is called {path.name} now")
-
-
-@action("recording-delete-dialog")
-async def delete_dialog(session: Session, data: Data) -> None:
-    """Ask whether a recording is to be deleted."""
-    session.dialog = {"kind": "delete-recording", "name": str(data["name"])}
 
 
 @action("recording-delete")

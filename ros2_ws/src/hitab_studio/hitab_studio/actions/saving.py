@@ -103,23 +103,11 @@ async def versions(session: Session, data: Data) -> None:
     session.compare = (f"{name}: version {older} → {newer}", compared)
 
 
-@action("distribute-dialog")
-async def distribute_dialog(session: Session, data: Data) -> None:
-    """Ask for the receivers of a behavior."""
-    session.dialog = {
-        "kind": "distribute",
-        "agent": session.agent,
-        "behavior": str(data["name"]),
-        "receivers": [a for a in session.agents if a != session.agent],
-        "report": None,
-    }
-
-
 @action("distribute")
 async def distribute(session: Session, data: Data) -> None:
     """Distribute a behavior and show each receiver's answer."""
     values = data["values"]
-    behavior = session.dialog["behavior"]
+    behavior = session.dialog["name"]
     receivers = [str(r) for r in values.get("receivers", [])]
     if not receivers:
         raise SwarmError("Choose at least one receiver.")

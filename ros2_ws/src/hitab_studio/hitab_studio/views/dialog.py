@@ -8,6 +8,7 @@ from typing import Any
 
 from hitab_client import SwarmError, reaction_time
 from hitab_core import FLAGS, FeatureKind, Use, shown_unit
+from hitab_studio.actions.library_changes import users_of
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.people import LONGEST_NAME
@@ -68,10 +69,15 @@ def context(session: Session) -> dict[str, Any]:
         }
     if kind == "reaction":
         found |= {
+            "demonstrator": _demonstrator(session),
             "seconds": _reaction(session),
             "longest": reaction_time.LONGEST,
             "longest_name": LONGEST_NAME,
         }
+    if kind == "distribute":
+        found["receivers"] = [agent for agent in session.agents if agent != dialog["agent"]]
+    if kind in ("rename-behavior", "delete-behavior"):
+        found["users"] = users_of(session, dialog["name"])
     if kind == "save":
         training = dialog["training"]
         used = {a for f in (*training.features, *training.states) for a in Use.parse(f).arguments}
@@ -105,10 +111,14 @@ def _graph(session: Session) -> Graph | None:
     return graph(preview.automaton, [*session.watched.behaviors])
 
 
+def _demonstrator(session: Session) -> str:
+    return str(session.dialog.get("demonstrator", session.demonstrator))
+
+
 def _reaction(session: Session) -> str:
     """Return the reaction time that is kept for the name in the dialog, s; "" if none is."""
     try:
-        seconds = reaction_time.of(session.dialog["demonstrator"])
+        seconds = reaction_time.of(_demonstrator(session))
     except SwarmError:
         return ""
     return f"{seconds:g}" if seconds else ""
