@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from hitab_client import console
 from hitab_client.commands import with_commands
@@ -13,6 +13,8 @@ from hitab_client.commands import with_commands
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
     from hitab_client.run_processes import RunProcesses
+
+WATCH_SECONDS = 0.2  # between two looks at what is watched
 
 
 @dataclass
@@ -48,6 +50,15 @@ class Connection:
             return None
         self.world.wait()
         return self.world
+
+    def watch(self, shown: Callable[[], list[Any]]) -> NoReturn:
+        """Show something and keep it up to date, until Ctrl-C."""
+        from rich.console import Group
+
+        with console.live(Group(*shown())) as live:
+            while True:
+                self.link.spin_until(lambda: False, WATCH_SECONDS)
+                live.update(Group(*shown()))
 
     @property
     def has_world(self) -> bool:

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 WAIT_SECONDS = 8.0
 STARTED_BY_HAND_SECONDS = 1.5  # for commanders of a swarm that has started none
 GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
-REFRESH_SECONDS = 0.2
 SHOWN = 12
 """Up to this many agents of a commander are shown individually."""
 
@@ -50,21 +49,18 @@ def tree(
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         lost = _await_commanders(swarm_up, view)
         swarm_up.note_whose(group.swarm for group in view.groups.values())
-        branches = _meant(swarm_up, view, commander, lost)
-        if not watch:
-            data = {"commanders": [branch.data() for branch in branches]}
-            console.show(json, data, *(_drawn(branch, agents) for branch in branches))
-            for why in lost:
-                console.error(why)
-            return
-        from rich.console import Group
 
-        with console.live("") as live:
-            while True:
-                branches = _meant(swarm_up, view, commander, lost)
-                live.update(Group(*(_drawn(branch, agents) for branch in branches)))
-                swarm_up.link.spin_until(lambda: False, REFRESH_SECONDS)
-                view.discover()
+        def drawn() -> list[Any]:
+            view.discover()
+            return [_drawn(branch, agents) for branch in _meant(swarm_up, view, commander, lost)]
+
+        if watch:
+            swarm_up.watch(drawn)
+        branches = _meant(swarm_up, view, commander, lost)
+        data = {"commanders": [branch.data() for branch in branches]}
+        console.show(json, data, *(_drawn(branch, agents) for branch in branches))
+        for why in lost:
+            console.error(why)
 
 
 def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
