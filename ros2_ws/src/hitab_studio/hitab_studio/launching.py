@@ -139,13 +139,9 @@ def startable_swarms(only: str | None = None) -> dict[str, str]:
 
 
 @cache
-def _swarms() -> list[str]:
-    return sorted(shipped_names("swarms"))
-
-
 def unknown(name: str) -> str:
     """Say that no swarm of this name is shipped, and what to do; "" if one is."""
-    shipped = _swarms()
+    shipped = sorted(shipped_names("swarms"))
     if name in shipped:
         return ""
     return (

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, Training, WorldClient
 from hitab_client.demonstrating import behavior_keys
-from hitab_core import Use, natural
+from hitab_core import natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
@@ -386,8 +386,3 @@ def nothing_in_training(session: Session) -> str:
     if session.is_training:  # its status arrives before what it trains
         return f"What {session.agent} trains is not known yet: try again in a moment."
     return f"{session.agent} is not training anything: begin a training."
-
-
-def parameters_of(behavior: str) -> tuple[str, ...]:
-    """Return the parameters of a behavior of the vocabulary, such as ``GoTo(A)``."""
-    return Use.parse(behavior).arguments

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from hitab_studio.absence import absence
-from hitab_studio.markers import STATE_COLORS
-from hitab_studio.scene import NO_COLOR, state_shown
+from hitab_studio.scene import state_shown
 from hitab_studio.session import Session
 
 MOST = 80
@@ -98,12 +97,11 @@ def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
     store, live = session.shared.store, session.player is None
     holder = session.shared.held.get(name) if live else None
     state = state_shown(status) if status is not None else ""
-    index = store.palette.index(state)
     group = store.known.groups.get(name)
     return {
         "mode": status.mode if status is not None else "",
         "state": state or (status.behavior if status is not None else ""),
-        "color": "" if index == NO_COLOR else STATE_COLORS[index],
+        "color": store.palette.color(state),
         "absence": (absence(store.known, name) or "") if live else "",
         "lock": "" if holder is None else ("you" if holder is session else holder.name),
         "order": group.order if group is not None else "",

@@ -10,7 +10,6 @@ from hitab_ros.names import WORLD
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_meant
 from hitab_studio.launching import NONE, unknown
-from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.perceived import plotted
@@ -100,7 +99,7 @@ def _legend(session: Session) -> list[tuple[str, str]]:
         session.shared.store.known.doing() if player is None else player.recording.doing(player.at)
     )
     active = {state for _, state in doing.values() if state}
-    return [(s, STATE_COLORS[palette.index(s)]) for s in palette.states if s in active][:8]
+    return [(s, palette.color(s)) for s in palette.states if s in active][:8]
 
 
 def empty(session: Session) -> tuple[str, str, str]:

@@ -10,8 +10,7 @@ from typing import Any
 from hitab_core import natural, some
 from hitab_studio.absence import NOT_HEARD, absence
 from hitab_studio.known import Known
-from hitab_studio.markers import STATE_COLORS
-from hitab_studio.scene import NO_COLOR, state_shown
+from hitab_studio.scene import state_shown
 from hitab_studio.session import Session
 from hitab_studio.swarm_finder import Choice
 
@@ -25,7 +24,7 @@ def context(session: Session) -> dict[str, Any]:
     states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)
     return {
         "shares": [
-            (state, count, 100 * count / len(statuses), _color(store.palette.index(state)))
+            (state, count, 100 * count / len(statuses), store.palette.color(state))
             for state, count in states.most_common(12)
         ],
         "modes": Counter(s.mode for s in statuses),
@@ -70,7 +69,3 @@ def _stoppable(session: Session) -> str:
     if target is None or target.problem or not target.folder or launcher.is_busy:
         return ""
     return target.swarm if launcher.startable else ""
-
-
-def _color(index: int) -> str:
-    return "" if index == NO_COLOR else STATE_COLORS[index]
