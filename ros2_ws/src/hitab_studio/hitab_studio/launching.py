@@ -44,11 +44,6 @@ class Launch:
         """Since it began, s."""
         return round(time.monotonic() - self.began)
 
-    @property
-    def text(self) -> str:
-        """What the command has said."""
-        return "\n".join(self.lines)
-
 
 class Launcher:
     """Runs the command for all pages, one swarm at a time.

@@ -100,18 +100,7 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
     processes = RunProcesses(record)
     with RosLink(record.domain_id if record else domain_id or 0, console.note) as link:
         prefix = record.namespace if record else look_elsewhere(link, namespace, identity)
-        agents = SwarmClient(
-            link,
-            record.agents if record else (),
-            prefix=prefix,
-            identity=identity,
-            processes=processes,
-        )
-        world = WorldClient(
-            link,
-            prefix=prefix,
-            identity=identity,
-            started_by_it=record.world if record else False,
-            processes=processes,
-        )
+        of_it: dict[str, Any] = {"prefix": prefix, "identity": identity, "processes": processes}
+        agents = SwarmClient(link, record.agents if record else (), **of_it)
+        world = WorldClient(link, started_by_it=record is not None and record.world, **of_it)
         yield Connection(link, agents, world, processes, folder, record)

@@ -142,20 +142,19 @@ def from_recording(
     from hitab_bringup.from_recording import train_from_recording
 
     console.note(f"training from {recording}")
-    outcome = train_from_recording(recording, folder, agent, save=save)
-    done = outcome.done
+    recorded, done, unsaved = train_from_recording(recording, folder, agent, save=save)
     agrees = (
         f"; it agrees with the recorded one in all {done.compared} statuses and changes of state"
     )
     console.say(
-        f"{outcome.agent} took in {quantity(done.percepts, 'percept')}, "
+        f"{recorded} took in {quantity(done.percepts, 'percept')}, "
         f"{quantity(done.commands, 'command')} and {quantity(done.requests, 'request')}"
         + (agrees if done.compared else "")
     )
     for name in done.saved:
         console.say(f"saved {name} in {folder}")
-    if outcome.unsaved:
-        name, examples = outcome.unsaved
+    if unsaved:
+        name, examples = unsaved
         console.say(
             f'the training of "{name}" with {quantity(examples, "example")} was not saved; '
             "--save saves it"

@@ -19,14 +19,8 @@ def context(session: Session) -> dict[str, Any]:
     return {
         "trained": sorted(watched.vocabulary.trained),
         "behavior": behavior,
-        "rules": [_rule(line) for line in text.splitlines()],
+        "rules": text.splitlines(),
         "generations": have_generations(session.shared.store.known.target, session.agent)
         if session.agent
         else [],
     }
-
-
-def _rule(line: str) -> tuple[int, str]:
-    """Return how far a line of an automaton in words is indented, and the line."""
-    words = line.lstrip(" ")
-    return len(line) - len(words), words
