@@ -29,7 +29,7 @@ from hitab_studio.remembered_scenes import RememberedScenes
 from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.scene import scene_of
-from hitab_studio.swarm_finder import Choice
+from hitab_studio.swarm_finder import Target
 
 STOPS_S = 0.5
 """Between two looks for who can be stopped, s: each lists all topics."""
@@ -203,7 +203,7 @@ class Observer:
             if self._remembered.kept is not self.known.moments:
                 self._know(moments=self._remembered.kept)
 
-    def may_show(self, choices: tuple[Choice, ...]) -> None:
+    def may_show(self, choices: tuple[Target, ...]) -> None:
         """Know which swarms a person may choose."""
         target = self.known.target
         if target is not None and choices != target.choices:

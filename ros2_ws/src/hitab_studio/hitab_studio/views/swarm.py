@@ -12,7 +12,7 @@ from hitab_studio.absence import NOT_HEARD, absence
 from hitab_studio.known import Known
 from hitab_studio.scene import state_shown
 from hitab_studio.session import Session
-from hitab_studio.swarm_finder import Choice
+from hitab_studio.swarm_finder import Target
 
 DAY = 24 * 3600
 
@@ -48,16 +48,16 @@ def absent(known: Known) -> dict[str, list[str]]:
     return found
 
 
-def choices(session: Session) -> Sequence[Choice]:
+def choices(session: Session) -> Sequence[Target]:
     """Return the swarms that may be shown instead of the present one, by name, oldest first."""
     target = session.shared.store.known.target
     if target is None or session.player is not None:
         return []
-    found = sorted(target.choices, key=lambda choice: (choice.swarm, choice.since))
+    found = sorted(target.choices, key=lambda choice: (choice.swarm, choice.start))
     return [choice for choice in found if target.problem or choice.folder != target.folder]
 
 
-def since(moment: int) -> str:
+def since(moment: float) -> str:
     """Return a time of day, with the date if that is longer ago than a day."""
     recent = time.time() - moment < DAY
     return time.strftime("%H:%M:%S" if recent else "%d %b, %H:%M", time.localtime(moment))
