@@ -22,11 +22,8 @@ CONFIRM_S = 10.0
 LOOK_S = 3.0
 """How long to look for robots that wait to be re-armed, s."""
 
-Reason = Annotated[str, typer.Option("--reason", help="Why, for those who read the status.")]
-Robots = Annotated[list[str] | None, typer.Argument(help="Names of robots.", show_default=False)]
 
-
-def stop(context: typer.Context, reason: Reason = "") -> None:
+def stop(context: typer.Context, reason: str = "") -> None:
     """Stop all robots and simulated worlds at once, of all swarms: an emergency stop.
 
     Each robot stands still, whatever its agent does, until `hitab go` and then `hitab arm`. Relays
@@ -34,6 +31,9 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
     simulated worlds pause. The command repeats it until each of them has confirmed that it stands
     still, and fails, naming the others, if not all have within ten seconds. It takes no names:
     `hitab perform ROBOT` stops one robot.
+
+    Args:
+        reason: Why, for those who read the status.
 
     Examples:
       hitab stop
@@ -48,10 +48,13 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
     console.say(f"stand still: {_switch(True, reason, 'stand still', unsure)}")
 
 
-def go(context: typer.Context, reason: Reason = "") -> None:
+def go(context: typer.Context, reason: str = "") -> None:
     """Release all robots and simulated worlds after `hitab stop`.
 
     Worlds go on. Robots go on standing still: `hitab arm` lets them act again.
+
+    Args:
+        reason: Why, for those who read the status.
 
     Example:
       hitab go
@@ -67,7 +70,7 @@ def go(context: typer.Context, reason: Reason = "") -> None:
 
 
 def arm(
-    robots: Robots = None,
+    robots: Annotated[list[str] | None, typer.Argument()] = None,
     all_robots: Annotated[bool, typer.Option("--all")] = False,
 ) -> None:
     """Let robots act again that were stopped, whatever stopped them; without names, list them.
@@ -77,6 +80,7 @@ def arm(
     performs then drives the robot at once: look at the robot first.
 
     Args:
+        robots: Names of robots.
         all_robots: All robots that wait.
 
     Examples:

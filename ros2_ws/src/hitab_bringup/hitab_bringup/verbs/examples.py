@@ -11,7 +11,7 @@ import typer
 
 from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import Features, ShowOnly, as_text, plain
+from hitab_bringup.verbs.showing import as_text, plain
 from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
@@ -209,11 +209,15 @@ def examples_retime(
 @app.command("features")
 def examples_features(
     agent: AgentName,
-    feature: Features,
-    show: ShowOnly = False,
+    feature: Annotated[list[str], typer.Option("--feature", "-f")],
+    show: Annotated[bool, typer.Option("--show")] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Learn from other features of the same examples; `hitab undo` takes that back.
+
+    Args:
+        feature: A feature, such as "DistanceTo(ball)". Repeatable.
+        show: Only show what would be learned; change nothing.
 
     Examples:
       hitab examples features keeper_1 -f BallIsKickable --show

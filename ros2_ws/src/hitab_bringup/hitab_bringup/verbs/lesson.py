@@ -21,18 +21,11 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Play lessons: files that teach like a person, over the same topics.",
 )
-Files = Annotated[
-    list[str],
-    typer.Argument(
-        help="Lesson files, or names of shipped ones, in order.",
-        autocompletion=completion.lessons,
-    ),
-]
 
 
 @app.command()
 def run(
-    lessons: Files,
+    lessons: Annotated[list[str], typer.Argument(autocompletion=completion.lessons)],
     factor: float = 0.0,
     discard: Annotated[bool, typer.Option("--discard")] = False,
     swarm: SwarmName = None,
@@ -44,6 +37,7 @@ def run(
     training stays, so that you can see what was learned and correct it.
 
     Args:
+        lessons: Lesson files, or names of shipped ones, in order.
         factor: Multiple of real time, for watching; 0: as fast as possible.
         discard: First discard what the agents have not saved.
 

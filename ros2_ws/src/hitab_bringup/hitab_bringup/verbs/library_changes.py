@@ -18,17 +18,6 @@ from hitab_core import Do, LibraryError, each_once, has, named_domain, quantity,
 if TYPE_CHECKING:
     from hitab_core import BehaviorLibrary
 
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="The file to write. Default: NAME.bundle.yaml here.",
-        show_default=False,
-    ),
-]
-
 
 def restore(
     name: Name,
@@ -148,7 +137,7 @@ def rename(
 
 def export(
     names: Annotated[list[str] | None, typer.Argument()] = None,
-    output: Output = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE")] = None,
     replace: Annotated[bool, typer.Option("--replace")] = False,
     library: Library = None,
     agent: Agent = None,
@@ -158,6 +147,7 @@ def export(
 
     Args:
         names: The behaviors; what they are made of comes along. Default: all.
+        output: The file to write. Default: NAME.bundle.yaml here.
         replace: Replace the file if it exists.
 
     Examples:
