@@ -112,11 +112,12 @@ def test_examples_from_a_recording_equal_those_made_live(
     recorded: Recorded, tmp_path: Path
 ) -> None:
     folder = tmp_path / "library"
-    outcome = train_from_recording(recorded.path, folder, ONE)
-    assert outcome.done.saved == [AUTOMATON]
-    assert outcome.done.commands == 6
-    assert outcome.done.compared > 10
-    assert outcome.unsaved is None
+    agent, done, unsaved = train_from_recording(recorded.path, folder, ONE)
+    assert agent == ONE
+    assert done.saved == [AUTOMATON]
+    assert done.commands == 6
+    assert done.compared > 10
+    assert unsaved is None
     assert recorded.examples > 6
     assert content(folder) == recorded.live
 

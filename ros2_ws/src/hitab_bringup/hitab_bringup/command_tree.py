@@ -213,6 +213,6 @@ def in_hosts(
         return place(by_name[next(iter(member.subordinates))])
 
     def placed(member: Member) -> Member:
-        return member if member.process else replace(member, process=place(member))
+        return replace(member, process=place(member))
 
     return [placed(agent) for agent in agents], [placed(c) for c in commanders]

@@ -169,18 +169,13 @@ def figures_in(texts: Sequence[str]) -> dict[str, Any]:
 
 
 class Cast:
-    """Who performs what in a swarm.
+    """Who performs what in a swarm with a world."""
 
-    Args:
-        swarm: with a world.
-        run_dir: its run folder, unless that is the default one.
-    """
-
-    def __init__(self, swarm: SwarmDescription, run_dir: Path | None = None) -> None:
+    def __init__(self, swarm: SwarmDescription) -> None:
         self._agents = {agent.name: agent for agent in swarm.agents}
         self._commanders = {commander.name: commander for commander in swarm.commanders}
         self._members = {**self._agents, **self._commanders}
-        self._folder = RunFolder.of_swarm(swarm.name, run_dir).path
+        self._folder = RunFolder.of_swarm(swarm.name).path
         self._behaviors = {agent.name: agent.behavior for agent in swarm.members}
         self._libraries = {agent.name: self._own(agent) for agent in swarm.members}
         self._versions: dict[str, dict[str, int]] = {}

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from hitab_core import (
-    OWN_FEATURES,
+    OWN_NAMES,
     RADIANS,
     START,
     Domain,
@@ -20,7 +20,6 @@ from hitab_core import (
 )
 from hitab_core.library import BehaviorFile, Expectation
 
-OWN_NAMES = {use.name for use in OWN_FEATURES}
 BOOLEANS = {"yes": 1.0, "true": 1.0, "1": 1.0, "no": 0.0, "false": 0.0, "0": 0.0}
 
 

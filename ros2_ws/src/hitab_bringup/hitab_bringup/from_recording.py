@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-from dataclasses import dataclass
 from pathlib import Path
 
 from hitab_msgs.srv import SaveBehavior
@@ -14,25 +13,9 @@ from hitab_core import LibraryError
 from hitab_ros import names
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """What was trained from a recording.
-
-    Attributes:
-        agent: that was recorded.
-        done: what was given to it again, and compared.
-        unsaved: the automaton whose training was not saved, and its number of examples; None:
-            none.
-    """
-
-    agent: str
-    done: Retraced
-    unsaved: tuple[str, int] | None
-
-
 def train_from_recording(
     path: Path, folder: Path, agent: str = "", *, save: bool = False
-) -> Outcome:
+) -> tuple[str, Retraced, tuple[str, int] | None]:
     """Train an agent from a recording into a new library.
 
     Args:
@@ -40,6 +23,10 @@ def train_from_recording(
         folder: for the library; new or empty.
         agent: whose session; empty: of the only one.
         save: also save the training that the recording ends in.
+
+    Returns:
+        The agent that was recorded; what was given to it again, and compared; and the automaton
+        whose training was not saved, with its number of examples, None if none.
 
     Raises:
         SwarmError: if the recording cannot be read, or has no such session.
@@ -61,4 +48,4 @@ def train_from_recording(
                 raise LibraryError(answer.message)
             done.saved.append(trained)
             unsaved = None
-    return Outcome(session.agent, done, unsaved)
+    return session.agent, done, unsaved

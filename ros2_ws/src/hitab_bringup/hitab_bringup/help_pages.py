@@ -1,7 +1,8 @@
 """How the help of all verbs looks, whichever package has declared them.
 
 A docstring is written in lines of its file. Here its paragraphs become one line each, which the
-terminal wraps at its own width. Its "Args:" are the help of arguments and options.
+terminal wraps at its own width, and so does each example. Its "Args:" are the help of arguments
+and options.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typer.models import CommandInfo, DefaultPlaceholder
 
 _ARGS = re.compile(r"^Args:\n((?: +.*\n?)+)\n?", re.MULTILINE)
 _ARG = re.compile(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
+_EXAMPLE = re.compile(r"\n(?= +hitab )")
 
 
 class HelpfulCommand(TyperCommand):
@@ -47,7 +49,7 @@ def make_helpful(app: typer.Typer) -> None:
     """Give all verbs of a command, also those in its groups, readable help pages."""
     for _, command in verbs(app):
         if command.help is None:  # groups outlive the command, and are not done twice
-            doc = _ARGS.sub("", inspect.getdoc(command.callback) or "")
+            doc = _EXAMPLE.sub("\n\n", _ARGS.sub("", inspect.getdoc(command.callback) or ""))
             command.help = "\n\n".join(
                 part if part.startswith(" ") else " ".join(part.split())
                 for part in doc.split("\n\n")

@@ -14,8 +14,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 
 import psutil  # type: ignore[import-untyped]
 
@@ -84,12 +83,10 @@ def launch(
     started = processes(swarm, folder.path, identity)
     for process in started:
         folder.log(process.name).unlink(missing_ok=True)
-    config = folder.configuration
-    config.write_text(
-        supervisor_config(started, folder.path, folder.path / "logs", socket), encoding="utf-8"
-    )
+    text = supervisor_config(started, folder.path, socket)
+    folder.configuration.write_text(text, encoding="utf-8")
     variables = environment(folder, domain_id, len(started))
-    supervisor = _spawn(config, variables, folder, temporary)
+    supervisor = _spawn(variables, folder, temporary)
     record = RunRecord(
         swarm.name,
         str(swarm.file.resolve()),
@@ -110,16 +107,16 @@ def launch(
 
 
 def _spawn(
-    config: Path, environment: Mapping[str, str], folder: RunFolder, temporary: bool
+    environment: Mapping[str, str], folder: RunFolder, temporary: bool
 ) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "supervisor.supervisord", "-c", str(config)]
+    command = [sys.executable, "-m", "supervisor.supervisord", "-c", str(folder.configuration)]
     with (folder.path / "supervisord.out").open("wb") as out:
         return subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,
             stdout=out,
             stderr=subprocess.STDOUT,
-            env=dict(environment),
+            env=environment,
             cwd=folder.path,
             start_new_session=True,  # the terminal's Ctrl-C is meant for the command only
             preexec_fn=_end_with_parent if temporary and sys.platform == "linux" else None,
@@ -177,7 +174,7 @@ def _failure(process: str, exit_code: int, folder: RunFolder) -> str:
     return f"{process} ended while starting; {end}:\n{told}"
 
 
-def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> list[int]:
+def stop(folder: RunFolder) -> list[int]:
     """Stop every process of a run folder, and check that none is left.
 
     Returns:
@@ -189,8 +186,6 @@ def stop(folder: RunFolder, progress: Callable[[str], None] | None = None) -> li
     record = folder.read()
     supervisor = folder.supervisor(record) if record is not None else None
     if record is not None and supervisor is not None:
-        if progress is not None:
-            progress("asking the supervisor to stop all processes")
         with contextlib.suppress(psutil.Error):
             supervisor.terminate()
             deadline = time.monotonic() + STOP_SECONDS

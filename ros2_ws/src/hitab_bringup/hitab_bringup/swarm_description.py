@@ -55,27 +55,6 @@ SIM_TIME = "use_sim_time"
 
 
 @dataclass(frozen=True)
-class RosOptions:
-    """Remappings and parameters of nodes.
-
-    Attributes:
-        remap: the names that nodes use, each with the one to use instead.
-        parameters: by name; a nested one has dots in its name.
-        use_sim_time: whether the nodes' clock is the topic ``/clock``; None: not said.
-    """
-
-    remap: Mapping[str, str] = field(default_factory=dict)
-    parameters: Mapping[str, Any] = field(default_factory=dict)
-    use_sim_time: bool | None = None
-
-    @property
-    def all_parameters(self) -> dict[str, Any]:
-        """The parameters, with that of the clock if it was given."""
-        given = {} if self.use_sim_time is None else {SIM_TIME: self.use_sim_time}
-        return {**self.parameters, **given}
-
-
-@dataclass(frozen=True)
 class WorldDescription:
     """The simulated world of a swarm.
 
@@ -84,7 +63,8 @@ class WorldDescription:
         module: of its node, run with ``python -m``; see `hitab_bringup.swarm_file.world_module`.
         pace: ``lockstep`` or ``realtime``, at ``factor`` of real time.
         parameters: of this kind of world, such as ``taker_speed``.
-        ros: other parameters of its node, such as ``state_rate``, and its remappings.
+        node_parameters: other parameters of its node, such as ``state_rate``.
+        remap: the names that its node uses, each with the one to use instead.
     """
 
     kind: str
@@ -94,7 +74,8 @@ class WorldDescription:
     seed: int = 1
     paused: bool = False
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    ros: RosOptions = field(default_factory=RosOptions)
+    node_parameters: Mapping[str, Any] = field(default_factory=dict)
+    remap: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -106,7 +87,8 @@ class AgentDescription:
         start_from: a library to copy into its own library if that is empty.
         behavior: to start with, such as ``Keepaway``; empty: nothing.
         without: hand-written automata of its domain that are taken out.
-        ros: parameters of its node, such as those of its link, and remappings.
+        remap: the names that its node uses, each with the one to use instead.
+        parameters: of its node, such as those of its link; a nested one has dots in its name.
         process: that it runs in; its own name unless it shares one.
         library_name: name of its library folder in the run folder; empty: that of the process.
         superior: name of its commander; empty: none.
@@ -124,7 +106,8 @@ class AgentDescription:
     superior: str = ""
     role: str = ""
     without: tuple[str, ...] = ()
-    ros: RosOptions = field(default_factory=RosOptions)
+    remap: Mapping[str, str] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -152,6 +135,7 @@ class Process:
         arguments: before those for ROS.
         namespace: of its node, or the one around those of its several nodes; in a description it
             is relative to that of the swarm, unless it begins with a slash.
+        remap, parameters: of its nodes.
         is_node: whether it takes arguments for ROS.
         agents: names of its agents.
     """
@@ -160,19 +144,10 @@ class Process:
     module: str
     arguments: tuple[str, ...] = ()
     namespace: str = ""
-    ros: RosOptions = field(default_factory=RosOptions)
+    remap: Mapping[str, str] = field(default_factory=dict)
+    parameters: Mapping[str, Any] = field(default_factory=dict)
     is_node: bool = True
     agents: tuple[str, ...] = ()
-
-    @property
-    def remap(self) -> Mapping[str, str]:
-        """The names that its nodes use, each with the one to use instead."""
-        return self.ros.remap
-
-    @property
-    def parameters(self) -> Mapping[str, Any]:
-        """The ROS parameters of its nodes."""
-        return self.ros.all_parameters
 
     @property
     def program(self) -> list[str]:
@@ -234,16 +209,16 @@ class SwarmDescription:
     def uses_sim_time(self) -> bool:
         """Whether some of its nodes take their time from the topic ``/clock``."""
         nodes: tuple[AgentDescription | Process, ...] = (*self.members, *self.processes)
-        return any(node.ros.use_sim_time for node in nodes)
+        return any(node.parameters.get(SIM_TIME) for node in nodes)
 
     def full_name(self, name: str) -> str:
         """Return a name in the namespace of the swarm, such as ``/left/robot_1``."""
         return name if name.startswith("/") else f"{self.namespace}/{name}".rstrip("/")
 
-    def remap(self, ros: RosOptions) -> dict[str, str]:
+    def remap(self, given: Mapping[str, str]) -> dict[str, str]:
         """Return the remappings of a node: in a namespace, each swarm has its own clock."""
         own = {CLOCK: self.full_name("clock")} if self.namespace else {}
-        return {**own, **ros.remap}
+        return {**own, **given}
 
     def in_namespace(self, namespace: str) -> SwarmDescription:
         """Return the same swarm in another namespace, and named after it too.
@@ -259,14 +234,14 @@ class SwarmDescription:
     def with_sim_time(self) -> SwarmDescription:
         """Return the same swarm with nodes whose clock is the topic of the world's time."""
 
-        def on(ros: RosOptions) -> RosOptions:
-            return replace(ros, use_sim_time=True)
+        def on(node: Any) -> Any:
+            return replace(node, parameters={**node.parameters, SIM_TIME: True})
 
         return replace(
             self,
-            agents=tuple(replace(a, ros=on(a.ros)) for a in self.agents),
-            commanders=tuple(replace(c, ros=on(c.ros)) for c in self.commanders),
-            processes=tuple(replace(p, ros=on(p.ros)) if p.is_node else p for p in self.processes),
+            agents=tuple(map(on, self.agents)),
+            commanders=tuple(map(on, self.commanders)),
+            processes=tuple(on(p) if p.is_node else p for p in self.processes),
         )
 
     def with_world(self, **changes: Any) -> SwarmDescription:

@@ -11,10 +11,10 @@ from typing import Any, TypeVar
 from hitab_bringup.command_tree import CommandTree, in_hosts
 from hitab_bringup.swarm_description import (
     AGENT,
+    SIM_TIME,
     AgentDescription,
     CommanderDescription,
     Process,
-    RosOptions,
     SwarmDescription,
     WorldDescription,
 )
@@ -43,7 +43,7 @@ FORMAT = 2
 """The newest format version that is read."""
 
 WORLDS = "hitab.worlds"
-NODES = {"remap", "use_sim_time"}
+NODES = {"remap", SIM_TIME}
 MEMBERS = {*NODES, "library", "start_from", "behavior", "seed", "parameters", "domain", "without"}
 ROS_WORDS = {*NODES, "namespace", "parameters", "agents"}
 """Keys with which a process is a node of ROS; another program takes no ROS arguments."""
@@ -106,16 +106,19 @@ def _under(above: Nodes, line: L, keys: set[str]) -> L:
     return line.but(**more)
 
 
-def _ros(line: Nodes, parameters: Mapping[str, Any], agent: str = AGENT) -> RosOptions:
-    """Return the options of a line; an agent's name replaces ``{agent}``."""
+def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT) -> dict[str, Any]:
+    """Return the remappings and parameters of a line; an agent's name replaces ``{agent}``."""
 
     def named(value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(map(named, value))
         return value.replace(AGENT, agent) if isinstance(value, str) else value
 
-    remap = {named(name): named(other) for name, other in line.remap.items()}
-    return RosOptions(remap, {k: named(v) for k, v in parameters.items()}, line.use_sim_time)
+    clock = {} if line.use_sim_time is None else {SIM_TIME: line.use_sim_time}
+    return {
+        "remap": {named(name): named(other) for name, other in line.remap.items()},
+        "parameters": {name: named(value) for name, value in line.parameters.items()} | clock,
+    }
 
 
 class _Reader:
@@ -200,7 +203,8 @@ class _Reader:
             line.seed,
             line.paused,
             line.parameters,
-            RosOptions({**self._file.remap, **line.remap}, line.node_parameters),
+            line.node_parameters,
+            {**self._file.remap, **line.remap},
         )
 
     # -- agents and commanders --------------------------------------------------------------
@@ -247,7 +251,7 @@ class _Reader:
             "behavior": own.behavior,
             "seed": own.seed,
             "role": key if own.role is None else own.role,
-            "ros": _ros(own, own.parameters, name),
+            **_ros(own, name),
         }
 
     def _commander(self, key: str, name: str) -> CommanderDescription:
@@ -316,8 +320,8 @@ class _Reader:
         own = _under(self._file, line, NODES) if is_node else line
         command = (*line.command, *line.arguments)
         if line.agents is None:
-            ros = _ros(own, own.parameters)
-            return [Process(key, line.module, command, line.namespace, ros, is_node)]
+            ros = {**_ros(own), "is_node": is_node}
+            return [Process(key, line.module, command, line.namespace, **ros)]
         space = line.namespace or AGENT
         return [
             Process(
@@ -325,7 +329,7 @@ class _Reader:
                 line.module,
                 command,
                 space.replace(AGENT, a.name),
-                _ros(own, own.parameters, a.name),
+                **_ros(own, a.name),
             )
             for a in groups[line.agents]
         ]

@@ -13,7 +13,6 @@ from hitab_bringup.swarm_description import (
     AgentDescription,
     CommanderDescription,
     Process,
-    RosOptions,
     SwarmDescription,
     WorldDescription,
 )
@@ -52,15 +51,19 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
         names = tuple(member.name for member in members)
         if names == (name,):
             module = COMMANDER_MODULE if isinstance(first, CommanderDescription) else AGENT_MODULE
-            ros = RosOptions(swarm.remap(first.ros), {**_settings(first, folder), **alone})
-            found.append(Process(name, module, (), swarm.full_name(name), ros, agents=names))
+            space, remap = swarm.full_name(name), swarm.remap(first.remap)
+            settings = {**_settings(first, folder), **alone}
+            found.append(Process(name, module, (), space, remap, settings, agents=names))
         else:
-            ros = RosOptions({}, {"roster": str(_roster_file(folder, name)), **own})
-            found.append(Process(name, HOST_MODULE, (), swarm.namespace, ros, agents=names))
+            settings = {"roster": str(_roster_file(folder, name)), **own}
+            found.append(
+                Process(name, HOST_MODULE, (), swarm.namespace, {}, settings, agents=names)
+            )
     for process in swarm.processes:
-        ros = replace(process.ros, remap=swarm.remap(process.ros))
-        space = swarm.full_name(process.namespace)
-        found.append(replace(process, namespace=space, ros=ros) if process.is_node else process)
+        space, remap = swarm.full_name(process.namespace), swarm.remap(process.remap)
+        found.append(
+            replace(process, namespace=space, remap=remap) if process.is_node else process
+        )
     there = {(process.module, process.namespace) for process in found}
     companions = _companions(swarm, folder)
     return [*found, *(p for p in companions if (p.module, p.namespace) not in there)]
@@ -76,9 +79,9 @@ def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:
     for agent in swarm.agents:
         if module := modules.get(packages.get(agent.domain, "")):
             more = {"domain": agent.domain, "state_dir": _state(folder)}
-            ros = RosOptions(swarm.remap(agent.ros), {**agent.ros.all_parameters, **more})
-            name = f"{agent.name}_{module.rpartition('.')[2]}"
-            yield Process(name, module, (), swarm.full_name(agent.name), ros)
+            name, space = f"{agent.name}_{module.rpartition('.')[2]}", swarm.full_name(agent.name)
+            remap = swarm.remap(agent.remap)
+            yield Process(name, module, (), space, remap, {**agent.parameters, **more})
 
 
 def _shared(swarm: SwarmDescription) -> dict[str, list[AgentDescription]]:
@@ -97,7 +100,7 @@ def write_rosters(swarm: SwarmDescription, folder: Path) -> None:
                 "name": member.name,
                 **({"node": COMMANDER_NODE} if isinstance(member, CommanderDescription) else {}),
                 "parameters": _settings(member, folder),
-                "remap": swarm.remap(member.ros),
+                "remap": swarm.remap(member.remap),
             }
             for member in members
         ]
@@ -118,7 +121,7 @@ def _world(
     swarm: SwarmDescription, world: WorldDescription, folder: Path, own: Mapping[str, Any]
 ) -> Process:
     parameters = {
-        **world.ros.all_parameters,
+        **world.node_parameters,
         "pace": world.pace,
         "factor": world.factor,
         "seed": world.seed,
@@ -127,8 +130,8 @@ def _world(
         **{f"parameters.{name}": value for name, value in world.parameters.items()},
         **own,
     }
-    ros = RosOptions(swarm.remap(world.ros), parameters)
-    return Process(WORLD, world.module, (), swarm.full_name(WORLD), ros)
+    space, remap = swarm.full_name(WORLD), swarm.remap(world.remap)
+    return Process(WORLD, world.module, (), space, remap, parameters)
 
 
 def library_of(member: AgentDescription, folder: Path) -> Path:
@@ -148,7 +151,7 @@ def kind_file(member: CommanderDescription, folder: Path) -> Path:
 def _settings(member: AgentDescription, folder: Path) -> dict[str, Any]:
     """Return the parameters of a node, leaving out defaults."""
     settings: dict[str, Any] = {
-        **member.ros.all_parameters,
+        **member.parameters,
         "domain": member.domain,
         "library": str(library_of(member, folder)),
         "state_dir": _state(folder),

@@ -67,7 +67,7 @@ def test_the_supervisor_is_told_every_process_whatever_its_path_looks_like(tmp_p
     folder = tmp_path / "100% mine"
     swarm = parse_swarm("domain: keepaway\nagents: {a: {}, b: {behavior: Stop}}\n", Path("x.yaml"))
     started = processes(swarm, folder)
-    text = supervisor_config(started, folder, folder / "logs", folder / "sock")
+    text = supervisor_config(started, folder, folder / "sock")
     parser = configparser.RawConfigParser()
     parser.read_string(text)
     assert {"program:a", "program:b"} <= set(parser.sections())

@@ -12,6 +12,7 @@ from .agent import Agent as Agent
 from .agent import Mode as Mode
 from .automaton import FLAGS as FLAGS
 from .automaton import OWN_FEATURES as OWN_FEATURES
+from .automaton import OWN_NAMES as OWN_NAMES
 from .automaton import RESERVED as RESERVED
 from .automaton import START as START
 from .automaton import Automaton as Automaton
@@ -38,6 +39,7 @@ from .errors import VocabularyError as VocabularyError
 from .errors import newer_format as newer_format
 from .example import Example as Example
 from .example import ExampleKind as ExampleKind
+from .example import contradictions as contradictions
 from .installation import installed_as as installed_as
 from .installation import installed_version as installed_version
 from .installation import way_to_install as way_to_install

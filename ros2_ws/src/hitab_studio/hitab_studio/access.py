@@ -6,10 +6,12 @@ import hmac
 import ipaddress
 import re
 import secrets
-from collections.abc import Awaitable, Callable, MutableMapping
-from http.cookies import CookieError, SimpleCookie
+from collections.abc import Awaitable, Callable, Mapping, MutableMapping
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import urlsplit
+
+from fastapi.requests import HTTPConnection
+from fastapi.responses import PlainTextResponse, RedirectResponse
 
 from hitab_client import SwarmError
 
@@ -55,25 +57,18 @@ class AccessControl:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        headers = {k.decode("latin-1"): v.decode("latin-1") for k, v in scope["headers"]}
-        problem = self._foreign(headers)
-        if problem:
-            await _refuse(scope, send, 403, problem)
-            return
-        if not self._token:
-            await self._app(scope, receive, send)
-            return
-        given = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
-        if self._is_right(given) and scope["type"] == "http":
-            await _welcome(scope, send, given)
-        elif self._is_right(_cookie(headers)):
-            await self._app(scope, receive, send)
-        else:
-            await _refuse(
-                scope, send, 401, "A token is needed: open the address that the studio printed."
-            )
+        asked = HTTPConnection(scope)
+        answer: App = self._app
+        if problem := self._foreign(asked.headers):
+            answer = _refusal(scope, 403, problem)
+        elif scope["type"] == "http" and self._is_right(asked.query_params.get("token", "")):
+            answer = _welcome(self._token)
+        elif self._token and not self._is_right(asked.cookies.get(COOKIE, "")):
+            why = "A token is needed: open the address that the studio printed."
+            answer = _refusal(scope, 401, why)
+        await answer(scope, receive, send)
 
-    def _foreign(self, headers: MutableMapping[str, str]) -> str:
+    def _foreign(self, headers: Mapping[str, str]) -> str:
         host = headers.get("host", "")
         name = urlsplit(f"//{host}").hostname or ""
         if not self._any_name and name not in self._names:
@@ -84,33 +79,21 @@ class AccessControl:
         return ""
 
     def _is_right(self, token: str) -> bool:
-        return hmac.compare_digest(token.encode(), self._token.encode())
+        return bool(self._token) and hmac.compare_digest(token.encode(), self._token.encode())
 
 
-def _cookie(headers: MutableMapping[str, str]) -> str:
-    cookies: SimpleCookie = SimpleCookie()
-    try:
-        cookies.load(headers.get("cookie", ""))
-    except CookieError:
-        return ""
-    return cookies[COOKIE].value if COOKIE in cookies else ""
-
-
-async def _welcome(scope: Scope, send: Send, token: str) -> None:
+def _welcome(token: str) -> App:
     """Keep the token in a cookie and open the page without it in the address."""
-    cookie = f"{COOKIE}={token}; Path=/; HttpOnly; SameSite=Strict"
-    headers = [(b"location", b"/"), (b"set-cookie", cookie.encode())]
-    await send({"type": "http.response.start", "status": 303, "headers": headers})
-    await send({"type": "http.response.body", "body": b""})
+    welcome = RedirectResponse("/", 303)
+    welcome.set_cookie(COOKIE, token, httponly=True, samesite="strict")
+    return welcome
 
 
-async def _refuse(scope: Scope, send: Send, status: int, why: str) -> None:
-    if scope["type"] == "websocket":
+def _refusal(scope: Scope, status: int, why: str) -> App:
+    async def close(scope: Scope, receive: Receive, send: Send) -> None:
         await send({"type": "websocket.close", "code": 1008, "reason": why[:120]})
-        return
-    headers = [(b"content-type", b"text/plain; charset=utf-8")]
-    await send({"type": "http.response.start", "status": status, "headers": headers})
-    await send({"type": "http.response.body", "body": why.encode()})
+
+    return close if scope["type"] == "websocket" else PlainTextResponse(why, status)
 
 
 def new_token(host: str, given: str = "") -> str:

@@ -175,25 +175,22 @@ class AgentWatch:
         self, key: str, verb: Callable[..., Any], take: Callable[[Any], None], *given: Any
     ) -> None:
         """Have a verb of the client done with the agent, unless that is under way."""
-        if key not in self._asking:
-            asking = self._answer(key, verb, take, given)
-            self._asking[key] = asyncio.get_running_loop().create_task(asking)
-
-    async def _answer(
-        self, key: str, verb: Callable[..., Any], take: Callable[[Any], None], given: Any
-    ) -> None:
         agent = self._agent
-        try:
-            take(await self._do(lambda swarm: verb(swarm.agents, agent, *given), needs=agent))
-        except SwarmError:
-            await asyncio.sleep(AGAIN_SECONDS)
-        except Exception as error:  # it is not the page that has to know how to read this
-            self._failed(
-                f"The answer of {agent} about {key} cannot be read: {what_went_wrong(error)}",
-                error=error,
-            )
-        finally:
-            del self._asking[key]
+
+        async def answer() -> None:
+            try:
+                take(await self._do(lambda swarm: verb(swarm.agents, agent, *given), needs=agent))
+            except SwarmError:
+                await asyncio.sleep(AGAIN_SECONDS)
+            except Exception as error:  # it is not the page that has to know how to read this
+                why = what_went_wrong(error)
+                told = f"The answer of {agent} about {key} cannot be read: {why}"
+                self._failed(told, error=error)
+            finally:
+                del self._asking[key]
+
+        if key not in self._asking:
+            self._asking[key] = asyncio.get_running_loop().create_task(answer())
 
     # -- answers ----------------------------------------------------------------------------
 

@@ -17,61 +17,36 @@ def register(app: typer.Typer) -> None:
 
 
 def studio(
-    swarm: Annotated[
-        str | None,
-        typer.Argument(
-            help="The swarm, if several are up: its name, identity, namespace or run folder.",
-            envvar="HITAB_SWARM",
-        ),
-    ] = None,
+    swarm: Annotated[str | None, typer.Argument(envvar="HITAB_SWARM")] = None,
     chosen: SwarmName = None,
-    port: Annotated[int, typer.Option(help="Where to serve the page.", min=1, max=65535)] = 8080,
-    host: Annotated[
-        str, typer.Option(help="Address to serve it at; only this machine reaches 127.0.0.1.")
-    ] = "127.0.0.1",
-    token: Annotated[
-        str,
-        typer.Option(
-            help="Required to open the page from other machines; generated if not given.",
-            show_default=False,
-        ),
-    ] = "",
-    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
-    run_dir: Annotated[
-        Path | None, typer.Option(help="The run folder of the swarm, instead of its name.")
-    ] = None,
-    map_topic: Annotated[
-        str,
-        typer.Option(
-            "--map",
-            help="Of real robots: the topic of the map, if there are several.",
-            show_default=False,
-            metavar="TOPIC",
-        ),
-    ] = "",
-    camera: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Of real robots: the topic of a camera, or how it ends, if a robot has several. "
-            "Repeatable.",
-            show_default=False,
-            metavar="TOPIC",
-        ),
-    ] = None,
+    port: Annotated[int, typer.Option(min=1, max=65535)] = 8080,
+    host: str = "127.0.0.1",
+    token: Annotated[str, typer.Option(show_default=False)] = "",
+    browser: bool = True,
+    run_dir: Path | None = None,
+    map_topic: Annotated[str, typer.Option("--map", show_default=False, metavar="TOPIC")] = "",
+    camera: Annotated[list[str] | None, typer.Option(show_default=False, metavar="TOPIC")] = None,
 ) -> None:
     """Open the console in a browser: the live field, training by clicking, what was learned.
 
     The swarm may be started before or after this command; the page finds it, also after a
     restart.
 
+    Args:
+        swarm: The swarm, if several are up: its name, identity, namespace or run folder.
+        port: Where to serve the page.
+        host: Address to serve it at; only this machine reaches 127.0.0.1.
+        token: Required to open the page from other machines; generated if not given.
+        browser: Open a browser.
+        run_dir: The run folder of the swarm, instead of its name.
+        map_topic: Of real robots: the topic of the map, if there are several.
+        camera: Of real robots: the topic of a camera, or how it ends, if a robot has several.
+            Repeatable.
+
     Examples:
-
       hitab studio
-
       hitab studio keepaway --port 9000 --no-browser
-
       hitab studio --host 0.0.0.0     for other machines, with a token
-
       hitab studio --camera front/image/compressed --map /map     of real robots
     """
     from hitab_studio.access import new_token
@@ -94,7 +69,7 @@ def studio(
     serve(
         find,
         address,
-        startable=() if run_dir else startable_swarms(name),
+        startable={} if run_dir else startable_swarms(name),
         show=browser,
         ready=ready,
         options=Options(map_topic, tuple(camera or ())),

@@ -25,6 +25,7 @@ from hitab_client.bootstrapping import (
 )
 from hitab_client.run_folder import state_home
 from hitab_ros.answering import what_went_wrong
+from hitab_studio.known import Known
 from hitab_studio.swarm_finder import Target
 from hitab_studio.swarm_link import Connected, SwarmLink
 
@@ -83,17 +84,14 @@ class GenerationMaker:
             return ""
         return BUSY.format(making.agent, making.behavior)
 
-    def begin(
-        self, making: Making, step: Step, target: Target | None, who: str, *, world: bool
-    ) -> None:
+    def begin(self, making: Making, step: Step, known: Known, who: str) -> None:
         """Have a step of bootstrapping done; pages see how far it is.
 
         Args:
             making: what to show of it.
             step: what to do.
-            target: the swarm, whose run folder keeps the generations.
+            known: of the swarm, whose run folder keeps the generations.
             who: the demonstrator.
-            world: whether the swarm has one.
 
         Raises:
             SwarmError: if another one is under way.
@@ -103,7 +101,7 @@ class GenerationMaker:
         self.making = making
         self._stopping.clear()
         self._changed()
-        self._task = asyncio.create_task(self._follow(making, step, target, who, world=world))
+        self._task = asyncio.create_task(self._follow(making, step, known, who))
 
     def stop(self) -> None:
         """End what is under way at the next episode; the training goes on."""
@@ -115,9 +113,7 @@ class GenerationMaker:
             self.making = None
             self._changed()
 
-    async def _follow(
-        self, making: Making, step: Step, target: Target | None, who: str, *, world: bool
-    ) -> None:
+    async def _follow(self, making: Making, step: Step, known: Known, who: str) -> None:
         loop, stopping = asyncio.get_running_loop(), self._stopping
 
         def show(done: int, total: int, doing: str) -> None:
@@ -139,8 +135,8 @@ class GenerationMaker:
 
             steps = Bootstrapping(
                 swarm.agents,
-                swarm.world if world else None,
-                kept_in(target),
+                swarm.world if known.world is not None else None,
+                kept_in(known.target),
                 who=who,
                 say=told,
                 progress=progress,

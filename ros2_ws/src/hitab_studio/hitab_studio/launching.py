@@ -6,7 +6,7 @@ import asyncio
 import os
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import entry_points
@@ -17,20 +17,9 @@ from hitab_client.commands import called
 from hitab_client.shipped import shipped_folders, shipped_names
 from hitab_core import has
 
+NONE: Mapping[str, str] = {}
 MOST_LINES = 40
 """Of the command's output, which are kept."""
-
-
-@dataclass(frozen=True)
-class Startable:
-    """A swarm that can be started.
-
-    Attributes:
-        about: what it is.
-    """
-
-    name: str
-    about: str = ""
 
 
 @dataclass
@@ -55,17 +44,12 @@ class Launch:
         """Since it began, s."""
         return round(time.monotonic() - self.began)
 
-    @property
-    def text(self) -> str:
-        """What the command has said."""
-        return "\n".join(self.lines)
-
 
 class Launcher:
     """Runs the command for all pages, one swarm at a time.
 
     Args:
-        startable: the swarms that may be started.
+        startable: the swarms that may be started, by name; what each is.
         changed: called when something new is to be shown.
 
     Attributes:
@@ -73,9 +57,9 @@ class Launcher:
     """
 
     def __init__(
-        self, startable: Sequence[Startable] = (), changed: Callable[[], None] = lambda: None
+        self, startable: Mapping[str, str] = NONE, changed: Callable[[], None] = lambda: None
     ) -> None:
-        self.startable = tuple(startable)
+        self.startable = startable
         self.launch: Launch | None = None
         self._changed = changed
         self._task: asyncio.Task[None] | None = None
@@ -142,21 +126,17 @@ def command() -> list[str]:
     raise SwarmError("The command hitab is not installed: install HiTAB again.")
 
 
-def startable_swarms(only: str | None = None) -> tuple[Startable, ...]:
-    """Return the swarms that are shipped; or that one, if it is shipped."""
+def startable_swarms(only: str | None = None) -> dict[str, str]:
+    """Return the swarms that are shipped, or that one, if it is shipped; each with what it is."""
     files = [path for place in shipped_folders("swarms") for path in place.glob("*.yaml")]
-    found = [Startable(path.stem, _about(path)) for path in sorted(files, key=lambda p: p.stem)]
-    return tuple(swarm for swarm in found if only in (None, swarm.name))
+    found = {path.stem: _about(path) for path in sorted(files, key=lambda path: path.stem)}
+    return {name: about for name, about in found.items() if only in (None, name)}
 
 
 @cache
-def _swarms() -> list[str]:
-    return sorted(shipped_names("swarms"))
-
-
 def unknown(name: str) -> str:
     """Say that no swarm of this name is shipped, and what to do; "" if one is."""
-    shipped = _swarms()
+    shipped = sorted(shipped_names("swarms"))
     if name in shipped:
         return ""
     return (

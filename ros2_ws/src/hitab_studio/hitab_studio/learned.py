@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from types import MappingProxyType
 from typing import Any
 
 from hitab_msgs.srv import GetBehavior
 
 from hitab_client import Learned
-from hitab_core import OWN_FEATURES, START, Example, Number, Use, with_numbers
+from hitab_core import OWN_FEATURES, START, Example, Number, Use, contradictions, with_numbers
 from hitab_ros.conversions import numbers_of_behaviors
 
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
@@ -76,13 +77,11 @@ def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use
     found = []
     for label in labels:
         use = Use.parse(label)
-        choices: list[tuple[str, ...]] = [()]
         if use in OWN_FEATURES:
             found.append((label, use))
-            continue
-        for _ in use.arguments:
-            choices = [(*c, a) for c in choices for a in arguments]
-        found += [(label, Use(use.name, choice)) for choice in choices]
+        else:
+            choices = product(arguments, repeat=len(use.arguments))
+            found += [(label, Use(use.name, choice)) for choice in choices]
     return found
 
 
@@ -101,33 +100,20 @@ def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:
 
     Two contradict each other if they have the same state and values but different next states.
     """
-    alike: dict[tuple[str, tuple[float | None, ...]], list[Example]] = {}
-    for example in examples:
-        if example.is_learned:
-            alike.setdefault((example.state, example.point), []).append(example)
-    found = {}
-    for group in alike.values():
-        if len({e.next_state for e in group}) > 1:
-            for example in group:
-                found[example.number] = [
-                    e.number for e in group if e.next_state != example.next_state
-                ]
-    return found
+    return {
+        example.number: [e.number for e in group if e.next_state != example.next_state]
+        for group in contradictions(examples)
+        for example in group
+    }
 
 
 def superseding(examples: Sequence[Example]) -> dict[int, list[int]]:
     """Return, for each superseded example, the numbers of the commands' examples that do it."""
-    found = {}
-    for example in examples:
-        if not example.is_learned:
-            found[example.number] = [
-                e.number
-                for e in examples
-                if not e.is_default
-                and (e.state, e.point) == (example.state, example.point)
-                and e.next_state != e.state
-            ]
-    return found
+    return {
+        example.number: [e.number for e in examples if e.leaves and e.place == example.place]
+        for example in examples
+        if not example.is_learned
+    }
 
 
 @dataclass(frozen=True)

@@ -16,19 +16,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 from hitab_client import RosLink
 from hitab_ros import qos
 from hitab_ros.stamps import time_of
-from hitab_studio.scene import NO_COLOR, Look, Scene
+from hitab_studio.scene import NO_COLOR, STATE_COLORS, Look, Scene
 
 TOPIC = "/studio/markers"
 FRAME = "field"
 EVERY_SECONDS = 0.1  # simulated or not: no viewer shows more
 LIFETIME_SECONDS = 5
 """How long viewers show the last moment after the studio has ended."""
-
-STATE_COLORS = (
-    "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
-    "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
-)  # fmt: skip
-"""As in static/drawing.js."""
 
 SHAPES = {
     msg.Look.DISC: Marker.CYLINDER,

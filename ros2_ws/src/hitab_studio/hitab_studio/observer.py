@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Awaitable, Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any
@@ -29,8 +29,7 @@ from hitab_studio.remembered_scenes import RememberedScenes
 from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.scene import scene_of
-from hitab_studio.swarm_finder import Choice
-from hitab_studio.viewing import Viewing
+from hitab_studio.swarm_finder import Target
 
 STOPS_S = 0.5
 """Between two looks for who can be stopped, s: each lists all topics."""
@@ -42,6 +41,19 @@ SOON = 1.0
 """s; a world that is there is heard by then."""
 
 
+@dataclass
+class Viewing:
+    """What pages show.
+
+    Attributes:
+        focus: the agent that each session views; "": none.
+        pages: sessions that are connected.
+    """
+
+    focus: dict[str, str] = field(default_factory=dict)
+    pages: set[str] = field(default_factory=set)
+
+
 class Observer:
     """What is known of one swarm, from its connection to its end.
 
@@ -50,6 +62,7 @@ class Observer:
         agents, world: of the swarm to observe.
         known: what is known at first.
         viewing: what pages show at present; kept up to date by the caller.
+        colors: of states, in the markers for other viewers.
         complain: called with a text and its `agent`, `session` and `error`, if there are any.
         do: does something with the swarm in a thread; see `SwarmLink.do`.
         options: what a person has chosen of the robots' topics.
@@ -57,7 +70,6 @@ class Observer:
     Attributes:
         known: what is known now.
         watches: of the viewed agents, by name.
-        colors: of states, in the markers for other viewers.
     """
 
     def __init__(
@@ -67,16 +79,18 @@ class Observer:
         world: WorldClient,
         known: Known,
         viewing: Viewing,
+        colors: Mapping[str, int],
         complain: Callable[..., None],
         do: Callable[..., Awaitable[Any]],
         options: Options | None = None,
     ) -> None:
         self.known = known
-        self.colors: Mapping[str, int] = {}
+        self._colors = colors
         self._link, self._agents, self._world = link, agents, world
         self._viewing = viewing
         self._complain = complain
         self._do = do
+        assert known.target is not None  # what is connected to
         target = known.target
         # It hands on what it hears, as long as it is there: those who stop all may end at once.
         self._switch = EmergencySwitch(link.node, hands_on=True)
@@ -86,14 +100,13 @@ class Observer:
         self._next_stops = 0.0
         self._signs = SignsOfLife(
             link,
-            (*target.agents, *([names.WORLD] if target.world else [])) if target else (),
-            identity=target.identity if target else "",
+            (*target.agents, *([names.WORLD] if target.world else [])),
+            identity=target.identity,
         )
-        self._processes = Processes(target.folder if target else "")
+        self._processes = Processes(target.folder)
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
-        identity = target.identity if target else ""
-        self._commanders = CommandView(link, agents.prefix, identity)
+        self._commanders = CommandView(link, agents.prefix, target.identity)
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(link)
@@ -117,7 +130,7 @@ class Observer:
             self._know(scene=scene)
         else:
             self.known = replace(self.known, scene=scene)
-        self._markers.show(scene, self.known.doing(), self.colors)
+        self._markers.show(scene, self.known.doing(), self._colors)
 
     def look(self) -> None:
         """Update what has changed about the agents."""
@@ -140,7 +153,7 @@ class Observer:
         if any(known.groups.get(name) is not group for name, group in groups.items()):
             self._know(groups=MappingProxyType(dict(groups)))
         self._listen()
-        wanted = {agent for agents in self._viewing.focus.values() for agent in agents}
+        wanted = {*self._viewing.focus.values()} - {""}
         for agent in wanted & statuses.keys() - self.watches.keys():
             self.watches[agent] = AgentWatch(
                 self._agents,
@@ -190,7 +203,7 @@ class Observer:
             if self._remembered.kept is not self.known.moments:
                 self._know(moments=self._remembered.kept)
 
-    def may_show(self, choices: tuple[Choice, ...]) -> None:
+    def may_show(self, choices: tuple[Target, ...]) -> None:
         """Know which swarms a person may choose."""
         target = self.known.target
         if target is not None and choices != target.choices:
@@ -211,7 +224,7 @@ class Observer:
         self._leave_alone()
         self._find_robots()
         self._commanders.discover()
-        self._markers.look(self.known.scene, self.known.doing(), self.colors)
+        self._markers.look(self.known.scene, self.known.doing(), self._colors)
         if self._recorder is not None:
             self._recorder.look()
             self._know(recorded=self._recorder.bag.count)

@@ -29,8 +29,11 @@ SILENT = "silent"
 
 MODES = ("idle", "performing", "training", "testing", SILENT)
 NO_COLOR = 255
-COLORS = 12
-"""Number of colors for states on the page; further states share them."""
+STATE_COLORS = (
+    "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
+    "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
+)  # fmt: skip
+"""As in static/drawing.js; further states share them."""
 
 AGENT_COLOR = "#5c7ea8"
 """Of an agent in no state, and of things to which their world gives no color."""
@@ -140,25 +143,29 @@ def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
 
 
 class Palette:
-    """A color for each state that was ever active, in order of appearance."""
+    """A color for each state that was ever active, in order of appearance.
+
+    Attributes:
+        given: the color of each state so far.
+    """
 
     def __init__(self) -> None:
-        self.states: list[str] = []
-        self._index: dict[str, int] = {}
+        self.given: dict[str, int] = {}
 
-    def colors(self) -> Mapping[str, int]:
-        """Return the colors that were given so far, as a mapping that does not change."""
-        return MappingProxyType(dict(self._index))
+    @property
+    def states(self) -> list[str]:
+        """All states so far."""
+        return [*self.given]
 
     def index(self, state: str) -> int:
         """Return the color of a state."""
         if not state:
             return NO_COLOR
-        found = self._index.get(state)
-        if found is None:
-            found = self._index[state] = len(self.states) % COLORS
-            self.states.append(state)
-        return found
+        return self.given.setdefault(state, len(self.given) % len(STATE_COLORS))
+
+    def color(self, state: str) -> str:
+        """Return the color of a state as CSS writes it; "" for none."""
+        return STATE_COLORS[self.index(state)] if state else ""
 
 
 def roster(scene: Scene, palette: Palette) -> str:
@@ -174,7 +181,7 @@ def roster(scene: Scene, palette: Palette) -> str:
             "kinds": scene.kinds,
             "looks": {kind: asdict(look) for kind, look in scene.looks.items()},
             "radii": scene.radii,
-            "legend": palette.states[:COLORS],
+            "legend": palette.states[: len(STATE_COLORS)],
         }
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import socket
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from urllib.parse import unquote
 
@@ -14,7 +14,7 @@ from fastapi.responses import FileResponse
 from hitab_client import SwarmError
 from hitab_client.recording.recordings import recording
 from hitab_studio.access import AccessControl, is_loopback
-from hitab_studio.launching import Startable
+from hitab_studio.launching import NONE
 from hitab_studio.remedy_words import told
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Finder
@@ -79,7 +79,7 @@ def serve(
     find: Finder,
     address: Address,
     *,
-    startable: Sequence[Startable] = (),
+    startable: Mapping[str, str] = NONE,
     show: bool = False,
     ready: Callable[[], None] | None = None,
     options: Options | None = None,
@@ -89,7 +89,7 @@ def serve(
     Args:
         find: finds the swarm to connect to.
         address: where to serve it.
-        startable: the swarms that pages may start.
+        startable: the swarms that pages may start, by name; what each is.
         show: whether to open a browser.
         ready: called once the page can be opened.
         options: what a person has chosen of the robots' topics.

@@ -6,19 +6,19 @@ import asyncio
 import json
 import logging
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, Training, WorldClient
 from hitab_client.demonstrating import UnseenOutcomes, behavior_keys
-from hitab_core import Use, natural
+from hitab_core import natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import Watched
 from hitab_studio.generations import GenerationMaker
-from hitab_studio.launching import Launcher, Startable
+from hitab_studio.launching import NONE, Launcher
 from hitab_studio.lost import Lost
 from hitab_studio.messages import Messages
 from hitab_studio.people import told_apart
@@ -30,7 +30,6 @@ from hitab_studio.swarm_link import Connected, SwarmLink
 
 T = TypeVar("T")
 
-TABS = ("teach", "learned", "examples", "library", "swarm", "record")
 NOTHING = Watched()
 CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
 REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
@@ -85,7 +84,7 @@ class Shared:
         sessions: the pages that are open, by their ids.
     """
 
-    def __init__(self, link: SwarmLink, startable: Sequence[Startable] = ()) -> None:
+    def __init__(self, link: SwarmLink, startable: Mapping[str, str] = NONE) -> None:
         self.link = link
         self.store = Store()
         self.launcher = Launcher(startable, self.store.touch)
@@ -208,7 +207,7 @@ class Session:
             self.asked = self.showing = None
             self.compare = None
             self.table = Table()
-        self.shared.link.viewing.look_at(self.id, [agent] if agent else [])
+        self.shared.link.viewing.focus[self.id] = agent
         self.touch()
 
     def choose(self, names: list[str]) -> None:
@@ -304,8 +303,8 @@ class Session:
             SwarmError: if it does not answer, or refuses.
         """
         known = self.shared.store.known
-        if self.player is None and known.world is not None and not known.world_answers:
-            raise SwarmError(f"The world {absence(known, names.WORLD)}.")
+        if self.player is None and known.world and (absent := absence(known, names.WORLD)):
+            raise SwarmError(f"The world {absent.what}.")
         if known.robots is not None:
             raise SwarmError(REAL)
         if why := self.shared.generations.why_busy:
@@ -322,7 +321,7 @@ class Session:
         if not agent:
             raise SwarmError(CHOOSE_FIRST)
         if absent := absence(self.shared.store.known, agent):
-            raise SwarmError(f"{agent} {absent}.")
+            raise SwarmError(f"{agent} {absent.what}.")
         if why := self.shared.generations.why_busy:
             raise SwarmError(why)
         self.hold(agent)
@@ -389,8 +388,3 @@ def nothing_in_training(session: Session) -> str:
     if session.is_training:  # its status arrives before what it trains
         return f"What {session.agent} trains is not known yet: try again in a moment."
     return f"{session.agent} is not training anything: begin a training."
-
-
-def parameters_of(behavior: str) -> tuple[str, ...]:
-    """Return the parameters of a behavior of the vocabulary, such as ``GoTo(A)``."""
-    return Use.parse(behavior).arguments

@@ -23,7 +23,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         return
     session.connected = True
     studio.store.touch()
-    studio.link.viewing.connect(key, on=True)
+    studio.link.viewing.pages.add(key)
     session.show_again()
     session.send({"t": "chosen", "names": session.chosen})
     sending = asyncio.create_task(_send(socket, session))
@@ -34,7 +34,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         pass
     finally:
         session.connected = False
-        studio.link.viewing.connect(key, on=False)
+        studio.link.viewing.pages.discard(key)
         studio.store.touch()
         sending.cancel()
 

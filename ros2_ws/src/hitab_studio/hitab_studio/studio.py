@@ -11,10 +11,10 @@ from typing import Any
 
 from hitab_client import SwarmError
 from hitab_studio.known import Known
-from hitab_studio.launching import Startable
+from hitab_studio.launching import NONE
 from hitab_studio.people import checked
 from hitab_studio.robots.topics import Options
-from hitab_studio.scene import Scene, said_message
+from hitab_studio.scene import said_message
 from hitab_studio.session import Session, Shared
 from hitab_studio.swarm_finder import Target
 from hitab_studio.swarm_link import SwarmLink
@@ -32,7 +32,7 @@ class Studio:
 
     Args:
         find: returns the swarm to connect to.
-        startable: the swarms that pages may start.
+        startable: the swarms that pages may start, by name; what each is.
         choose: has another swarm be found from now on, by its run folder.
         options: what a person has chosen of the robots' topics.
 
@@ -43,7 +43,7 @@ class Studio:
     def __init__(
         self,
         find: Callable[[], Target],
-        startable: Sequence[Startable] = (),
+        startable: Mapping[str, str] = NONE,
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
     ) -> None:
@@ -53,9 +53,9 @@ class Studio:
         self.store = shared.store
         self.sessions = shared.sessions
         self.present = shared.present
+        self.link.colors = self.store.palette.given
         self._orders: dict[str, tuple[int, int]] = {}
         self._place: tuple[object, ...] = ()
-        self._painted = 0
         self._replays: asyncio.Task[None] | None = None
 
     async def start(self) -> None:
@@ -91,7 +91,7 @@ class Studio:
         self.sessions.pop(session.id, None)
         for agent in [agent for agent, by in self.shared.held.items() if by is session]:
             del self.shared.held[agent]
-        self.link.viewing.look_at(session.id, [])
+        self.link.viewing.focus.pop(session.id, None)
         self.store.touch()
 
     # -- moments ----------------------------------------------------------------------------
@@ -114,7 +114,7 @@ class Studio:
         falls_silent = known.silent is not before.silent or known.gone != before.gone
         messages = []
         if scene is not None and (moves or does or falls_silent):
-            if self._draw(scene):
+            if self.present.draw(scene, known.doing()):
                 messages.append(self.present.roster)
             if moves and scene.said:
                 messages.append(said_message(scene))
@@ -148,15 +148,6 @@ class Studio:
         for page in self.sessions.values():
             if session in ("", page.id) and agent in ("", page.agent):
                 page.tell(text, "bad")
-
-    def _draw(self, scene: Scene) -> bool:
-        """Create the frame of a moment; return whether the roster has changed."""
-        changed = self.present.draw(scene, self.store.known.doing())
-        palette = self.store.palette
-        if len(palette.states) != self._painted:
-            self._painted = len(palette.states)
-            self.link.colors = palette.colors()
-        return changed
 
     def _new_orders(self, groups: Mapping[str, Any]) -> list[dict[str, Any]]:
         found = []

@@ -7,29 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from hitab_client import RunFolder, RunRecord
+from hitab_client import RunFolder
 from hitab_client.commands import called
 from hitab_client.domain_ids import chosen_by_user
 from hitab_client.identity import BY_HAND, is_identity
 from hitab_client.run_folder import Found, running_swarms
 from hitab_client.swarm_choice import is_namespace, meant
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A swarm that is up and may be shown.
-
-    Attributes:
-        swarm: its name.
-        folder: its run folder.
-        since: when it was started, s since the epoch.
-        agents: their number.
-    """
-
-    swarm: str
-    folder: str
-    since: int
-    agents: int
 
 
 @dataclass(frozen=True)
@@ -45,7 +28,7 @@ class Target:
         namespace: of all its nodes; empty: none.
         folder: its run folder; "" if unknown, as that of a swarm that was started elsewhere.
         agents: the agents that it should have.
-        start: a number that differs for each start of the same swarm.
+        start: when it was started, s since the epoch; 0: unknown.
         problem: why no swarm can be chosen to connect to; "" if one can.
         choices: the swarms among which a person may choose; with this one, if it was found there.
     """
@@ -53,13 +36,13 @@ class Target:
     domain_id: int
     swarm: str = ""
     agents: tuple[str, ...] = ()
-    start: int = 0
+    start: float = 0.0
     problem: str = ""
     identity: str = ""
     world: bool = False
     namespace: str = ""
     folder: str = ""
-    choices: tuple[Choice, ...] = field(default=(), compare=False)
+    choices: tuple[Target, ...] = field(default=(), compare=False)
 
 
 class Finder:
@@ -92,7 +75,7 @@ class Finder:
             record = folder.read()
             if record is None or folder.supervisor(record) is None:
                 return Target(own or 0, problem=_none_in(folder))
-            return _target(folder, record)
+            return _target((folder, record))
         up = [*running_swarms()]
         if self._swarm is not None:
             up = meant(self._swarm, up)
@@ -117,10 +100,10 @@ class Finder:
         shown = next((found for found in up if str(found[0].path) == self._kept), None)
         if shown is None and len(up) == 1 and (self._swarm is not None or not self._kept):
             shown = up[0]
-        choices = tuple(map(_choice, up))
+        choices = tuple(map(_target, up))
         if shown is not None:
             self._kept, self._kept_name = str(shown[0].path), shown[1].swarm
-            return replace(_target(*shown), choices=choices)
+            return replace(_target(shown), choices=choices)
         ended = f"{self._kept_name} has ended. " if self._kept else ""
         several = "Several swarms are up" if len(up) > 1 else "Another swarm is up"
         text = f"{ended}{several}. Choose the one to show:"
@@ -132,23 +115,13 @@ def _none_in(folder: RunFolder) -> str:
     return f"No swarm is up in {path}. `{called()} up SWARM --run-dir {path}` starts one there."
 
 
-def _choice(found: Found) -> Choice:
+def _target(found: Found) -> Target:
     folder, record = found
-    since = folder.started
-    return Choice(
-        record.swarm,
-        str(folder.path),
-        round(since.timestamp()) if since is not None else 0,
-        len(record.agents),
-    )
-
-
-def _target(folder: RunFolder, record: RunRecord) -> Target:
     return Target(
         record.domain_id,
         record.swarm,
         record.agents,
-        record.supervisor,
+        folder.started.timestamp() if folder.started is not None else 0.0,
         identity=record.identity,
         world=record.world,
         namespace=record.namespace,

@@ -30,10 +30,9 @@ from hitab_core import HitabError
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.known import Known
-from hitab_studio.observer import Observer
+from hitab_studio.observer import Observer, Viewing
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Target
-from hitab_studio.viewing import Viewing
 
 T = TypeVar("T")
 
@@ -297,6 +296,7 @@ class SwarmLink:
                 swarm.world,
                 self._known,
                 self.viewing,
+                self.colors,
                 self._trouble,
                 self.do,
                 self._options,
@@ -331,7 +331,6 @@ class SwarmLink:
                 if failures >= FAILURES:
                     raise SwarmError("nothing could be received for a while")
                 now = time.monotonic()
-                observer.colors = self.colors
                 self._try(observer.see)
                 if now >= next_look:
                     next_look = now + LOOK_SECONDS

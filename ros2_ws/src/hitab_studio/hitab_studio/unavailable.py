@@ -32,7 +32,7 @@ def world(session: Session) -> str:
     if known.world is None:
         return "No world is up."
     if absent := absence(known, names.WORLD):
-        return f"The world {absent}."
+        return f"The world {absent.what}."
     return session.shared.generations.why_busy
 
 
@@ -44,7 +44,7 @@ def agent(session: Session) -> str:
     if not name:
         return CHOOSE_FIRST
     if absent := absence(known, name):
-        return f"{name} {absent}."
+        return f"{name} {absent.what}."
     if session.locked:
         return f"{session.shared.held[name].name} holds {name}: take it over first."
     return session.shared.generations.why_busy

@@ -31,7 +31,7 @@ def run(script: str, monkeypatch, after=lambda launcher: None) -> Launcher:
 def test_what_a_command_that_fails_has_said_is_kept_until_it_is_dismissed(monkeypatch):
     launcher = run("import sys; print('error: no room'); sys.exit(1)", monkeypatch)
     assert launcher.launch is not None
-    assert (launcher.launch.status, launcher.launch.text) == (1, "error: no room")
+    assert (launcher.launch.status, launcher.launch.lines) == (1, ["error: no room"])
     launcher.dismiss()
     assert launcher.launch is None
 
@@ -51,7 +51,7 @@ def test_a_command_that_is_not_there_is_named(monkeypatch):
 
 
 def test_the_shipped_swarms_can_be_started_with_what_they_are():
-    about = {swarm.name: swarm.about for swarm in startable_swarms()}
+    about = startable_swarms()
     assert about["keepaway"].startswith("Three keepers against two takers")
-    assert [swarm.name for swarm in startable_swarms("keepaway")] == ["keepaway"]
-    assert startable_swarms("nothing") == ()
+    assert [*startable_swarms("keepaway")] == ["keepaway"]
+    assert startable_swarms("nothing") == {}

@@ -27,7 +27,7 @@ class Page:
         self.studio = studio
         self.session: Session = studio.open()
         self.session.look_at(ROBOT)
-        studio.link.viewing.connect(self.session.id, on=True)
+        studio.link.viewing.pages.add(self.session.id)
 
     @property
     def known(self) -> Any:
@@ -126,7 +126,7 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
         await page.until(lambda: page.stands(1.0, 0.0, 0.0))
         page.session.look_at("")
         await page.until(lambda: not robot.listeners("picture"))
-        page.studio.link.viewing.connect(page.session.id, on=False)
+        page.studio.link.viewing.pages.discard(page.session.id)
         await page.until(lambda: robot.listeners("odometry") == 1)  # the agent's
 
     at_a_page(robot, use)

@@ -13,10 +13,11 @@ from hitab_client import SwarmError
 from hitab_studio.actions import ACTIONS
 from hitab_studio.known import JOINING_SECONDS, Known
 from hitab_studio.page import perform
-from hitab_studio.session import TABS, Session
+from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
 from hitab_studio.views import render
+from hitab_studio.views.side import TABS
 
 ONE = "keeper_1"
 UP = Target(0, "keepaway", (ONE, "keeper_2"), 1, folder="/keepaway", world=True)
@@ -66,7 +67,7 @@ def in_a_studio(use: Callable[[Studio, Session], None]) -> None:
 
 def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
     def use(studio: Studio, session: Session) -> None:
-        session.dialog = {"kind": "distribute", "behavior": "Chase", "receivers": [], "agent": ONE}
+        session.dialog = {"kind": "distribute", "name": "Chase", "agent": ONE}
         studio._take(Known(UP, 2, statuses=hears(ONE, "keeper_2")))
         assert session.dialog, "its swarm is there"
         studio._take(Known(OVER, 3))

@@ -16,7 +16,7 @@ from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import swarm_finder
 from hitab_studio.page import perform
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import Choice, Finder, Target
+from hitab_studio.swarm_finder import Finder, Target
 from hitab_studio.swarm_link import SwarmLink
 from hitab_studio.views import render
 
@@ -124,7 +124,7 @@ def test_among_several_swarms_the_one_that_was_chosen_is_remembered(ups, tmp_pat
     ups("blue", "red")
     target = find()
     assert "Several swarms are up" in target.problem
-    assert [(c.swarm, c.agents) for c in target.choices] == [("blue", 1), ("red", 1)]
+    assert [(c.swarm, c.agents) for c in target.choices] == [("blue", ("a",)), ("red", ("a",))]
     find.choose(target.choices[1].folder)
     assert find().swarm == "red"
     ups("blue", "green", "red")
@@ -202,7 +202,7 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
     stand_in, nodes
 ):
     stand_in.belong_to("")
-    choice = Choice("red", "/red", 0, 1)
+    choice = Target(0, "red", ("keeper_1",), folder="/red")
     targets = [replace(nodes, identity=BY_HAND)]
     chosen = []
 

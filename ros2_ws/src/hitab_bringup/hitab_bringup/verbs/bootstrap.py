@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import Do
+from hitab_core import Do, has
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder
@@ -62,9 +62,7 @@ def next_(
         note: To keep with the generation.
 
     Examples:
-
       hitab bootstrap next keeper_1 --note "the closest one takes the ball"
-
       hitab bootstrap next keeper_1 --wait "{said: keeper_2}" --within 20
     """
     from hitab_client.bootstrapping import Evaluation
@@ -106,7 +104,6 @@ def back(
         discard: Give up examples that are in no generation.
 
     Example:
-
       hitab bootstrap back keeper_1 Keepaway 2
     """
     from hitab_client.bootstrapping import Evaluation
@@ -145,16 +142,12 @@ def list_(
         least: Lower is better.
 
     Examples:
-
       hitab bootstrap list keeper_1
-
       hitab bootstrap list keeper_1 Keepaway --by passes
     """
-    from hitab_client import SwarmError
     from hitab_client.bootstrapping import behaviors_in, folder_of, read_generations
     from hitab_client.domain_ids import chosen_by_user
     from hitab_client.swarm_choice import find_meant
-    from hitab_core import has
 
     found = find_meant(swarm, chosen_by_user())
     folder = folder_of(_kept_in(found[0] if found else None), agent)
@@ -171,9 +164,6 @@ def list_(
 
 def _shown(known: Generations, by: str, least: bool) -> Iterator[Any]:
     """Yield what is shown of the generations of a behavior."""
-    from hitab_client import SwarmError
-    from hitab_core import has
-
     figures = {name for g in known.all if g.score is not None for name in g.score.figures}
     if figures and by not in figures:
         raise SwarmError(f'no generation has a figure "{by}" {has(figures, by)}')

@@ -12,7 +12,7 @@ from hitab_bringup.verbs.showing import plain, tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_client.commands import called, with_commands
-from hitab_core import Do, quantity
+from hitab_core import Do, FeatureKind, HitabError, Use, quantity
 
 Targets = Annotated[
     list[str] | None,
@@ -43,19 +43,13 @@ def demonstrate(
         ago: How long ago it was due, s of your time. Default: your reaction time.
 
     Examples:
-
       hitab demonstrate keeper_1 GoFast
-
       hitab demonstrate keeper_1 GoTo ball
-
       hitab demonstrate keeper_1 RunTowards direction=40
-
       hitab demonstrate keeper_1 GoFast --ago 0.5
-
       hitab demonstrate keeper_1 Done
     """
     from hitab_client import reaction_time
-    from hitab_core import Use
 
     use = Use.parse(behavior)
     if ago is None:
@@ -119,13 +113,9 @@ def perform(
         behavior: A behavior; without one, stop.
 
     Examples:
-
       hitab perform keeper_1 Keepaway
-
       hitab perform keeper_1
     """
-    from hitab_core import Use
-
     use = Use.parse(behavior) if behavior else Use("")
     with connection(swarm) as swarm_up:
         answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
@@ -154,13 +144,9 @@ def distribute(
         start: Make the receivers perform it, from Start.
 
     Examples:
-
       hitab distribute keeper_1 Keepaway --start
-
       hitab distribute keeper_1 ControlBall --to keeper_2 --to keeper_3
     """
-    from hitab_core import HitabError, Use
-
     use = Use.parse(behavior)
     if targets and not start:
         raise typer.BadParameter(
@@ -191,8 +177,6 @@ def distribute(
 
 def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) -> None:
     """Show an agent's vocabulary: its behaviors, features and targets."""
-    from hitab_core import FeatureKind
-
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
 

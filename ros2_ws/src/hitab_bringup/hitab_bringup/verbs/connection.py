@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from hitab_client import console
 from hitab_client.commands import with_commands
@@ -13,6 +13,8 @@ from hitab_client.commands import with_commands
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
     from hitab_client.run_processes import RunProcesses
+
+WATCH_SECONDS = 0.2  # between two looks at what is watched
 
 
 @dataclass
@@ -48,6 +50,15 @@ class Connection:
             return None
         self.world.wait()
         return self.world
+
+    def watch(self, shown: Callable[[], list[Any]]) -> NoReturn:
+        """Show something and keep it up to date, until Ctrl-C."""
+        from rich.console import Group
+
+        with console.live(Group(*shown())) as live:
+            while True:
+                self.link.spin_until(lambda: False, WATCH_SECONDS)
+                live.update(Group(*shown()))
 
     @property
     def has_world(self) -> bool:
@@ -89,18 +100,7 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
     processes = RunProcesses(record)
     with RosLink(record.domain_id if record else domain_id or 0, console.note) as link:
         prefix = record.namespace if record else look_elsewhere(link, namespace, identity)
-        agents = SwarmClient(
-            link,
-            record.agents if record else (),
-            prefix=prefix,
-            identity=identity,
-            processes=processes,
-        )
-        world = WorldClient(
-            link,
-            prefix=prefix,
-            identity=identity,
-            started_by_it=record.world if record else False,
-            processes=processes,
-        )
+        of_it: dict[str, Any] = {"prefix": prefix, "identity": identity, "processes": processes}
+        agents = SwarmClient(link, record.agents if record else (), **of_it)
+        world = WorldClient(link, started_by_it=record is not None and record.world, **of_it)
         yield Connection(link, agents, world, processes, folder, record)

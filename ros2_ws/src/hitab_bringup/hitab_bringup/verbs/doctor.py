@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 import typer
 
+from hitab_bringup.doctor.finding import ERROR, Finding
 from hitab_client import console
 from hitab_client.command_options import JsonPath
-
-if TYPE_CHECKING:
-    from hitab_bringup.doctor.finding import Finding
+from hitab_client.ros_environment import problems
+from hitab_core import HitabError, quantity
 
 STYLES = {"ok": "", "warning": "yellow", "error": "bold red"}
 
@@ -23,11 +22,8 @@ def doctor(json: JsonPath = None) -> None:
     The exit status is 1 if there is an error.
 
     Example:
-
       hitab doctor
     """
-    from hitab_core import quantity
-
     found = []
     for finding in _findings():
         found.append(finding)
@@ -45,9 +41,6 @@ def doctor(json: JsonPath = None) -> None:
 
 def _findings() -> Iterator[Finding]:
     from hitab_bringup.doctor import machine, ros, runs
-    from hitab_bringup.doctor.finding import ERROR, Finding
-    from hitab_client.ros_environment import problems
-    from hitab_core import HitabError
 
     yield from machine.python()
     # Where it cannot start, ROS may end the process that loads it.

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_client import completion, console
+from hitab_client import SwarmError, completion, console
 from hitab_client.command_options import SwarmName
-from hitab_core import Do
+from hitab_core import Do, HitabError, natural
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -56,14 +56,10 @@ def drive(
         turn: Of the arrow keys, rad/s.
 
     Examples:
-
       hitab drive
-
       hitab drive robot_1 --speed 0.1
     """
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
-        from hitab_client import SwarmError
-
         raise SwarmError(
             "driving needs a terminal with a keyboard; a gamepad does without",
             Do.DEMONSTRATE(),
@@ -135,9 +131,7 @@ def joystick(
         topic: Where its messages, sensor_msgs/Joy, come.
 
     Examples:
-
       hitab joystick robot_1
-
       hitab joystick robot_1 --mapping my_gamepad.yaml --topic /robot_1/joy
     """
     from hitab_client.demonstrating import JoystickInput, read_mapping
@@ -166,9 +160,7 @@ def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrat
     Raises:
         SwarmError: if there is no such agent, or none at all.
     """
-    from hitab_client import SwarmError
     from hitab_client.demonstrating import Demonstrator, behavior_keys
-    from hitab_core import natural
 
     agents, world = swarm_up.agents, swarm_up.world
     if agent:
@@ -200,7 +192,6 @@ def _run(
         tick: called again and again, also while an agent is waited for.
         ended: whether to end.
     """
-    from hitab_core import HitabError
     from hitab_ros import steady_timer
 
     steady_timer(swarm_up.link.node, READ_S, tick)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.commands import as_command, called, with_commands
-from hitab_core import Do
+from hitab_core import Do, some
 
 if TYPE_CHECKING:
     from hitab_client import Stops
@@ -22,11 +22,8 @@ CONFIRM_S = 10.0
 LOOK_S = 3.0
 """How long to look for robots that wait to be re-armed, s."""
 
-Reason = Annotated[str, typer.Option("--reason", help="Why, for those who read the status.")]
-Robots = Annotated[list[str] | None, typer.Argument(help="Names of robots.", show_default=False)]
 
-
-def stop(context: typer.Context, reason: Reason = "") -> None:
+def stop(context: typer.Context, reason: str = "") -> None:
     """Stop all robots and simulated worlds at once, of all swarms: an emergency stop.
 
     Each robot stands still, whatever its agent does, until `hitab go` and then `hitab arm`. Relays
@@ -35,10 +32,11 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
     still, and fails, naming the others, if not all have within ten seconds. It takes no names:
     `hitab perform ROBOT` stops one robot.
 
+    Args:
+        reason: Why, for those who read the status.
+
     Examples:
-
       hitab stop
-
       hitab stop --reason "a dog on the field"
     """
     if context.args:
@@ -50,13 +48,15 @@ def stop(context: typer.Context, reason: Reason = "") -> None:
     console.say(f"stand still: {_switch(True, reason, 'stand still', unsure)}")
 
 
-def go(context: typer.Context, reason: Reason = "") -> None:
+def go(context: typer.Context, reason: str = "") -> None:
     """Release all robots and simulated worlds after `hitab stop`.
 
     Worlds go on. Robots go on standing still: `hitab arm` lets them act again.
 
-    Example:
+    Args:
+        reason: Why, for those who read the status.
 
+    Example:
       hitab go
     """
     if context.args:
@@ -70,7 +70,7 @@ def go(context: typer.Context, reason: Reason = "") -> None:
 
 
 def arm(
-    robots: Robots = None,
+    robots: Annotated[list[str] | None, typer.Argument()] = None,
     all_robots: Annotated[bool, typer.Option("--all")] = False,
 ) -> None:
     """Let robots act again that were stopped, whatever stopped them; without names, list them.
@@ -80,17 +80,15 @@ def arm(
     performs then drives the robot at once: look at the robot first.
 
     Args:
+        robots: Names of robots.
         all_robots: All robots that wait.
 
     Examples:
-
       hitab arm
-
       hitab arm robot_1 robot_2
-
       hitab arm --all
     """
-    from hitab_client import Stops, SwarmError
+    from hitab_client import Stops
 
     if robots and all_robots:
         raise typer.BadParameter("give names of robots or --all, not both")
@@ -128,8 +126,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
     Raises:
         SwarmError: if nobody heard it, or not all confirm it.
     """
-    from hitab_client import Stops, SwarmError
-    from hitab_core import some
+    from hitab_client import Stops
 
     def tell(who: dict[str, str]) -> None:
         console.note(f"waiting for {_listed(who)}")

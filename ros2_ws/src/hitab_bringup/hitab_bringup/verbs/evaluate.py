@@ -59,13 +59,9 @@ def evaluate(
         plot: File for a plot, PNG or SVG.
 
     Examples:
-
       hitab evaluate keepaway_trained -n 100 --plot hold.png
-
       hitab evaluate keepaway -b keeper_1=Chase --against Chase@1 --longest 30
-
       hitab evaluate half_field -n 200
-
       hitab evaluate foraging -l my_library --against foraging -n 5 --set foragers=20
     """
     from hitab_bringup.evaluating import Cast, figures_in, games_of

@@ -11,7 +11,7 @@ import typer
 
 from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import Features, ShowOnly, as_text, plain
+from hitab_bringup.verbs.showing import as_text, plain
 from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
@@ -67,11 +67,8 @@ def examples_list(
         cost: Show instead what its trainings took.
 
     Examples:
-
       hitab examples keeper_1
-
       hitab examples list keeper_1 ApproachBall --json examples.json
-
       hitab examples keeper_1 --cost
     """
     with connection(swarm) as swarm_up:
@@ -167,7 +164,6 @@ def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None)
     """Delete examples; `hitab undo` brings them back.
 
     Example:
-
       hitab examples delete keeper_1 3 4
     """
     edit(swarm, agent, "delete", numbers)
@@ -186,9 +182,7 @@ def examples_relabel(
         to: The correct next state; its numbers too, if it takes some.
 
     Examples:
-
       hitab examples relabel keeper_1 5 --to GoSlow
-
       hitab examples relabel keeper_1 5 --to "RunTowards(direction=40)"
     """
     edit(swarm, agent, "relabel", numbers, to)
@@ -207,7 +201,6 @@ def examples_retime(
         ago: Seconds of simulated time from the situation to the command.
 
     Example:
-
       hitab examples retime keeper_1 5 --ago 0.4
     """
     edit(swarm, agent, "retime", numbers, ago)
@@ -216,16 +209,18 @@ def examples_retime(
 @app.command("features")
 def examples_features(
     agent: AgentName,
-    feature: Features,
-    show: ShowOnly = False,
+    feature: Annotated[list[str], typer.Option("--feature", "-f")],
+    show: Annotated[bool, typer.Option("--show")] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Learn from other features of the same examples; `hitab undo` takes that back.
 
+    Args:
+        feature: A feature, such as "DistanceTo(ball)". Repeatable.
+        show: Only show what would be learned; change nothing.
+
     Examples:
-
       hitab examples features keeper_1 -f BallIsKickable --show
-
       hitab examples features keeper_1 -f BallIsKickable -f "DistanceTo(ball)"
     """
     if not show:

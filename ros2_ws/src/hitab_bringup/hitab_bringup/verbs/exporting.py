@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from hitab_bringup.verbs.library_options import Library, opened
+from hitab_bringup.verbs.library_options import Library, opened, write_new
 from hitab_client import console
 from hitab_client.command_options import SwarmName
+from hitab_core import LibraryError, Use
 
 
 def export(
@@ -30,14 +31,10 @@ def export(
         force: Replace the file if it exists.
 
     Examples:
-
       hitab export keeper_1 Keepaway --to python
-
       hitab export "Carry(squad_box)" --library foraging --to cpp -o carry.hpp
     """
-    from hitab_core import LibraryError, Use
     from hitab_core.exporting import LANGUAGES, exported
-    from hitab_core.library.durable_files import file_errors, write_durably
 
     if len(behavior) > 2 or (library is not None and len(behavior) > 1):
         raise LibraryError(
@@ -50,8 +47,5 @@ def export(
     path = output or Path(name.split("(")[0] + LANGUAGES[to].suffix)
     if path.is_dir():
         raise LibraryError(f"{path} is a folder; choose a file with -o FILE")
-    if path.exists() and not force:
-        raise LibraryError(f"{path} exists already; choose another with -o FILE, or give --force")
-    with file_errors(path, "write"):
-        write_durably(path, text.encode())
+    write_new(path, text, "" if force else "--force")
     console.say(f"wrote {name} to {path}")

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_client import completion, console
+from hitab_client import SwarmError, completion, console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import Do, quantity
+from hitab_core import Do, Use, has, quantity
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 WAIT_SECONDS = 8.0
 STARTED_BY_HAND_SECONDS = 1.5  # for commanders of a swarm that has started none
 GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
-REFRESH_SECONDS = 0.2
 SHOWN = 12
 """Up to this many agents of a commander are shown individually."""
 
@@ -40,11 +39,8 @@ def tree(
         agents: Show every agent, or commanders only.
 
     Examples:
-
       hitab tree
-
       hitab tree squad_3
-
       hitab tree --watch --commanders
     """
     from hitab_client import CommandView
@@ -53,21 +49,18 @@ def tree(
         view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         lost = _await_commanders(swarm_up, view)
         swarm_up.note_whose(group.swarm for group in view.groups.values())
-        branches = _meant(swarm_up, view, commander, lost)
-        if not watch:
-            data = {"commanders": [branch.data() for branch in branches]}
-            console.show(json, data, *(_drawn(branch, agents) for branch in branches))
-            for why in lost:
-                console.error(why)
-            return
-        from rich.console import Group
 
-        with console.live("") as live:
-            while True:
-                branches = _meant(swarm_up, view, commander, lost)
-                live.update(Group(*(_drawn(branch, agents) for branch in branches)))
-                swarm_up.link.spin_until(lambda: False, REFRESH_SECONDS)
-                view.discover()
+        def drawn() -> list[Any]:
+            view.discover()
+            return [_drawn(branch, agents) for branch in _meant(swarm_up, view, commander, lost)]
+
+        if watch:
+            swarm_up.watch(drawn)
+        branches = _meant(swarm_up, view, commander, lost)
+        data = {"commanders": [branch.data() for branch in branches]}
+        console.show(json, data, *(_drawn(branch, agents) for branch in branches))
+        for why in lost:
+            console.error(why)
 
 
 def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
@@ -94,9 +87,8 @@ def _meant(
     Raises:
         SwarmError: if there is none, or no such commander; naming those that do not answer.
     """
-    from hitab_client import SwarmError, tree_of
+    from hitab_client import tree_of
     from hitab_client.identity import other_swarm
-    from hitab_core import has
 
     tops = tree_of(view.groups)
     all_ = {branch.name: branch for top in tops for branch in top.commanders()}
@@ -187,13 +179,10 @@ def order(
         targets: Targets for its parameters.
 
     Examples:
-
       hitab order captain Regroup
-
       hitab order captain Captain
     """
     from hitab_client import CommandView
-    from hitab_core import Use
 
     use = Use.parse(behavior)
     use = Use(use.name, (*use.arguments, *(targets or [])))
@@ -219,8 +208,6 @@ def order(
 
 
 def _refuse_agent(name: str, behavior: str, commanders: Collection[str]) -> None:
-    from hitab_client import SwarmError
-    from hitab_core import has
 
     if name not in commanders:
         raise SwarmError(

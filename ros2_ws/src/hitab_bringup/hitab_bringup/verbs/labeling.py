@@ -11,7 +11,7 @@ import typer
 
 from hitab_client import console
 from hitab_client.command_options import JsonPath
-from hitab_core import quantity
+from hitab_core import named_domain, quantity
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -49,14 +49,12 @@ def label(
         agent: Whose actions. Default: of the only one.
 
     Examples:
-
       hitab library label session.mcap Chase -a keeper_1 -f "DistanceTo(ball)"
-
       hitab library label session.mcap Chase -a keeper_1 -f "DistanceTo(ball)" -b GoFast -b Stop
       --was 3.2-4.1=Stop -l trained
     """
     from hitab_client.recording import driving_of
-    from hitab_core import BehaviorLibrary, named_domain
+    from hitab_core import BehaviorLibrary
     from hitab_core.showing import Strip
 
     corrections = [_correction(text) for text in was or ()]

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_client import completion, console
+from hitab_client import LessonError, completion, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_client.commands import with_commands
+from hitab_client.shipped import find_file, shipped_folders, shipped_names
 from hitab_core import Do, HitabError, Remedy, quantity
 
 if TYPE_CHECKING:
@@ -20,18 +21,11 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Play lessons: files that teach like a person, over the same topics.",
 )
-Files = Annotated[
-    list[str],
-    typer.Argument(
-        help="Lesson files, or names of shipped ones, in order.",
-        autocompletion=completion.lessons,
-    ),
-]
 
 
 @app.command()
 def run(
-    lessons: Files,
+    lessons: Annotated[list[str], typer.Argument(autocompletion=completion.lessons)],
     factor: float = 0.0,
     discard: Annotated[bool, typer.Option("--discard")] = False,
     swarm: SwarmName = None,
@@ -43,17 +37,15 @@ def run(
     training stays, so that you can see what was learned and correct it.
 
     Args:
+        lessons: Lesson files, or names of shipped ones, in order.
         factor: Multiple of real time, for watching; 0: as fast as possible.
         discard: First discard what the agents have not saved.
 
     Examples:
-
       hitab lesson run approach_ball
-
       hitab lesson run approach_ball goto_ball --json lessons.json
     """
     from hitab_client.lessons import LessonPlayer, read_lesson
-    from hitab_client.shipped import find_file
 
     read = [read_lesson(find_file(name, "lessons", "lesson")) for name in lessons]
     reports = []
@@ -77,8 +69,6 @@ def run(
 
 def _played(player: LessonPlayer) -> LessonReport:
     """Play a lesson; say what it leaves in training, or on Ctrl-C take that back."""
-    from hitab_client import LessonError
-
     try:
         with console.progress(player.lesson.name, "steps") as advance:
             report = player.play(advance)
@@ -109,7 +99,6 @@ def _left(player: LessonPlayer) -> list[Remedy]:
 def list_lessons() -> None:
     """List the shipped lessons."""
     from hitab_client.lessons import read_lesson
-    from hitab_client.shipped import shipped_folders
 
     found = [
         (path, place) for place in shipped_folders("lessons") for path in place.rglob("*.yaml")
@@ -142,17 +131,12 @@ def check(
             of the exercise's swarm.
 
     Examples:
-
       hitab lesson check chase
-
       hitab lesson check --swarm keepaway_ann
-
       hitab lesson check my_lesson.yaml
     """
     from hitab_bringup.exercises import is_exercise
-    from hitab_client import LessonError
     from hitab_client.lessons import read_lesson
-    from hitab_client.shipped import find_file, shipped_names
 
     wrong, data = [], {}
     for name in names or sorted(shipped_names("exercises")):

@@ -12,7 +12,7 @@ from hitab_bringup.verbs import labeling, library_changes, recording
 from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import quantity
+from hitab_core import Do, LibraryError, Remedy, has, load_domain, quantity, some
 
 app = typer.Typer(help="Inspect and change libraries of trained behaviors.")
 
@@ -30,8 +30,6 @@ def read_file(
 ) -> None:
     """Inspect and change libraries of trained behaviors."""
     if file is not None:
-        from hitab_core import load_domain
-
         load_domain(str(file))  # libraries find it by its name
 
 
@@ -42,14 +40,11 @@ def list_behaviors(
     """List the behaviors of a library, or of all libraries of the swarm that is up.
 
     Examples:
-
       hitab library list -l hitab-demo/library
-
       hitab library list --agent keeper_1
     """
     from hitab_bringup.library_choice import holds_behaviors, libraries_meant
     from hitab_bringup.opened_library import open_library
-    from hitab_core import Do, LibraryError, some
 
     libraries = libraries_meant(library, agent, swarm)
     several = len(libraries) > 1
@@ -124,9 +119,7 @@ def show(
         deep: Also show the automata that it uses.
 
     Examples:
-
       hitab library show Keepaway
-
       hitab library show Keepaway --deep --picture keepaway.svg
     """
     there = opened(library, agent, swarm, "" if deep else name)
@@ -154,7 +147,6 @@ def show(
 
 
 def _known(name: str, loaded: Any, problems: Mapping[str, str]) -> str:
-    from hitab_core import LibraryError, has
 
     if name in problems:
         raise LibraryError(problems[name])
@@ -170,12 +162,10 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
     This covers their format, their digests and whether they fit together.
 
     Example:
-
       hitab library check -l hitab-demo/library
     """
     from hitab_bringup.library_choice import holds_behaviors, libraries_meant
     from hitab_bringup.opened_library import open_library
-    from hitab_core import LibraryError, Remedy
 
     folders = [*libraries_meant(library, agent, swarm)]
     if len(folders) > 1 and not any(map(holds_behaviors, folders)):
@@ -217,12 +207,9 @@ def diff(
         after: Another. Default: the newest.
 
     Examples:
-
       hitab library diff Keepaway
-
       hitab library diff Keepaway 1 3
     """
-    from hitab_core import LibraryError
     from hitab_core.library import difference
 
     there = opened(library, agent, swarm, name)

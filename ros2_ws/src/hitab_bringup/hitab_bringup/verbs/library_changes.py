@@ -9,25 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
-from hitab_client import console
+from hitab_bringup.verbs.library_options import Agent, Library, Name, opened, write_new
+from hitab_client import SwarmError, console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import as_command, called
-from hitab_core import Do, quantity
+from hitab_core import Do, LibraryError, each_once, has, named_domain, quantity, some
 
 if TYPE_CHECKING:
     from hitab_core import BehaviorLibrary
-
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="The file to write. Default: NAME.bundle.yaml here.",
-        show_default=False,
-    ),
-]
 
 
 def restore(
@@ -43,11 +32,8 @@ def restore(
         version: Number of the version; without it, the versions that there are.
 
     Example:
-
       hitab library restore Keepaway 2 --agent keeper_1
     """
-    from hitab_core import LibraryError, has
-
     there = opened(library, agent, swarm)
     if version is None:
         there.load(strict=False)
@@ -70,9 +56,7 @@ def accept(
         paths: Behavior files, or folders of them.
 
     Examples:
-
       hitab library accept my_library/ApproachBall.hfa.yaml
-
       hitab library accept my_library
     """
     from hitab_bringup.opened_library import open_library
@@ -104,7 +88,6 @@ def delete(
         anyway: Delete it even if others can no longer be used then.
 
     Example:
-
       hitab library delete Chase --agent keeper_1
     """
     there = opened(library, agent, swarm)
@@ -137,7 +120,6 @@ def rename(
         with_users: Rename it in the behaviors that use it, too.
 
     Example:
-
       hitab library rename Chase ChaseBall --with-users --agent keeper_1
     """
     there = opened(library, agent, swarm)
@@ -155,7 +137,7 @@ def rename(
 
 def export(
     names: Annotated[list[str] | None, typer.Argument()] = None,
-    output: Output = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE")] = None,
     replace: Annotated[bool, typer.Option("--replace")] = False,
     library: Library = None,
     agent: Agent = None,
@@ -165,29 +147,21 @@ def export(
 
     Args:
         names: The behaviors; what they are made of comes along. Default: all.
+        output: The file to write. Default: NAME.bundle.yaml here.
         replace: Replace the file if it exists.
 
     Examples:
-
       hitab library export Keepaway --agent keeper_1
-
       hitab library export -l my_library -o trained.bundle.yaml
     """
-    from hitab_core import LibraryError
     from hitab_core.library import bundle_file_text, texts_with_parts
-    from hitab_core.library.durable_files import file_errors, write_durably
 
     there = opened(library, agent, swarm)
     there.load()
     texts = texts_with_parts(there.files, names or there.files)
     text = bundle_file_text(texts, there.domain.name)
     path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
-    if path.exists() and path.read_bytes() != text.encode() and not replace:
-        raise LibraryError(
-            f"{path} exists already; choose another with -o FILE, or give --replace"
-        )
-    with file_errors(path, "write"):
-        write_durably(path, text.encode())
+    write_new(path, text, "" if replace else "--replace")
     console.say(f"wrote {', '.join(texts)} to {path}")
 
 
@@ -207,14 +181,12 @@ def import_(
         dry_run: Only say what it would replace.
 
     Examples:
-
       hitab library import Keepaway.bundle.yaml -l my_library --dry-run
-
       hitab library import Keepaway.bundle.yaml --agent keeper_1
     """
     from hitab_bringup.library_choice import known_libraries, library_meant
     from hitab_bringup.opened_library import domain_in, open_library
-    from hitab_core import BehaviorLibrary, named_domain
+    from hitab_core import BehaviorLibrary
     from hitab_core.library import read_bundle_file
 
     bundle = read_bundle_file(file)
@@ -256,12 +228,8 @@ def reload(
         agents: The agents. Default: all of the swarm.
 
     Example:
-
       hitab library reload keeper_1
     """
-    from hitab_client import SwarmError
-    from hitab_core import each_once
-
     done: list[tuple[str, str]] = []
     refused: list[tuple[str, str]] = []
     with connection(swarm) as swarm_up:
@@ -300,11 +268,8 @@ def expect(
         forget: Take this expectation back.
 
     Examples:
-
       hitab library expect Chase GoFast TurnToBall "DirectionTo(ball)=150" --agent keeper_1
-
       hitab library expect Chase --example 7 --blocks --agent keeper_1
-
       hitab library expect Chase --forget expectation_1 --agent keeper_1
     """
     from dataclasses import replace
@@ -335,7 +300,6 @@ def tell_broken(library: BehaviorLibrary, *names: str) -> None:
 def _tell_users(folder: Path) -> None:
     """Say which agents use a library that has changed."""
     from hitab_bringup.library_choice import users_of
-    from hitab_core import some
 
     for swarm, agents in users_of(folder):
         console.say(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from hitab_core import LibraryError
 
 if TYPE_CHECKING:
     from hitab_core import BehaviorLibrary
@@ -36,3 +39,15 @@ def opened(
     from hitab_bringup.opened_library import open_library
 
     return open_library(library_meant(library, agent, swarm, name))
+
+
+def write_new(path: Path, text: str, option: str) -> None:
+    """Write a file; if another text is there, refuse and name the option, unless that is ""."""
+    from hitab_core.library.durable_files import file_errors, write_durably
+
+    with file_errors(path, "write"):
+        if option and path.exists() and path.read_bytes() != text.encode():
+            raise LibraryError(
+                f"{path} exists already; choose another with -o FILE, or give {option}"
+            )
+        write_durably(path, text.encode())

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from hitab_client import completion, console
+from hitab_client import SwarmError, completion, console
 from hitab_client.command_options import SwarmName
-from hitab_core import Do
+from hitab_core import Do, has
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -37,11 +37,8 @@ def logs(
         level: Only lines of this level or above: debug, info, warn, error or fatal.
 
     Examples:
-
       hitab logs
-
       hitab logs keeper_1 --follow
-
       hitab logs --level warn
     """
     from hitab_bringup.run_logs import logs_of, new_lines
@@ -78,7 +75,7 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
     Raises:
         SwarmError: if there is none, or the choice is ambiguous.
     """
-    from hitab_client import RunFolder, SwarmError
+    from hitab_client import RunFolder
     from hitab_client.run_folder import state_home
     from hitab_client.swarm_choice import find_running, folder_called
 
@@ -100,9 +97,7 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
 
 def _chosen(name: str, folder: RunFolder, record: RunRecord | None) -> list[LogFile]:
     from hitab_bringup.run_logs import logs_of
-    from hitab_client import SwarmError
     from hitab_client.run_processes import RunProcesses
-    from hitab_core import has
 
     files = logs_of(folder)
     if not name:

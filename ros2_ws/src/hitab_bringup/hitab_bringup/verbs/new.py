@@ -31,9 +31,7 @@ def new(name: str, world: Annotated[bool, typer.Option("--world")] = False) -> N
         world: Write a world in one file instead of a robot's package.
 
     Examples:
-
       hitab new my_robot
-
       hitab new my_world --world
     """
     kind = "world" if world else "robot"

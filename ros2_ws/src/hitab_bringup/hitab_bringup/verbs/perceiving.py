@@ -12,10 +12,7 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import FLAGS, OWN_FEATURES, FeatureKind, Use, shown_unit, shown_value
-
-WATCH_S = 0.2
-"""How often what is watched is renewed, s."""
+from hitab_core import FLAGS, OWN_NAMES, FeatureKind, Use, shown_unit, shown_value
 
 
 def perceive(
@@ -36,44 +33,34 @@ def perceive(
         watch: Keep it up to date.
 
     Examples:
-
       hitab perceive keeper_1
-
       hitab perceive keeper_1 "DistanceTo(ball)" --watch
     """
     with connection(swarm) as swarm_up:
         words = swarm_up.agents.vocabulary(agent)
         chosen = list(features or _all(words))
+        if watch:
+            swarm_up.watch(lambda: _rendered(_read(swarm_up, agent, chosen, words)))
         data = _read(swarm_up, agent, chosen, words)
-        if not watch:
-            console.show(json, data, *_rendered(data))
-            return
-        from rich.console import Group
-
-        with console.live(Group(*_rendered(data))) as live:
-            while True:
-                swarm_up.link.spin_until(lambda: False, WATCH_S)
-                live.update(Group(*_rendered(_read(swarm_up, agent, chosen, words))))
+        console.show(json, data, *_rendered(data))
 
 
 def _all(words: Any) -> Iterator[str]:
     """Yield all features of the domain, bound to all targets."""
-    own = {use.name for use in OWN_FEATURES}
     for use in (Use.parse(feature.name) for feature in words.features):
         for targets in product(words.targets, repeat=len(use.arguments)):
-            if use.name not in own and len(set(targets)) == len(targets):
+            if use.name not in OWN_NAMES and len(set(targets)) == len(targets):
                 yield str(Use(use.name, targets))
 
 
 def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> dict[str, Any]:
     """Return the features now, and the agent's faults, as plain data."""
     told = swarm_up.agents.read_features(agent, chosen)
-    own = {use.name for use in OWN_FEATURES}
     known = {Use.parse(feature.name).name: feature for feature in words.features}
     found = []
     for read in told.readings:
         name = Use.parse(read.feature).name
-        if read.automaton and name not in own:
+        if read.automaton and name not in OWN_NAMES:
             continue  # it is among the chosen ones, or not asked for
         kind = known[name].kind if name in known else ""
         found.append(

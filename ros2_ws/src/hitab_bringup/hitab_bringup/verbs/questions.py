@@ -35,13 +35,9 @@ def questions(
         dismiss: Do not ask this question again; change nothing.
 
     Examples:
-
       hitab questions keeper_1
-
       hitab questions keeper_1 --answer 1
-
       hitab questions keeper_1 --answer 2 --choice Stop
-
       hitab questions keeper_1 --dismiss 3
     """
     number = answer if answer is not None else dismiss

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_core import Do
 
 
@@ -30,11 +30,8 @@ def reaction(
         demonstrator: The person whose time it is. Default: you.
 
     Examples:
-
       hitab reaction --measure
-
       hitab reaction 0.3
-
       hitab reaction --forget
     """
     from hitab_client import reaction_time
@@ -59,7 +56,7 @@ def _measured() -> float:
     import sys
     import time
 
-    from hitab_client import SwarmError, reaction_time
+    from hitab_client import reaction_time
 
     if not sys.stdin.isatty():
         raise SwarmError("the game needs a terminal with a keyboard", Do.MEASURE_REACTION())

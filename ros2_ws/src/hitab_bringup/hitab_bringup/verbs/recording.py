@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import with_commands
+from hitab_client.interruptions import not_interrupted
 from hitab_core import Do, quantity
 
 if TYPE_CHECKING:
@@ -48,15 +47,11 @@ def record(
         seconds: End by itself after so many seconds. Default: with Ctrl-C.
 
     Examples:
-
       hitab record
-
       hitab record -o session.mcap -t /robot_1/scan -t /robot_1/odom
-
       hitab record -o session --robots
     """
     with connection(swarm, reads=True) as there:
-        from hitab_client.interruptions import not_interrupted
         from hitab_client.recording import Recorder
 
         path = _path(output, there.record.swarm if there.record else "")
@@ -82,8 +77,6 @@ def record(
     for topic, why in recorder.left_out.items():
         console.note(f"{topic} is not in it: {why}")
     if recorder.problem:
-        from hitab_client import SwarmError
-
         raise SwarmError(recorder.problem)
     size = path.stat().st_size
     shown = f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"
@@ -106,7 +99,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
     console.note(f"recording to {recorder.bag.path}; Ctrl-C ends it")
     began = time.monotonic()
     told: list[str] = []
-    with _progress() as show:
+    with console.err().status("recording") as status:
         looked = began
         while not recorder.problem:
             link.spin(0.1)
@@ -117,19 +110,12 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
                 continue
             looked = now
             recorder.look()
-            show(f"{quantity(recorder.bag.count, 'message')}, {now - began:.0f} s")
+            far = f"{quantity(recorder.bag.count, 'message')}, {now - began:.0f} s"
+            status.update(f"recording: {far}")
             if recorder.sessions != told and not recorder.awaited:
                 told = recorder.sessions
                 agents = ", ".join(agent.removeprefix("/") for agent in told)
                 console.note(f"from now on it can be trained from: {agents}")
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """Show on a terminal how far it is."""
-    err = console.err()
-    with err.status("recording") as status:
-        yield lambda text: status.update(f"recording: {text}")
 
 
 def from_recording(
@@ -150,28 +136,25 @@ def from_recording(
         save: Also save the training that the recording ends in.
 
     Examples:
-
       hitab library from-recording session.mcap trained
-
       hitab library from-recording session.mcap trained --agent keeper_1 --save
     """
     from hitab_bringup.from_recording import train_from_recording
 
     console.note(f"training from {recording}")
-    outcome = train_from_recording(recording, folder, agent, save=save)
-    done = outcome.done
+    recorded, done, unsaved = train_from_recording(recording, folder, agent, save=save)
     agrees = (
         f"; it agrees with the recorded one in all {done.compared} statuses and changes of state"
     )
     console.say(
-        f"{outcome.agent} took in {quantity(done.percepts, 'percept')}, "
+        f"{recorded} took in {quantity(done.percepts, 'percept')}, "
         f"{quantity(done.commands, 'command')} and {quantity(done.requests, 'request')}"
         + (agrees if done.compared else "")
     )
     for name in done.saved:
         console.say(f"saved {name} in {folder}")
-    if outcome.unsaved:
-        name, examples = outcome.unsaved
+    if unsaved:
+        name, examples = unsaved
         console.say(
             f'the training of "{name}" with {quantity(examples, "example")} was not saved; '
             "--save saves it"

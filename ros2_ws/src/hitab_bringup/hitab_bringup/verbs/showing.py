@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from hitab_client import console
 from hitab_client.commands import with_commands
 
 if TYPE_CHECKING:
     from hitab_client import Learned
-
-
-Features = Annotated[
-    list[str],
-    typer.Option("--feature", "-f", help='A feature, such as "DistanceTo(ball)". Repeatable.'),
-]
-ShowOnly = Annotated[
-    bool, typer.Option("--show", help="Only show what would be learned; change nothing.")
-]
 
 
 def plain(message: Any, fields: str) -> dict[str, Any]:

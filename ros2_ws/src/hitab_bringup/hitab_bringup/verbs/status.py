@@ -5,20 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_client.commands import as_command
-from hitab_core import Do, natural, quantity
+from hitab_core import Do, each_once, natural, quantity
 
 if TYPE_CHECKING:
-    from rich.console import Group
-
     from hitab_client import SignsOfLife
     from hitab_client.run_processes import Silence
 
@@ -46,13 +44,9 @@ def status(
         watch: Keep it up to date.
 
     Examples:
-
       hitab status
-
       hitab status --watch
     """
-    from hitab_client import SwarmError
-
     with connection(swarm, reads=True) as swarm_up:
         swarm_up.agents.await_agents()
         _await_world(swarm_up)
@@ -60,7 +54,6 @@ def status(
         swarm_up.note_whose(status.swarm for status in reported if status is not None)
         if watch:
             _watch(swarm_up)
-            return
         silent = _silent(swarm_up)
         data = _status_data(swarm_up, silent)
         if swarm_up.record is None and not data["agents"] and data["world"] is None:
@@ -70,11 +63,10 @@ def status(
                 "moment: try again",
                 Do.UP(swarm="keepaway"),
             )
-        console.show(json, data, _rendered(data, silent))
+        console.show(json, data, *_rendered(data, silent))
 
 
 def _await_world(swarm_up: Connection) -> None:
-    from hitab_client import SwarmError
 
     world = swarm_up.world
     if swarm_up.record is None:
@@ -84,7 +76,7 @@ def _await_world(swarm_up: Connection) -> None:
             world.wait()
 
 
-def _watch(swarm_up: Connection) -> None:
+def _watch(swarm_up: Connection) -> NoReturn:
     from hitab_client import SignsOfLife
 
     started = (*swarm_up.agents.expected, *(["world"] if swarm_up.has_world else []))
@@ -92,19 +84,16 @@ def _watch(swarm_up: Connection) -> None:
 
     last: dict[str, Any] = {}
 
-    def shown() -> Group:
+    def shown() -> list[Any]:
         nonlocal last
+        swarm_up.agents.discover()
         now = {**swarm_up.agents.statuses, "world": swarm_up.world.status}
         signs.take_signs_of(name for name, it in now.items() if it is not last.get(name))
         last = now
         silent = _silent(swarm_up, signs)
         return _rendered(_status_data(swarm_up, silent), silent)
 
-    with console.live(shown()) as live:
-        while True:
-            swarm_up.link.spin_until(lambda: False, 0.2)
-            swarm_up.agents.discover()
-            live.update(shown())
+    swarm_up.watch(shown)
 
 
 def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
@@ -155,11 +144,8 @@ def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str,
     return told
 
 
-def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Group:
-    from rich.console import Group
-
+def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> list[Any]:
     from hitab_client.run_processes import sentences
-    from hitab_core import each_once
 
     lines: list[Any] = []
     world = data["world"]
@@ -208,7 +194,7 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> Gro
     lines += [console.line(kept) for agent in data["agents"] if (kept := _kept(agent))]
     logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
     lines.append(console.line(f"ROS domain {data['ros_domain']}{logs}", "dim"))
-    return Group(*lines)
+    return lines
 
 
 def _kept(agent: Mapping[str, Any]) -> str:

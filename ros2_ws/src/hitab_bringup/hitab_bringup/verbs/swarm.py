@@ -19,11 +19,6 @@ if TYPE_CHECKING:
 LARGE = 100
 """Agents; a larger swarm starts for a while, so that lines tell of it where there is no bar."""
 
-RunDir = Annotated[
-    Path | None,
-    typer.Option("--run-dir", help="Folder for its files, instead of the default one."),
-]
-
 
 def up(
     swarm: Annotated[
@@ -34,7 +29,7 @@ def up(
     library: Annotated[str | None, typer.Option("--library", "-l", metavar="LIBRARY")] = None,
     namespace: Annotated[str, typer.Option(metavar="NAME")] = "",
     use_sim_time: Annotated[bool, typer.Option("--use-sim-time")] = False,
-    run_dir: RunDir = None,
+    run_dir: Path | None = None,
     agents: Annotated[int, typer.Option(min=0)] = 0,
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
@@ -53,16 +48,13 @@ def up(
         namespace: Namespace around all of its nodes, so that another swarm with the same agents
             can be up in the same ROS domain. The swarm is then called SWARM_NAME.
         use_sim_time: All nodes but the world take their time from the world's clock.
+        run_dir: Folder for its files, instead of the default one.
         agents: How many, in a world in a Python file. 0: as many as it says.
 
     Examples:
-
       hitab up keepaway
-
       hitab up keepaway --library my_library
-
       hitab up my_swarm.yaml --pace lockstep --paused
-
       hitab up keepaway --namespace left
     """
     from hitab_bringup.bringing_up import bring_up
@@ -125,13 +117,9 @@ def down(
         every: Stop all swarms that were started from here.
 
     Examples:
-
       hitab down
-
       hitab down keepaway
-
       hitab down --all
-
       hitab down --run-dir my_run
     """
     from hitab_client import RunFolder

@@ -53,13 +53,9 @@ def train(
         discard: First discard the unsaved training, if any.
 
     Examples:
-
       hitab train keeper_1 ApproachBall -f "DistanceTo(ball)"
-
       hitab train keeper_1 Approach -p A=ball -f "DistanceTo(A)" -s GoFast -s Stop
-
       hitab train keeper_1 Keepaway --resume
-
       hitab train keeper_1
     """
     bound = _bound(parameter or [])
@@ -118,9 +114,7 @@ def start_testing(
             are apart. Default: any.
 
     Examples:
-
       hitab test keeper_1 --restart
-
       hitab test keeper_1 --when-unsure halt --distance 3
     """
     with connection(swarm) as swarm_up:
@@ -141,7 +135,6 @@ def undo(agent: AgentName, swarm: SwarmName = None) -> None:
     Undoing a command makes the agent perform again what it performed before.
 
     Example:
-
       hitab undo keeper_1
     """
     edit(swarm, agent, "undo")
@@ -151,7 +144,6 @@ def redo(agent: AgentName, swarm: SwarmName = None) -> None:
     """Redo what was undone last, unless something else was done since.
 
     Example:
-
       hitab redo keeper_1
     """
     edit(swarm, agent, "redo")
@@ -176,9 +168,7 @@ def save(
         keep_unused: Keep features that nothing uses yet, to resume training with them.
 
     Examples:
-
       hitab save keeper_1
-
       hitab save keeper_1 --name Approach --bind ball=A
     """
     bound = _bound(bind or [])
@@ -217,9 +207,7 @@ def discard(
         yes: Do not ask, however many examples there are.
 
     Examples:
-
       hitab discard keeper_1
-
       hitab discard keeper_1 --yes
     """
     with connection(swarm) as swarm_up:

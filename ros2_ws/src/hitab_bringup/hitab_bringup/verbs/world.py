@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_client import console
+from hitab_client import SwarmError, console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import with_commands
 from hitab_core import Do, quantity
@@ -18,7 +18,7 @@ from hitab_core import Do, quantity
 if TYPE_CHECKING:
     from hitab_msgs.msg import WorldState
 
-    from hitab_client import SwarmError, WorldClient
+    from hitab_client import WorldClient
 
 TOLD_SECONDS = 2.0  # to wait for why an episode has ended
 
@@ -128,9 +128,7 @@ def pace(
         factor: For realtime: multiple of real time, above 0. Default: as it is.
 
     Examples:
-
       hitab world pace lockstep
-
       hitab world pace realtime --factor 2
     """
     _control(swarm, "pace", pace=pace, factor=factor or 0.0)
@@ -157,7 +155,6 @@ def place(
         new_episode: Begin a new episode from these positions; what is not named gets new ones.
 
     Example:
-
       hitab world place ball x=3 y=0 keeper_1 x=-5 y=0 heading=90
     """
     placed: dict[str, dict[str, float]] = {}
@@ -211,9 +208,7 @@ def snapshot(
         name: Name of the snapshot.
 
     Examples:
-
       hitab world snapshot save corner
-
       hitab world snapshot restore corner
     """
     with connection(swarm) as swarm_up:

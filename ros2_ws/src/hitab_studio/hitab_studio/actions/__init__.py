@@ -1,40 +1,11 @@
-"""What a person can do on the page, one module per concern."""
+"""What a person can do on the page, one module per concern; each registers its actions."""
 
-from hitab_studio.actions import (
-    answering,
-    arranging,
-    bootstrapping,
-    correcting,
-    exchanging,
-    labeling,
-    launching,
-    library_changes,
-    looking,
-    recording,
-    saving,
-    stopping,
-    teaching,
-    timing,
-)
+from importlib import import_module
+from pkgutil import iter_modules
+
 from hitab_studio.actions.registry import ACTIONS, REPEATED, URGENT, Data
 
-__all__ = [
-    "ACTIONS",
-    "REPEATED",
-    "URGENT",
-    "Data",
-    "answering",
-    "arranging",
-    "bootstrapping",
-    "correcting",
-    "exchanging",
-    "labeling",
-    "launching",
-    "library_changes",
-    "looking",
-    "recording",
-    "saving",
-    "stopping",
-    "teaching",
-    "timing",
-]
+__all__ = ["ACTIONS", "REPEATED", "URGENT", "Data"]
+
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")

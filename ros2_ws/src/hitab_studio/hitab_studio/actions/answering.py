@@ -23,12 +23,6 @@ async def dismiss(session: Session, data: Data) -> None:
     session.tell(answer.message)
 
 
-@action("caution-dialog")
-async def caution_dialog(session: Session, data: Data) -> None:
-    """Ask what the agent does when it is unsure."""
-    session.dialog = {"kind": "caution", "agent": session.agent}
-
-
 @action("caution")
 async def caution(session: Session, data: Data) -> None:
     """Say what the agent does when it is unsure."""

@@ -82,13 +82,8 @@ def _begin(session: Session, step: Step) -> None:
     if not known.answers(agent):
         raise SwarmError(f"{agent} does not respond: wait until it answers again.")
     session.hold(agent)
-    session.shared.generations.begin(
-        Making(agent, session.dialog["behavior"]),
-        step,
-        known.target,
-        session.demonstrator,
-        world=known.world is not None,
-    )
+    making = Making(agent, session.dialog["behavior"])
+    session.shared.generations.begin(making, step, known, session.demonstrator)
 
 
 def _evaluation(values: Data) -> Evaluation:

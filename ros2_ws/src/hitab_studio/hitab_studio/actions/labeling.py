@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Callable
-from typing import TypeVar
-
 from hitab_client import SwarmError
 from hitab_client.recording import driving_of
 from hitab_core import named_domain
 from hitab_core.showing import Span, Strip
 from hitab_studio.actions.library_changes import change_library
-from hitab_studio.actions.recording import player_of
+from hitab_studio.actions.recording import meanwhile_busy, player_of
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.replay import Labels, Player
 from hitab_studio.session import Session
-
-T = TypeVar("T")
 
 
 @action("label-dialog")
@@ -39,7 +33,7 @@ async def label(session: Session, data: Data) -> None:
         strip = Strip(driven.moments, dialog["domain"], driven.agent, behaviors, features)
         return Labels(strip, driven.start - player.recording.start)
 
-    player.labels = await _meanwhile_busy(session, made)
+    player.labels = await meanwhile_busy(session, made)
     session.close_dialog()
 
 
@@ -69,7 +63,7 @@ async def correct(session: Session, data: Data) -> None:
             labels.strip.known = before
             raise
 
-    await _meanwhile_busy(session, corrected)
+    await meanwhile_busy(session, corrected)
     spans = enumerate(labels.strip.spans)
     labels.chosen = next((i for i, s in spans if s.begin <= span.begin < s.end), -1)
 
@@ -90,15 +84,6 @@ async def train(session: Session, data: Data) -> None:
         raise
     session.tab, session.behavior = "library", name
     session.show_again()
-
-
-async def _meanwhile_busy(session: Session, job: Callable[[], T]) -> T:
-    session.busy += 1
-    session.touch()
-    try:
-        return await asyncio.to_thread(job)
-    finally:
-        session.busy -= 1
 
 
 def _labels(player: Player) -> Labels:

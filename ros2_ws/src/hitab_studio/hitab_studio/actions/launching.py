@@ -12,7 +12,7 @@ async def swarm_start(session: Session, data: Data) -> None:
     """Start a swarm."""
     name = str(data["values"].get("swarm", ""))
     launcher = session.shared.launcher
-    if name not in {swarm.name for swarm in launcher.startable}:
+    if name not in launcher.startable:
         raise SwarmError(f'"{name}" is not a swarm that can be started here.')
     launcher.run("up", name)
 
@@ -40,28 +40,17 @@ async def swarm_choose(session: Session, data: Data) -> None:
             other.tell(f"{session.name} has chosen {chosen.swarm}", "note")
 
 
-@action("swarm-stop-dialog")
-async def swarm_stop_dialog(session: Session, data: Data) -> None:
-    """Ask whether the swarm is to be stopped."""
-    session.dialog = {"kind": "stop", "swarm": _name(session)}
-
-
 @action("swarm-stop")
 async def swarm_stop(session: Session, data: Data) -> None:
     """Stop the swarm."""
-    name = _name(session)
+    target = session.shared.store.known.target
+    if target is None or not target.folder:
+        raise SwarmError("No swarm is up that could be stopped.")
     session.close_dialog()
-    session.shared.launcher.run("down", name)
+    session.shared.launcher.run("down", target.swarm)
 
 
 @action("launch-dismiss")
 async def launch_dismiss(session: Session, data: Data) -> None:
     """Close what a failed start or stop has said."""
     session.shared.launcher.dismiss()
-
-
-def _name(session: Session) -> str:
-    target = session.shared.store.known.target
-    if target is None or not target.folder:
-        raise SwarmError("No swarm is up that could be stopped.")
-    return target.swarm

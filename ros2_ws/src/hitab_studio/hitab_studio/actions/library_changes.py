@@ -15,12 +15,6 @@ from hitab_studio.session import Session
 from hitab_studio.swarm_link import Connected
 
 
-@action("behavior-rename-dialog")
-async def rename_dialog(session: Session, data: Data) -> None:
-    """Ask for another name of a behavior."""
-    _ask(session, "rename-behavior", str(data["name"]))
-
-
 @action("behavior-rename")
 async def rename(session: Session, data: Data) -> None:
     """Rename a behavior, also in what uses it."""
@@ -33,16 +27,11 @@ async def rename(session: Session, data: Data) -> None:
     session.behavior = new
 
 
-@action("behavior-delete-dialog")
-async def delete_dialog(session: Session, data: Data) -> None:
-    """Ask whether a behavior is to be deleted."""
-    _ask(session, "delete-behavior", str(data["name"]))
-
-
 @action("behavior-delete")
 async def delete(session: Session, data: Data) -> None:
     """Delete a behavior, also if others use it and the person was warned."""
-    name, told = session.dialog["name"], bool(session.dialog["users"])
+    name = session.dialog["name"]
+    told = bool(users_of(session, name))
     await change_library(
         session,
         lambda library: library.remove(name, anyway=told),
@@ -51,18 +40,13 @@ async def delete(session: Session, data: Data) -> None:
     session.behavior = ""
 
 
-def _ask(session: Session, kind: str, name: str) -> None:
-    behaviors = session.watched.behaviors
-    session.dialog = {
-        "kind": kind,
-        "agent": session.agent,
-        "name": name,
-        "users": sorted(
-            user.name
-            for user in behaviors.values()
-            if user.name != name and name in {Use.parse(state).name for state in user.states}
-        ),
-    }
+def users_of(session: Session, name: str) -> list[str]:
+    """Return the behaviors of the agent that use a behavior."""
+    return sorted(
+        user.name
+        for user in session.watched.behaviors.values()
+        if user.name != name and name in {Use.parse(state).name for state in user.states}
+    )
 
 
 async def change_library(

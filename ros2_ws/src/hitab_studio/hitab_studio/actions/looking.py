@@ -5,10 +5,16 @@ from __future__ import annotations
 from hitab_studio import unavailable
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching import discard, give_target, targets_meant
-from hitab_studio.session import TABS, Session
+from hitab_studio.session import Session
 
 MOST_REASON = 300
 """Characters."""
+
+DIALOGS = frozenset(
+    {"help", "reaction", "stop", "caution", "distribute"}
+    | {f"{verb}-{what}" for verb in ("rename", "delete") for what in ("recording", "behavior")}
+)
+"""Those that `ask` opens."""
 
 
 @action("choose", repeats=True)
@@ -74,8 +80,7 @@ async def fold(session: Session, data: Data) -> None:
 @action("tab", repeats=True)
 async def tab(session: Session, data: Data) -> None:
     """Show a tab."""
-    if data["name"] in TABS:
-        session.tab = str(data["name"])
+    session.tab = str(data["name"])
 
 
 @action("level", repeats=True)
@@ -91,10 +96,12 @@ async def state(session: Session, data: Data) -> None:
     session.state = "" if session.state == name else name
 
 
-@action("help")
-async def show_help(session: Session, data: Data) -> None:
-    """Show the keys."""
-    session.dialog = {"kind": "help"}
+@action("ask")
+async def ask(session: Session, data: Data) -> None:
+    """Open a dialog that needs no more than a name."""
+    kind, name = str(data["kind"]), str(data.get("name", ""))
+    if kind in DIALOGS:
+        session.dialog = {"kind": kind, "agent": session.agent, "name": name}
 
 
 @action("close", repeats=True)

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
+from typing import TypeVar
 
 from hitab_client import SwarmError
 from hitab_client.recording import recordings
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.replay import Player, Recording
 from hitab_studio.session import Session
+
+T = TypeVar("T")
 
 
 @action("record")
@@ -30,19 +34,8 @@ async def record(session: Session, data: Data) -> None:
 async def replay(session: Session, data: Data) -> None:
     """Open a recording."""
     path = recordings.recording(str(data["name"]))
-    session.busy += 1
-    session.touch()
-    try:
-        session.player = Player(await asyncio.to_thread(Recording, path))
-    finally:
-        session.busy -= 1
+    session.player = Player(await meanwhile_busy(session, lambda: Recording(path)))
     session.show_again()
-
-
-@action("recording-rename-dialog")
-async def rename_dialog(session: Session, data: Data) -> None:
-    """Ask for another name."""
-    session.dialog = {"kind": "rename-recording", "name": str(data["name"])}
 
 
 @action("recording-rename")
@@ -53,12 +46,6 @@ async def rename(session: Session, data: Data) -> None:
     path = recordings.rename(name, str(data["values"].get("name", "")))
     session.close_dialog()
     session.tell(f"{name} is called {path.name} now")
-
-
-@action("recording-delete-dialog")
-async def delete_dialog(session: Session, data: Data) -> None:
-    """Ask whether a recording is to be deleted."""
-    session.dialog = {"kind": "delete-recording", "name": str(data["name"])}
 
 
 @action("recording-delete")
@@ -103,6 +90,16 @@ async def replay_close(session: Session, data: Data) -> None:
     """Go back to the swarm."""
     session.player = None
     session.show_again()
+
+
+async def meanwhile_busy(session: Session, job: Callable[[], T]) -> T:
+    """Do what takes a while in a thread; meanwhile the page says that it is busy."""
+    session.busy += 1
+    session.touch()
+    try:
+        return await asyncio.to_thread(job)
+    finally:
+        session.busy -= 1
 
 
 def player_of(session: Session) -> Player:

@@ -10,12 +10,17 @@ from hitab_studio.remedy_words import answered, told
 from hitab_studio.session import Session, nothing_in_training
 
 
-def _bindings(values: Any) -> dict[str, str]:
-    """Return the new bindings, from values such as ``bind:ball``."""
-    return {
+def _chosen(values: Any) -> dict[str, Any]:
+    """Return how to save what was learned; values such as ``bind:ball`` are new bindings."""
+    bound = {
         key.removeprefix("bind:"): str(value).strip()
         for key, value in values.items()
         if key.startswith("bind:") and str(value).strip()
+    }
+    return {
+        "bind_from": list(bound),
+        "bind_to": list(bound.values()),
+        "keep_unused": values.get("keep") == "on",
     }
 
 
@@ -29,7 +34,6 @@ async def save_dialog(session: Session, data: Data) -> None:
         "kind": "save",
         "agent": session.agent,
         "training": training,
-        "values": {},
         "preview": None,
         "problem": "",
     }
@@ -43,16 +47,8 @@ async def save_preview(session: Session, data: Data) -> None:
 
 
 async def _preview(session: Session, values: Any) -> None:
-    bound = _bindings(values)
-    session.dialog["values"] = dict(values)
     try:
-        preview = await session.request(
-            SwarmClient.behavior,
-            trim=True,
-            bind_from=list(bound),
-            bind_to=list(bound.values()),
-            keep_unused=values.get("keep") == "on",
-        )
+        preview = await session.request(SwarmClient.behavior, trim=True, **_chosen(values))
     except SwarmError as error:
         session.dialog |= {"preview": None, "problem": told(error)}
     else:
@@ -63,17 +59,12 @@ async def _preview(session: Session, values: Any) -> None:
 async def save(session: Session, data: Data) -> None:
     """Save what was trained, and show it in the library."""
     values = data["values"]
-    bound = _bindings(values)
     training = session.dialog.get("training")
     # Without a name it is saved under the one that training began with.
     name = str(values.get("name", "")).strip() or (training.name if training else "")
+    description = str(values.get("description", "")).strip()
     answer = await session.request(
-        SwarmClient.save,
-        name=name,
-        bind_from=list(bound),
-        bind_to=list(bound.values()),
-        description=str(values.get("description", "")).strip(),
-        keep_unused=values.get("keep") == "on",
+        SwarmClient.save, name=name, description=description, **_chosen(values)
     )
     left_out = "; what nothing uses was left out" if answer.trimmed else ""
     session.dialog = {}
@@ -103,23 +94,11 @@ async def versions(session: Session, data: Data) -> None:
     session.compare = (f"{name}: version {older} → {newer}", compared)
 
 
-@action("distribute-dialog")
-async def distribute_dialog(session: Session, data: Data) -> None:
-    """Ask for the receivers of a behavior."""
-    session.dialog = {
-        "kind": "distribute",
-        "agent": session.agent,
-        "behavior": str(data["name"]),
-        "receivers": [a for a in session.agents if a != session.agent],
-        "report": None,
-    }
-
-
 @action("distribute")
 async def distribute(session: Session, data: Data) -> None:
     """Distribute a behavior and show each receiver's answer."""
     values = data["values"]
-    behavior = session.dialog["behavior"]
+    behavior = session.dialog["name"]
     receivers = [str(r) for r in values.get("receivers", [])]
     if not receivers:
         raise SwarmError("Choose at least one receiver.")

@@ -25,7 +25,6 @@ from hitab_studio.session import (
     Session,
     TargetsAsked,
     nothing_in_training,
-    parameters_of,
 )
 from hitab_studio.swarm_link import Connected
 
@@ -39,7 +38,7 @@ async def command(session: Session, data: Data) -> None:
         return
     session.showing = session.asked = None
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
-    parameters = parameters_of(behavior)
+    parameters = Use.parse(behavior).arguments
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
     training = session.training
     if training is not None:

@@ -10,12 +10,6 @@ from hitab_studio.session import Session
 from hitab_studio.swarm_link import Connected
 
 
-@action("reaction-dialog")
-async def reaction_dialog(session: Session, data: Data) -> None:
-    """Show the person's name and reaction time, to change them."""
-    session.dialog = {"kind": "reaction", "demonstrator": session.demonstrator}
-
-
 @action("reaction-who", repeats=True)
 async def reaction_who(session: Session, data: Data) -> None:
     """Show the reaction time that is kept for a name."""

@@ -47,8 +47,8 @@ export default {
 // What does something else is another element: a button never becomes the one beside it.
 function keyOf(node) {
   if (node.nodeType !== 1) return "";
-  const { key, do: does, name, number } = node.dataset;
-  return key || node.id || (does ? `${does} ${name || ""} ${number || ""}` : "");
+  const { key, do: does, kind, name, number } = node.dataset;
+  return key || node.id || (does ? `${does} ${kind || ""} ${name || ""} ${number || ""}` : "");
 }
 
 function alike(a, b) {

@@ -13,8 +13,8 @@ from jinja2.utils import markupsafe
 
 from hitab_client.commands import called
 from hitab_core import quantity
+from hitab_studio import unavailable
 from hitab_studio.session import Session
-from hitab_studio.unavailable import off
 from hitab_studio.views import agents, dialog, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure, measured
 from hitab_studio.views.swarm import since
@@ -74,15 +74,20 @@ _environment.filters |= {
     "breaks": breaks,
     "since": since,
 }
-_environment.globals |= {"off": off, "called": called}
+_environment.globals |= {"off": unavailable.off, "unavailable": unavailable, "called": called}
 
 
 def render(panel: str, session: Session) -> str:
     """Return the HTML of a panel."""
-    template = _environment.get_template(f"{panel}.html")
-    return template.render(
-        session=session,
-        store=session.shared.store,
-        measured=partial(measured, session),
-        **PANELS[panel](session),
-    )
+    common = {
+        "session": session,
+        "store": session.shared.store,
+        "agent": session.agent,
+        "status": session.status,
+        "training": session.training,
+        "player": session.player,
+        "dialog": session.dialog,
+        "agent_off": unavailable.agent(session),
+        "measured": partial(measured, session),
+    }
+    return _environment.get_template(f"{panel}.html").render(common, **PANELS[panel](session))

@@ -6,8 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from hitab_studio.absence import absence
-from hitab_studio.markers import STATE_COLORS
-from hitab_studio.scene import NO_COLOR, state_shown
+from hitab_studio.scene import state_shown
 from hitab_studio.session import Session
 
 MOST = 80
@@ -41,8 +40,6 @@ def context(session: Session) -> dict[str, Any]:
         ],
         "count": len(shown if wanted else session.agents),
         "more": max(0, len(shown) - MOST),
-        "filter": session.filter,
-        "replays": player is not None,
     }
 
 
@@ -100,12 +97,11 @@ def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
     store, live = session.shared.store, session.player is None
     holder = session.shared.held.get(name) if live else None
     state = state_shown(status) if status is not None else ""
-    index = store.palette.index(state)
     group = store.known.groups.get(name)
     return {
         "mode": status.mode if status is not None else "",
         "state": state or (status.behavior if status is not None else ""),
-        "color": "" if index == NO_COLOR else STATE_COLORS[index],
+        "color": store.palette.color(state),
         "absence": (absence(store.known, name) or "") if live else "",
         "lock": "" if holder is None else ("you" if holder is session else holder.name),
         "order": group.order if group is not None else "",

@@ -8,7 +8,7 @@ from typing import Any
 
 from hitab_client import SwarmError, reaction_time
 from hitab_core import FLAGS, FeatureKind, Use, shown_unit
-from hitab_studio import unavailable
+from hitab_studio.actions.library_changes import users_of
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.people import LONGEST_NAME
@@ -31,11 +31,7 @@ def context(session: Session) -> dict[str, Any]:
     """Return what the dialog shows."""
     dialog = session.dialog
     kind = dialog.get("kind", "")
-    found: dict[str, Any] = {
-        "dialog": dialog,
-        "kind": kind,
-        "name_format": NAME_FORMAT,
-    }
+    found: dict[str, Any] = {"kind": kind, "name_format": NAME_FORMAT}
     if kind == "new":
         vocabulary = session.watched.vocabulary
         parameter = dialog["parameter"]
@@ -49,10 +45,8 @@ def context(session: Session) -> dict[str, Any]:
             ],
             "running": world is not None and world.mode != "paused",
             "others": sorted({p.name for p in session.shared.held.values() if p is not session}),
-            "agent_off": unavailable.agent(session),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
-            "training": session.training,
             "saved": _saved(session),
         }
     if kind == "features":
@@ -61,7 +55,6 @@ def context(session: Session) -> dict[str, Any]:
             "features": sorted(
                 _features(session, arguments), key=lambda found: found[0] not in dialog["used"]
             ),
-            "agent_off": unavailable.agent(session),
             "same": dialog["chosen"] == dialog["used"],
             "graph": _graph(session),
         }
@@ -73,14 +66,18 @@ def context(session: Session) -> dict[str, Any]:
         found |= {
             "when_unsure": WHEN_UNSURE,
             "now_unsure": session.status.when_unsure if session.status is not None else "",
-            "agent_off": unavailable.agent(session),
         }
     if kind == "reaction":
         found |= {
+            "demonstrator": _demonstrator(session),
             "seconds": _reaction(session),
             "longest": reaction_time.LONGEST,
             "longest_name": LONGEST_NAME,
         }
+    if kind == "distribute":
+        found["receivers"] = [agent for agent in session.agents if agent != dialog["agent"]]
+    if kind in ("rename-behavior", "delete-behavior"):
+        found["users"] = users_of(session, dialog["name"])
     if kind == "save":
         training = dialog["training"]
         used = {a for f in (*training.features, *training.states) for a in Use.parse(f).arguments}
@@ -114,10 +111,14 @@ def _graph(session: Session) -> Graph | None:
     return graph(preview.automaton, [*session.watched.behaviors])
 
 
+def _demonstrator(session: Session) -> str:
+    return str(session.dialog.get("demonstrator", session.demonstrator))
+
+
 def _reaction(session: Session) -> str:
     """Return the reaction time that is kept for the name in the dialog, s; "" if none is."""
     try:
-        seconds = reaction_time.of(session.dialog["demonstrator"])
+        seconds = reaction_time.of(_demonstrator(session))
     except SwarmError:
         return ""
     return f"{seconds:g}" if seconds else ""

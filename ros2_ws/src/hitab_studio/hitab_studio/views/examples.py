@@ -33,7 +33,6 @@ def context(session: Session) -> dict[str, Any]:
         "columns": [feature for feature in training.features if feature not in table.hidden],
         "units": dict(zip(training.features, map(shown_unit, training.units), strict=False)),
         "total": len(training.examples),
-        "table": table,
         "against": against,
         "superseded": superseded,
         "decided": lambda example: _decided(training, example),
@@ -45,8 +44,6 @@ def context(session: Session) -> dict[str, Any]:
             if s != training.name
         ],
         "numbers": lambda example: _numbers(training, example),
-        "change": session.watched.change,
-        "marked": len(table.marked),
     }
 
 

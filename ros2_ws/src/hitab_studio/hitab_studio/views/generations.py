@@ -37,7 +37,6 @@ def context(session: Session) -> dict[str, Any]:
         "current": known.current if known is not None else 0,
         "best": best.number if best is not None else 0,
         "problem": problem,
-        "making": session.shared.generations.making,
         "mates": [a for a in session.agents if a != agent],
         "situations": [AS_IT_IS, *(f"{SNAPSHOT}{name}" for name in store.snapshots)],
         "back_off": problem or busy or unavailable.agent(session),

@@ -18,18 +18,9 @@ def context(session: Session) -> dict[str, Any]:
         text = automaton_as_text(behavior.automaton, trees=False)
     return {
         "trained": sorted(watched.vocabulary.trained),
-        "known": watched.behaviors,
-        "open": session.behavior,
         "behavior": behavior,
-        "rules": [_rule(line) for line in text.splitlines()],
-        "compare": session.compare,
+        "rules": text.splitlines(),
         "generations": have_generations(session.shared.store.known.target, session.agent)
         if session.agent
         else [],
     }
-
-
-def _rule(line: str) -> tuple[int, str]:
-    """Return how far a line of an automaton in words is indented, and the line."""
-    words = line.lstrip(" ")
-    return len(line) - len(words), words

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from hitab_core import FLAGS, START, Do, Number, Use, some
 from hitab_ros.names import WORLD
-from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_asked, targets_meant
-from hitab_studio.launching import Startable, unknown
-from hitab_studio.markers import STATE_COLORS
+from hitab_studio.launching import NONE, unknown
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.perceived import plotted
@@ -33,7 +32,6 @@ def context(session: Session) -> dict[str, Any]:
     nothing = empty(session)
     known, launch = session.shared.store.known, session.shared.launcher.launch
     world_absent = absence(known, WORLD) if live else None
-    trained = session.training
     faults = list(status.faults) if status is not None else []
     may_not_act = live and any(
         remedy.code == Do.ARM.name for remedy in (status.remedies if status is not None else ())
@@ -42,33 +40,18 @@ def context(session: Session) -> dict[str, Any]:
         "absent": absence(known, session.agent) if live and session.agent else None,
         "world_absent": world_absent,
         "stale": live and bool(world_absent or nothing[0]),
-        "lost": session.lost,
         "lost_off": _lost_off(session),
-        "agent_off": unavailable.agent(session),
-        "undo_off": unavailable.undoing(session),
-        "redo_off": unavailable.redoing(session),
-        "test_off": unavailable.testing(session),
-        "training_off": unavailable.training(session),
-        "last_done": trained.done[-1] if trained is not None and trained.done else "",
         "stuck": _stuck(session),
-        "note": status.note if status is not None else "",
-        "agent": session.agent,
-        "status": status,
         "mode": mode,
         "mode_words": MODE_WORDS.get(mode, ("", "")),
-        "path": list(status.active_path) if status is not None else [],
-        "lock": session.shared.held[session.agent].name if session.locked else None,
         "buttons": _buttons(session),
-        "asked": session.asked,
         "targets": _targets(session),
-        "showing": session.showing,
         "shown_numbers": _shown_numbers(session),
         "arrow": _arrow(session),
         "legend": _legend(session),
         "camera": sensors.camera(session),
         "stopped": "; ".join(faults) if may_not_act else "",
         "faults": [] if may_not_act else faults,
-        "player": session.player,
         "strip": strip(session),
         "empty": nothing,
         "plots": plotted(session),
@@ -78,7 +61,6 @@ def context(session: Session) -> dict[str, Any]:
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         **_to_start(session),
-        "busy": session.busy > 0,
         "kept": session.training is not None and mode in ("idle", "performing"),
     }
 
@@ -87,7 +69,7 @@ def _lost_off(session: Session) -> str:
     """Return why a lost command cannot be sent again now."""
     lost = session.lost
     absent = absence(session.shared.store.known, lost.agent) if lost is not None else None
-    return f"{lost.agent} {absent}: wait until it answers." if lost and absent else ""
+    return f"{lost.agent} {absent.what}: wait until it answers." if lost and absent else ""
 
 
 def _stuck(session: Session) -> str:
@@ -117,7 +99,7 @@ def _legend(session: Session) -> list[tuple[str, str]]:
         session.shared.store.known.doing() if player is None else player.recording.doing(player.at)
     )
     active = {state for _, state in doing.values() if state}
-    return [(s, STATE_COLORS[palette.index(s)]) for s in palette.states if s in active][:8]
+    return [(s, palette.color(s)) for s in palette.states if s in active][:8]
 
 
 def empty(session: Session) -> tuple[str, str, str]:
@@ -160,10 +142,9 @@ def empty(session: Session) -> tuple[str, str, str]:
 
 def _to_start(session: Session) -> dict[str, Any]:
     """Return the swarms to choose from, and the one that is chosen to be started."""
-    swarms = () if session.shared.launcher.is_busy else startable(session)
+    swarms = NONE if session.shared.launcher.is_busy else startable(session)
     name = _proposed(session)
-    chosen = next((swarm for swarm in swarms if swarm.name == name), None)
-    return {"startable": swarms, "to_start": chosen or (swarms[0] if swarms else None)}
+    return {"startable": swarms, "to_start": name if name in swarms else next(iter(swarms), "")}
 
 
 def _proposed(session: Session) -> str:
@@ -171,13 +152,12 @@ def _proposed(session: Session) -> str:
     return session.to_start or "keepaway"
 
 
-def startable(session: Session) -> tuple[Startable, ...]:
-    """Return the swarms that may be started now: none if one is up."""
+def startable(session: Session) -> Mapping[str, str]:
+    """Return the swarms that may be started now, each with what it is: none if one is up."""
     known = session.shared.store.known
-    if known.target is not None and known.target.choices:
-        return ()
-    up = known.target is not None and known.target.swarm and not known.target.problem
-    return () if up or known.shown or known.statuses else session.shared.launcher.startable
+    target = known.target
+    up = target is not None and (target.choices or (target.swarm and not target.problem))
+    return NONE if up or known.shown or known.statuses else session.shared.launcher.startable
 
 
 def _buttons(session: Session) -> list[dict[str, Any]]:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hitab_core import OWN_FEATURES, Use
+from hitab_core import OWN_NAMES, Use
 from hitab_studio.session import Session
 
 Readings = Mapping[tuple[str, str], tuple[float, ...]]
-
-OWN = {use.name for use in OWN_FEATURES}
 
 
 def perceived(session: Session) -> Readings:
@@ -27,7 +25,7 @@ def perceived(session: Session) -> Readings:
 
 def _is_of_the_body(feature: str) -> bool:
     use = Use.parse(feature)
-    return use.name not in OWN and len(set(use.arguments)) == len(use.arguments)
+    return use.name not in OWN_NAMES and len(set(use.arguments)) == len(use.arguments)
 
 
 def plotted(session: Session) -> Readings:

@@ -21,11 +21,6 @@ TITLES = {
 }
 
 
-def answers(question: Question) -> list[tuple[str, str, bool]]:
-    """Return the answers to choose from, with their effects; the proposed one first."""
-    return [(choice.name, choice.effect, i == 0) for i, choice in enumerate(question.choices)]
-
-
 def when_unsure(session: Session) -> str:
     """Return what the agent does when it is unsure, for people."""
     status = session.status

@@ -16,8 +16,6 @@ def context(session: Session) -> dict[str, Any]:
     known = session.shared.store.known
     done = [r for r in recordings() if not known.recording.endswith(f"/{r.path.name}")]
     return {
-        "recording": known.recording,
-        "recorded": known.recorded,
         "folder": str(recordings_folder()),
         "files": [
             (r.path.name, time.strftime("%d %b %H:%M", time.localtime(r.when)), r.size)

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.session import Session
 from hitab_studio.views import examples, learned, library, record, swarm, teach
 
-TABS = (
-    ("teach", "Teach", teach.context),
-    ("learned", "Learned", learned.context),
-    ("examples", "Examples", examples.context),
-    ("library", "Library", library.context),
-    ("swarm", "Swarm", swarm.context),
-    ("record", "Record", record.context),
-)
+TABS = {
+    "teach": teach.context,
+    "learned": learned.context,
+    "examples": examples.context,
+    "library": library.context,
+    "swarm": swarm.context,
+    "record": record.context,
+}
 
 AGO_MEANS = (
     "Seconds from the situation of the example until the command reached the agent. Even without "
@@ -33,15 +32,12 @@ def context(session: Session) -> dict[str, Any]:
     training = session.training
     live = session.agent and session.player is None
     absent = absence(session.shared.store.known, session.agent) if live else None
-    tabs = [t for t in TABS if session.player is None or t[0] in IN_REPLAY]
-    shown = next((t for t in tabs if t[0] == session.tab), tabs[0])
+    tabs = [tab for tab in TABS if session.player is None or tab in IN_REPLAY]
+    shown = session.tab if session.tab in tabs else tabs[0]
     return {
-        "tabs": [(name, title) for name, title, _ in tabs],
-        "tab": shown[0],
-        "agent": session.agent,
-        "training": training,
+        "tabs": tabs,
+        "tab": shown,
         "absent": absent,
-        "agent_off": unavailable.agent(session),
         "ago_means": AGO_MEANS,
         "asks": bool(live) and not session.watched.vocabulary.domain,
         "counts": {
@@ -50,5 +46,5 @@ def context(session: Session) -> dict[str, Any]:
             if training is not None and session.is_training
             else 0,
         },
-        **shown[2](session),
+        **TABS[shown](session),
     }

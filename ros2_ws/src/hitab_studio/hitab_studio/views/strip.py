@@ -7,7 +7,6 @@ from typing import Any
 from hitab_core import Domain, Use
 from hitab_core.showing import UNSURE
 from hitab_studio.learned import uses
-from hitab_studio.markers import STATE_COLORS
 from hitab_studio.session import Session
 
 
@@ -18,7 +17,7 @@ def strip(session: Session) -> dict[str, Any] | None:
     if player is None or labels is None or labels.strip.agent != session.agent:
         return None
     palette, whole = session.shared.store.palette, player.recording.seconds or 1.0
-    colors = {b: STATE_COLORS[palette.index(b)] for b in labels.strip.behaviors}
+    colors = {b: palette.color(b) for b in labels.strip.behaviors}
     spans = [
         {
             "left": 100 * (span.begin + labels.offset) / whole,

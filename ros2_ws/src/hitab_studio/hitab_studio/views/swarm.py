@@ -10,10 +10,9 @@ from typing import Any
 from hitab_core import natural, some
 from hitab_studio.absence import NOT_HEARD, absence
 from hitab_studio.known import Known
-from hitab_studio.markers import STATE_COLORS
-from hitab_studio.scene import NO_COLOR, state_shown
+from hitab_studio.scene import state_shown
 from hitab_studio.session import Session
-from hitab_studio.swarm_finder import Choice
+from hitab_studio.swarm_finder import Target
 
 DAY = 24 * 3600
 
@@ -25,7 +24,7 @@ def context(session: Session) -> dict[str, Any]:
     states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)
     return {
         "shares": [
-            (state, count, 100 * count / len(statuses), _color(store.palette.index(state)))
+            (state, count, 100 * count / len(statuses), store.palette.color(state))
             for state, count in states.most_common(12)
         ],
         "modes": Counter(s.mode for s in statuses),
@@ -44,21 +43,21 @@ def absent(known: Known) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for name in known.agents:
         how = absence(known, name)
-        if how is not None and how.word != NOT_HEARD:
-            found.setdefault(how.word, []).append(name)
+        if how is not None and how.state != NOT_HEARD:
+            found.setdefault(how.state, []).append(name)
     return found
 
 
-def choices(session: Session) -> Sequence[Choice]:
+def choices(session: Session) -> Sequence[Target]:
     """Return the swarms that may be shown instead of the present one, by name, oldest first."""
     target = session.shared.store.known.target
     if target is None or session.player is not None:
         return []
-    found = sorted(target.choices, key=lambda choice: (choice.swarm, choice.since))
+    found = sorted(target.choices, key=lambda choice: (choice.swarm, choice.start))
     return [choice for choice in found if target.problem or choice.folder != target.folder]
 
 
-def since(moment: int) -> str:
+def since(moment: float) -> str:
     """Return a time of day, with the date if that is longer ago than a day."""
     recent = time.time() - moment < DAY
     return time.strftime("%H:%M:%S" if recent else "%d %b, %H:%M", time.localtime(moment))
@@ -70,7 +69,3 @@ def _stoppable(session: Session) -> str:
     if target is None or target.problem or not target.folder or launcher.is_busy:
         return ""
     return target.swarm if launcher.startable else ""
-
-
-def _color(index: int) -> str:
-    return "" if index == NO_COLOR else STATE_COLORS[index]

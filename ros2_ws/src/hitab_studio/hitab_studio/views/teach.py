@@ -7,14 +7,13 @@ from typing import Any
 from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
-from hitab_studio import unavailable
 from hitab_studio.learned import superseding
 from hitab_studio.remedy_words import in_studio, told
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
 from hitab_studio.views.perceived import perceived
-from hitab_studio.views.questions import TITLES, answers, when_unsure
+from hitab_studio.views.questions import TITLES, when_unsure
 
 SHOWN = 6
 """Edits of the history that are shown on either side of now."""
@@ -35,8 +34,6 @@ def context(session: Session) -> dict[str, Any]:
         "trained": sorted(session.watched.vocabulary.trained),
         "last_edits": [(text, False) for text in (training.done if training else ())[-SHOWN:]]
         + [(text, True) for text in (training.undone if training else ())[:SHOWN]],
-        "undo_off": unavailable.undoing(session),
-        "redo_off": unavailable.redoing(session),
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
         "given_up": _given_up(session),
@@ -46,7 +43,6 @@ def context(session: Session) -> dict[str, Any]:
         "remarks": training.remarks if training else (),
         "in_studio": in_studio,
         "question_titles": TITLES,
-        "answers": answers,
         "when_unsure": when_unsure(session),
         "sensors": sensors.rows(session),
         "sensor_notes": sensors.notes(session),

@@ -98,15 +98,10 @@ def evaluate(
     """Play episodes with trained keepers and sum up how long they keep the ball.
 
     Examples:
-
       hitab keepaway evaluate --episodes 50
-
       hitab keepaway evaluate -l hitab-demo/library --json figures.json
-
       hitab keepaway evaluate --taker-speed 1.0 --parameter sight=full
-
       hitab keepaway evaluate --world rcssserver --port 6000 --episodes 20
-
       hitab keepaway evaluate --keepers hand --taker-speed 1.0 --set kick_noise=0
     """
     from keepaway_world.verbs.evaluation import PACES, RCSSSERVER, TRAINED, WORLDS
@@ -186,7 +181,6 @@ def picture(
     """Draw the current field of the swarm that is up.
 
     Example:
-
       hitab keepaway picture field.png
     """
     from hitab_bringup import connection
@@ -222,9 +216,7 @@ def film(
     It is the episode that `evaluate` plays with the same options.
 
     Examples:
-
       hitab keepaway film paper.gif --seconds 10
-
       hitab keepaway film hand.webp --keepers hand --seed 3 --episode 7
     """
     from hitab_bringup import part_of
@@ -267,9 +259,7 @@ def demo(
     minutes.
 
     Examples:
-
       hitab demo --out my-demo
-
       hitab demo --studio
     """
     from keepaway_world.verbs.demo import run_demo
