@@ -285,8 +285,12 @@ class WorldClient:
         run = self.ask(Play, names.PLAY, episodes=episodes, seed=seed).run
 
         def played() -> list[Episode]:
-            """Return the run's episodes so far, each once: a restarted world may repeat one."""
-            return list({e.number: e for e in self.episodes if e.run == run}.values())
+            """Return the run's episodes so far as first told: a restarted world repeats some."""
+            told: dict[int, Episode] = {}
+            for episode in self.episodes:
+                if episode.run == run:
+                    told.setdefault(episode.number, episode)
+            return list(told.values())
 
         while (seen := len(played())) < episodes:
             if progress is not None:

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import WorldState, WorldStatus
-from hitab_msgs.srv import Control
+from hitab_msgs.msg import Episode, WorldState, WorldStatus
+from hitab_msgs.srv import Control, Play
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunRecord
@@ -72,3 +72,23 @@ def test_who_has_driven_the_world_knows_whether_it_runs(drive, before, after):
     world.status, world.state = was, WorldState(cycle=9)
     drive(world)
     assert world.status == now
+
+
+def test_an_episode_counts_as_first_told_though_a_restarted_world_repeats_it():
+    told = [(0, True), (1, True), (0, False), (1, False), (2, False)]
+    on_the_way = [Episode(run=3, number=n, reproducible=r) for n, r in told]
+
+    def spin_until(done: Callable[[], Any], *_: Any, **more: Any) -> bool:
+        while not done() and on_the_way:
+            world.episodes.append(on_the_way.pop(0))
+        return bool(done())
+
+    node = SimpleNamespace(count_publishers=lambda _: 1)
+    answer = Play.Response(success=True, run=3)
+    link: Any = SimpleNamespace(
+        subscribe=lambda *_: None, spin_until=spin_until, call=lambda *_, **__: answer, node=node
+    )
+    world = WorldClient(link)
+    world.status, world.state = WorldStatus(), WorldState()
+    played = world.play(3, 5)
+    assert [(e.number, e.reproducible) for e in played] == [(0, True), (1, True), (2, False)]
