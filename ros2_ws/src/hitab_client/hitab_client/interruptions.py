@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Iterator
 from types import FrameType
 
 _came: list[int] = []
 _depth = 0
+
+FROM_C = "pymunk._callbacks"
+"""Module of functions that are called from C, where an exception would be lost."""
+
+AGAIN_S = 0.01
+"""After which a signal that came in such a function comes again."""
 
 
 def handle_interruptions() -> None:
@@ -56,6 +64,8 @@ def not_interrupted() -> Iterator[None]:
 def _interrupt(number: int, frame: FrameType | None) -> None:
     if _depth and not _came:
         _came.append(number)
+    elif any(f.f_globals.get("__name__") == FROM_C for f, _ in traceback.walk_stack(frame)):
+        threading.Timer(AGAIN_S, os.kill, (os.getpid(), number)).start()
     elif number == signal.SIGINT:
         raise KeyboardInterrupt
     else:

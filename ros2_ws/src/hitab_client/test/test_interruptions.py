@@ -64,6 +64,28 @@ def test_a_process_that_was_started_to_ignore_ctrl_c_does_so():
     assert (done.returncode, done.stdout) == (0, "goes on\n"), done.stderr
 
 
+def test_ctrl_c_in_a_function_that_is_called_from_c_is_not_lost():
+    done = run(
+        BEGIN
+        + """
+import pymunk
+space = pymunk.Space()
+for _ in range(2):
+    body = pymunk.Body(1.0, 1.0)
+    space.add(body, pymunk.Circle(body, 1.0))
+space.on_collision(pre_solve=lambda *_: signal.raise_signal(signal.SIGINT))
+try:
+    space.step(0.1)
+    print("stepped", flush=True)
+    while True:
+        pass
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    )
+    assert (done.returncode, done.stdout) == (0, "stepped\ninterrupted\n"), done.stderr
+
+
 def test_ctrl_c_that_was_handled_ends_with_the_status_also_while_a_class_is_defined(tmp_path):
     """Without `forget_handled` Python 3.11 ends by the signal, with return code -2."""
     (tmp_path / "command.py").write_text(

@@ -453,7 +453,7 @@ class Agent:
         Args:
             name: of the saved behavior; empty: the name that training began with.
             bindings: targets or parameters to replace, and their replacements.
-            description: for people who browse the library.
+            description: for people who browse the library; empty: that of what it replaces.
             keep_unused: keep features that no transition function uses yet, so that training can
                 be resumed with them, as in behavior bootstrapping.
             note: on where it comes from, for its provenance.

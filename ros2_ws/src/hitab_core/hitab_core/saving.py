@@ -49,8 +49,11 @@ def to_be_saved(
     """
     repertoire, classifier = session.context.repertoire, session.curriculum.classifier
     learned = session.automaton("saved")
-    if name or description:
-        learned = replace(learned, name=name or learned.name, description=description)
+    name = name or learned.name
+    replaced = repertoire.automata.get(name)
+    if not description and replaced is not None and replaced.examples:  # not written by hand
+        description = replaced.description
+    learned = replace(learned, name=name, description=description)
     if bindings:
         learned = rebind(learned, bindings, repertoire, classifier=classifier)
     if keep_unused:

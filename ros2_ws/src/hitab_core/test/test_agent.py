@@ -89,6 +89,17 @@ def test_what_is_taught_is_tested_saved_and_performed(make):
         agent.save()
 
 
+def test_a_behavior_that_is_trained_on_keeps_its_description_unless_another_is_given(make):
+    agent = make()
+    teach_home(agent)
+    agent.save(description="go home")
+    for given, kept in (("", "go home"), ("run home", "run home")):
+        agent.begin(Curriculum("Home", ()), resume="Home")
+        see(agent, 5.0)
+        agent.command(Use("Left"))
+        assert agent.save(description=given).automaton.description == kept
+
+
 def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
     agent = make()
     with pytest.raises(TrainingError, match="it is not training anything"):
