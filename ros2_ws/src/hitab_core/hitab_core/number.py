@@ -7,7 +7,7 @@ is learned from those that were commanded (`hitab_core.regression`).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hitab_core.errors import VocabularyError
@@ -92,18 +92,31 @@ def numbers_of(use: Use, wanted: Sequence[Number]) -> tuple[float, ...]:
         if name in given:
             raise VocabularyError(f'"{use}" gives {name} twice; give it once')
         given[name] = text
-    return tuple(_checked(use, number, given.get(number.name, "")) for number in wanted)
+    return tuple(_checked(use, number, given, wanted) for number in wanted)
 
 
-def _checked(use: Use, number: Number, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
+def _checked(
+    use: Use, number: Number, given: Mapping[str, str], wanted: Sequence[Number]
+) -> float:
+    text = given.get(number.name, "")
+    value = _float(text)
     if not number.low <= value <= number.high:
         where = f'{number.name} of "{use}" is {text}' if text else f'"{use.name}" needs {number}'
-        middle = (number.low + number.high) / 2.0
-        example = ", ".join([*without_numbers(use).arguments, f"{number.name}={middle:g}"])
+        # What can be typed: all numbers, with those that were right.
+        values = [_float(given.get(n.name, "")) for n in wanted]
+        right = [
+            value if n.low <= value <= n.high else (n.low + n.high) / 2.0
+            for n, value in zip(wanted, values, strict=True)
+        ]
+        targets = tuple(a for a in without_numbers(use).arguments if math.isnan(_float(a)))
+        example = with_numbers(Use(use.name, targets), right, wanted)
         bounds = f"; give {number}" if text else ""
-        raise VocabularyError(f"{where}{bounds}, for example {use.name}({example})")
+        raise VocabularyError(f"{where}{bounds}, for example {example}")
     return value
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

@@ -19,6 +19,7 @@ from hitab_core import (
     Scale,
     Use,
     VocabularyError,
+    numbers_of,
 )
 from hitab_core.library import BehaviorFile
 from hitab_core.regression import MOMENTS_MAX, Neighbors
@@ -141,6 +142,18 @@ def test_wrong_numbers_are_refused_and_teach_nothing(command, wrong):
     with pytest.raises(VocabularyError, match=wrong):
         agent.step([0.0, 9.0], command=command)
     assert len(agent.agent.session.examples) == 5
+
+
+@pytest.mark.parametrize(
+    "arguments", [(), ("40",), ("speed=0.2",), ("direction=200",), ("direction=3", "speed=x")]
+)
+def test_the_example_of_a_refusal_is_not_refused(arguments):
+    wanted = BOAT.numbers_of(Use("Sail"))
+    with pytest.raises(VocabularyError) as refused:
+        numbers_of(Use("Sail", arguments), wanted)
+    example = Use.parse(str(refused.value).rpartition("for example ")[2])
+    assert numbers_of(example, wanted)[1] == (0.2 if "speed=0.2" in arguments else 0.5)
+    trained().step([0.0, 9.0], command=str(example))
 
 
 def test_a_situation_without_any_value_does_nothing():
