@@ -67,5 +67,6 @@ def locate(objects: Iterable[SeenObject]) -> Pose | None:
     total = sum(weight for weight, _, _ in pairs)
     mean_seen = sum(weight * seen for weight, seen, _ in pairs) / total
     mean_true = sum(weight * true for weight, _, true in pairs) / total
-    neck = cmath.phase(sum(w * (s - mean_seen).conjugate() * (t - mean_true) for w, s, t in pairs))
+    turned = sum(w * (s - mean_seen).conjugate() * (t - mean_true) for w, s, t in pairs)
+    neck = math.atan2(turned.imag, turned.real)  # where it is next to 0, cmath.phase may raise
     return mean_true - cmath.rect(1.0, neck) * mean_seen, math.degrees(neck)
