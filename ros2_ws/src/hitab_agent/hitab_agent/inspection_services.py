@@ -111,7 +111,7 @@ class InspectionServices:
         answer.automaton = automaton_message(file.automaton, domain, classifier=file.classifier)
         if request.compare_with:
             before = library.shelf.version(name, request.compare_with)
-            answer.difference = difference(before, file)
+            answer.difference = difference(before, file, self._agent.domain)
 
 
 def _origin(provenance: Any) -> str:

@@ -87,7 +87,7 @@ def test_it_is_up_idles_says_why_and_begins_once_the_behavior_is_back(walkers: W
     fault, began = status.faults
     assert fault.startswith("Walk is lost: its file in ")
     assert fault.endswith("; it is needed for Stroll")
-    assert [remedy.code for remedy in status.remedies] == ["CHECK_LIBRARY"]
+    assert [remedy.code for remedy in status.remedies] == ["RESTORE", "DELETE"]
     assert 'cannot perform its start behavior "Stroll": Stroll needs Walk: its file' in began
     assert status.last_error == began
     # Nor does another restart make it forget what it performed.

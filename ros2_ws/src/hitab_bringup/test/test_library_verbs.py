@@ -6,7 +6,10 @@ import json
 import re
 import shutil
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -17,7 +20,8 @@ from hitab_bringup.libraries import prepare
 from hitab_bringup.library_choice import with_library
 from hitab_bringup.main import make_app
 from hitab_bringup.swarm_options import described_swarm
-from hitab_client import DescriptionError, RunFolder, RunRecord
+from hitab_bringup.verbs import library_changes
+from hitab_client import DescriptionError, RunFolder, RunRecord, SwarmError
 from hitab_client.shipped import find_file, shipped
 from hitab_core import BehaviorLibrary, LearningAgent, LibraryError, load_domain
 
@@ -180,12 +184,37 @@ def test_an_import_says_what_it_replaces_before_and_after(lib: Path, tmp_path: P
     assert f"Keepaway: {replaced}" in done("library", "import", "all.yaml", "-l", "other")
 
 
-def test_a_change_names_the_agents_that_use_the_library_and_how_they_read_it_again(
-    up: RunFolder,
+def test_the_agents_that_use_a_library_read_what_is_changed_in_it(
+    up: RunFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    asked: list[list[str]] = []
+
+    def reload(agents: list[str]) -> Any:
+        asked.append(agents)
+        yield agents[0], "2 trained behaviors", True
+
+    @contextmanager
+    def connection(swarm: str) -> Iterator[Any]:
+        if len(asked) > 1:
+            raise SwarmError("keeper_2 does not answer")
+        yield SimpleNamespace(agents=SimpleNamespace(reload=reload))
+
+    monkeypatch.setattr(library_changes, "connection", connection)
     text = done("library", "delete", "Keepaway", "--agent", "keeper_2")
-    assert "the library of keeper_2 of swarm keepaway_trained is used as it was before" in text
-    assert "`hitab library reload --swarm keepaway_trained` has the change read" in text
+    assert "read again: keeper_2: 2 trained behaviors" in text
+    version = re.search(r"library restore Keepaway (\d+)", text)[1]  # type: ignore[index]
+    done("library", "restore", "Keepaway", version, "--agent", "keeper_2")
+    assert asked == [["keeper_2"], ["keeper_2"]]
+    text = done("library", "delete", "Keepaway", "--agent", "keeper_2")
+    assert "keeper_2 does not answer; its agents have not read the change" in text
+
+
+def test_the_only_version_is_restored_without_its_number(lib: Path) -> None:
+    versions = lib / ".versions" / "Keepaway"
+    shutil.rmtree(versions, ignore_errors=True)
+    done("library", "delete", "Keepaway", "-l", "lib")
+    assert "restored version" in done("library", "restore", "Keepaway", "-l", "lib")
+    assert "Keepaway" in library_of(lib).load()
 
 
 # -- for a swarm ------------------------------------------------------------------------------

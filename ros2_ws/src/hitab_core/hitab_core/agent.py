@@ -148,9 +148,8 @@ class Agent:
     @property
     def remedies(self) -> tuple[Remedy, ...]:
         """What a person can do about `faults`, and about what its repertoire lacks."""
-        lost = [Do.CHECK_LIBRARY()] if self.edition.losses else []
         damaged = [Do.DISCARD(agent=self.name)] if self.journal.damage else []
-        return (*lost, *damaged, *self.repertoire.remedies)
+        return (*self.edition.losses.ways_out, *damaged, *self.repertoire.remedies)
 
     @property
     def active_path(self) -> list[str]:
@@ -536,7 +535,7 @@ class Agent:
         if edition.losses.reasons.keys() - self.edition.losses.reasons.keys():
             raise LibraryError(
                 f"it keeps what it knew: {'; '.join(edition.losses.faults)}",
-                *(remedy for ways in edition.losses.remedies.values() for remedy in ways),
+                *edition.losses.ways_out,
             )
         self.take_up(edition, library=library)
         return sorted(self.edition.files)

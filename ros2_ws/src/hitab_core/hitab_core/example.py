@@ -19,6 +19,11 @@ class ExampleKind(StrEnum):
     DEFAULT = "default"  # recorded beside a demonstrated one: keep doing what was commanded
     SUPERSEDED = "superseded"  # a default example that a command contradicts; not learned from
 
+    @property
+    def shown(self) -> str:
+        """What people read."""
+        return "overruled" if self is ExampleKind.SUPERSEDED else self.value
+
 
 @dataclass(frozen=True, slots=True)
 class Example:

@@ -78,9 +78,9 @@ class LearningAgent:
             self._temporary = tempfile.TemporaryDirectory(prefix="hitab-")
             library = self._temporary.name
         self.agent = Agent(name, domain, BehaviorLibrary(library, domain), seed=seed)
-        ways = {remedy for ways in self.agent.edition.losses.remedies.values() for remedy in ways}
         for fault in self.agent.faults:
-            warnings.warn(str(HitabError(fault, *sorted(ways, key=str))), stacklevel=2)
+            ways = self.agent.edition.losses.ways_out
+            warnings.warn(str(HitabError(fault, *ways)), stacklevel=2)
         self._cycle = 0
         self._period = period
         self._size: int | None = None

@@ -34,10 +34,12 @@ class Repertoire:
         trained: Mapping[str, Automaton] | None = None,
         lost: Mapping[str, str] | None = None,
         unread: str = "",
+        ways_out: Mapping[str, tuple[Remedy, ...]] | None = None,
     ) -> None:
         self.domain = domain
         self.lost = dict(lost or {})
         self._unread = unread
+        self._ways_out = ways_out or {}
         self.automata: dict[str, Automaton] = {}
         for automaton in domain.automata.values():
             if automaton.name not in self.lost:
@@ -105,7 +107,8 @@ class Repertoire:
 
     def _refuse_lost(self, name: str) -> None:
         if name in self.lost:
-            raise LostBehaviorError(self.lost[name], Do.CHECK_LIBRARY())
+            ways_out = self._ways_out.get(name) or (Do.CHECK_LIBRARY(),)
+            raise LostBehaviorError(self.lost[name], *ways_out)
         if self._unread and name not in self._parameters:
             raise LostBehaviorError(f'"{name}" is unknown, and {self._unread}', Do.CHECK_LIBRARY())
 

@@ -169,14 +169,15 @@ def test_the_difference_between_versions_names_examples_rules_states_and_feature
             [("Start", [20.25, 0], "GoFast"), ("GoFast", [9, 1], "Kick")],
         )
     )
-    found = difference(library.shelf.version("Approach", 1), library.shelf.version("Approach", 2))
+    first, second = (library.shelf.version("Approach", number) for number in (1, 2))
+    found = difference(first, second, library.domain)
     assert found.startswith(
         "- state GoSlow\n- state Stop\n+ state Kick\n+ feature BallIsKickable\nrules:\n"
     )
     assert "\n+ GoFast: if BallIsKickable: Kick\n" in found
-    assert "\n- Stop -> GoFast (demonstrated) DistanceTo(ball) 7.1\n" in found
+    assert "\n- Stop -> GoFast (demonstrated) DistanceTo(ball) = 7.1 m\n" in found
     control = library.file("Control")
-    assert difference(control, control) == "no difference"
+    assert difference(control, control, library.domain) == "no difference"
 
 
 def test_a_missing_behavior_is_named_with_the_line_of_the_state(

@@ -115,11 +115,14 @@ def test_an_agent_starts_with_what_is_sound_and_names_what_is_not(
     folder = agent.library.folder
     assert fault.startswith(f"Low is lost: its file in {folder} cannot be used: Low.hfa.yaml:")
     assert fault.endswith("; it is needed for High, Middle, Patrol")
-    assert agent.edition.losses.remedies["High"] == (
+    ways_out = (
         Do.RESTORE(behavior="Low", version=1, folder=folder),
         Do.DELETE(behavior="Low", folder=folder),
     )
-    assert agent.remedies == (Do.CHECK_LIBRARY(),)
+    assert agent.edition.losses.remedies["High"] == agent.remedies == ways_out
+    with pytest.raises(LostBehaviorError) as refused:
+        agent.perform(Use("High"))
+    assert refused.value.remedies == ways_out
 
 
 @pytest.mark.parametrize(

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 MINUTES_FROM_S = 120.0
 """From here on times are shown in minutes."""
 
-OVERRULED = "overruled"
-"""The kind of a default example that a command contradicts, as people read it."""
-
 COUNTS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 
 
@@ -92,7 +89,7 @@ def examples_list(
             e.state,
             *map(_shown, e.features, units, kinds),
             found.commanded(e),
-            OVERRULED if e.kind == ExampleKind.SUPERSEDED else e.kind,
+            ExampleKind(e.kind).shown,
             str(e.command),
             str(e.cycle),
             *[f"{e.ago:.2g}" if e.ago else ""] * late,
@@ -101,7 +98,7 @@ def examples_list(
     ]
     title = f"{found.name}: {quantity(len(found.examples), 'example')}"
     if superseded := sum(e.kind == ExampleKind.SUPERSEDED for e in found.examples):
-        title += f", {superseded} {OVERRULED} by a command"
+        title += f", {superseded} {ExampleKind.SUPERSEDED.shown} by a command"
     fields = "number state next_state kind command cycle ago"
     data = [
         plain(e, fields)

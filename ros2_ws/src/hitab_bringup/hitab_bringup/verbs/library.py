@@ -222,7 +222,7 @@ def diff(
     old = there.shelf.version(name, before if before is not None else versions[-2])
     new = there.shelf.version(name, after if after is not None else versions[-1])
     console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
-    console.say(difference(old, new))
+    console.say(difference(old, new, there.domain))
 
 
 for changes in (

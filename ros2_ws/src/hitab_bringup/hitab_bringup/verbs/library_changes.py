@@ -13,7 +13,7 @@ from hitab_bringup.verbs.library_options import Agent, Library, Name, opened, wr
 from hitab_client import SwarmError, console
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import as_command, called
-from hitab_core import Do, LibraryError, each_once, has, named_domain, quantity, some
+from hitab_core import Do, LibraryError, each_once, has, named_domain, quantity
 
 if TYPE_CHECKING:
     from hitab_core import BehaviorLibrary
@@ -29,7 +29,7 @@ def restore(
     """Make an earlier version of a behavior the newest one, even if it was deleted or damaged.
 
     Args:
-        version: Number of the version; without it, the versions that there are.
+        version: Number of the version; without it, the only one, or those that there are.
 
     Example:
       hitab library restore Keepaway 2 --agent keeper_1
@@ -37,14 +37,17 @@ def restore(
     there = opened(library, agent, swarm)
     if version is None:
         there.load(strict=False)
-        if versions := there.shelf.versions(name):
+        versions = there.shelf.versions(name)
+        if not versions:
+            kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
+            raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
+        if len(versions) > 1:
             raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
-        kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
-        raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
+        (version,) = versions
     path = there.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
     tell_broken(there, name)
-    _tell_users(there.folder)
+    _read_again(there.folder)
 
 
 def accept(
@@ -70,7 +73,7 @@ def accept(
             console.say(f"accepted {library.shelf.file(name)}")
             tell_broken(library, name)
         if accepted:
-            _tell_users(folder)
+            _read_again(folder)
         else:
             console.say(f"{path}: nothing to accept")
 
@@ -100,7 +103,7 @@ def delete(
         console.say(as_command(Do.RESTORE(behavior=name, version=number, folder=there.folder)))
     else:
         console.say(f"kept the damaged file in {there.folder / '.versions' / name}")
-    _tell_users(there.folder)
+    _read_again(there.folder)
 
 
 def rename(
@@ -132,7 +135,7 @@ def rename(
             f"{user} decides differently now, where its examples contradict each other; see "
             f"`{called()} library diff {user} -l {shlex.quote(str(there.folder))}`"
         )
-    _tell_users(there.folder)
+    _read_again(there.folder)
 
 
 def export(
@@ -213,7 +216,7 @@ def import_(
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
         tell_broken(there, *changed)
-        _tell_users(folder)
+        _read_again(folder)
 
 
 def reload(
@@ -287,7 +290,7 @@ def expect(
     saved = there.expect(name, kept)
     console.say(f"{name} carries {quantity(len(saved.expectations), 'expectation')}")
     tell_broken(there, name)
-    _tell_users(there.folder)
+    _read_again(there.folder)
 
 
 def tell_broken(library: BehaviorLibrary, *names: str) -> None:
@@ -297,12 +300,16 @@ def tell_broken(library: BehaviorLibrary, *names: str) -> None:
             console.note(f"but: {text}")
 
 
-def _tell_users(folder: Path) -> None:
-    """Say which agents use a library that has changed."""
+def _read_again(folder: Path) -> None:
+    """Have the agents that use a library read its change, and say what they answer."""
     from hitab_bringup.library_choice import users_of
 
     for swarm, agents in users_of(folder):
-        console.say(
-            f"the library of {some(agents, most=3)} of swarm {swarm} is used as it was before; "
-            f"`{called()} library reload --swarm {swarm}` has the change read"
-        )
+        told: list[tuple[str, str]] = []
+        try:
+            with connection(swarm) as swarm_up:
+                told += [(agent, text) for agent, text, _ in swarm_up.agents.reload(agents)]
+        except SwarmError as error:
+            told.append((swarm, f"{error.what}; its agents have not read the change"))
+        for text in each_once(told):
+            console.say(f"read again: {text}")

@@ -47,6 +47,13 @@ class Losses:
         """Return whether anything is lost."""
         return bool(self.faults)
 
+    @property
+    def ways_out(self) -> tuple[Remedy, ...]:
+        """What a person can do about the only cause; about several, see them all."""
+        if len(self.faults) == 1 and self.remedies:
+            return next(iter(self.remedies.values()))
+        return (Do.CHECK_LIBRARY(),) * bool(self)
+
 
 @dataclass(frozen=True)
 class Contents:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
+from functools import partial
 
+from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.support import situation_in_words
 from hitab_core.automaton import START
+from hitab_core.domain import Domain
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_file import BehaviorFile
 
 
-def difference(before: BehaviorFile, after: BehaviorFile) -> str:
+def difference(before: BehaviorFile, after: BehaviorFile, domain: Domain) -> str:
     """Return the differences between two versions of a behavior, as text.
 
     Each is a line, with ``-`` before what only the first version has, and ``+`` before what only
@@ -17,14 +21,20 @@ def difference(before: BehaviorFile, after: BehaviorFile) -> str:
     are ignored.
     """
     lines = []
-    for title, told in (("", _facts), ("rules:", _rules), ("examples:", _examples)):
+    examples = partial(_examples, domain=domain)
+    for title, told in (("", _facts), ("rules:", _rules), ("examples:", examples)):
         one, other = Counter(told(before)), Counter(told(after))
         changes = [f"- {text}" for text in (one - other).elements()]
         changes += [f"+ {text}" for text in (other - one).elements()]
         if title and changes:
             lines.append(title)
         lines += changes
-    return "\n".join(lines) or "no difference"
+    same = _values(before) == _values(after)
+    return "\n".join(lines) or ("no difference" if same else "less difference than is shown")
+
+
+def _values(file: BehaviorFile) -> Counter[tuple[str, str, tuple[float, ...]]]:
+    return Counter((e.state, e.next_state, e.features) for e in file.automaton.examples)
 
 
 def _facts(file: BehaviorFile) -> list[str]:
@@ -39,14 +49,16 @@ def _facts(file: BehaviorFile) -> list[str]:
     ]
 
 
-def _examples(file: BehaviorFile) -> list[str]:
-    names = [str(feature) for feature in file.automaton.features]
+def _examples(file: BehaviorFile, domain: Domain) -> list[str]:
+    uses = file.automaton.features
+    units = [domain.feature(use.name).unit for use in uses]
+    scales = tuple(map(domain.scale_of, uses))
+    # By name, so that examples compare equal after another feature was trimmed.
+    evidence = Evidence.of("", (), scales, list(map(str, uses)), units)
     found = []
     for example in file.automaton.examples:
-        # By name, so that examples compare equal after another feature was trimmed.
-        values = zip(names, example.features, strict=True)
-        seen = ", ".join(f"{name} {value!r}" for name, value in values)
-        text = f"{example.state} -> {example.next_state} ({example.kind}) {seen}"
+        seen = situation_in_words(evidence, example.features, range(len(uses)))
+        text = f"{example.state} -> {example.next_state} ({example.kind.shown}) {seen}"
         found.append(text.rstrip())
     return found
 

@@ -105,7 +105,8 @@ class Editions:
         found = self._editions.get(key)
         if found is None:
             automata = {name: file.automaton for name, file in files.items()}
-            repertoire = Repertoire(self.domain, automata, losses.reasons, losses.unread)
+            lost = losses.reasons, losses.unread, losses.remedies
+            repertoire = Repertoire(self.domain, automata, *lost)
             found = Edition(dict(files), repertoire, losses)
             self._editions[key] = found
         return found

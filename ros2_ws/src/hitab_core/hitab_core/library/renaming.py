@@ -42,7 +42,7 @@ def plan_renaming(
         raise LibraryError(
             f'"{old}" cannot be renamed yet, since files that may use it cannot be read: '
             f"{'; '.join(change.losses.faults)}",
-            *(remedy for ways in change.losses.remedies.values() for remedy in ways),
+            *change.losses.ways_out,
         )
     if old not in files:
         raise LibraryError(f'there is no behavior "{old}" {has(files, old)}')
