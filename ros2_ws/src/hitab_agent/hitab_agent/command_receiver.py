@@ -59,6 +59,7 @@ class CommandReceiver:
                     ago=command.ago,
                     seen=command.seen,
                     pace=command.pace,
+                    unrecorded=command.unrecorded,
                     request=request if request.number else None,
                 )
                 status.left = taught[0].state if taught else ""

@@ -101,6 +101,7 @@ class SwarmClient(AgentPresence):
         ago: float = 0.0,
         seen: int = 0,
         pace: float = 0.0,
+        unrecorded: bool = False,
         sequence: int = 0,
         seconds: float = ACKNOWLEDGE_SECONDS,
         demonstrator: str = "",
@@ -116,6 +117,7 @@ class SwarmClient(AgentPresence):
             seen: the world's cycle that the demonstrator saw; 0: the last one.
             pace: simulated seconds in a second of a person who is late by nobody knows how much;
                 0: ``ago`` is known.
+            unrecorded: only perform it; no example is recorded.
             sequence: number of the command, such as the time in microseconds. An agent obeys a
                 number once, so a lost command can be sent again with its number. 0: a new one.
             seconds: how long to wait.
@@ -140,6 +142,7 @@ class SwarmClient(AgentPresence):
             ago=ago,
             seen=seen,
             pace=pace,
+            unrecorded=unrecorded,
         )
 
         def answered() -> bool:

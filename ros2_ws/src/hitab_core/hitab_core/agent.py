@@ -372,6 +372,7 @@ class Agent:
         ago: float = 0.0,
         seen: int = 0,
         pace: float = 0.0,
+        unrecorded: bool = False,
         request: Request | None = None,
     ) -> list[Example]:
         """Obey a demonstrator; see `TrainingSession.command`.
@@ -381,6 +382,7 @@ class Agent:
             ago: how long before what the demonstrator saw it was due, s of simulated time.
             seen: the world's cycle that the demonstrator saw; 0: that of the last percept.
             pace: simulated seconds in a second of the demonstrator; 0: the situation has waited.
+            unrecorded: only perform it; no example is recorded.
             request: who commands it and with which number.
 
         Raises:
@@ -406,6 +408,8 @@ class Agent:
         if self.awaits_percept:
             raise FeatureValueError(BLIND)
         with self.context.senses.blind_unless_perceived():
+            if unrecorded:
+                return session.bring_into(use)
             return session.command(use, self.cycle, ago=ago, seen=seen, pace=pace, request=request)
 
     @property

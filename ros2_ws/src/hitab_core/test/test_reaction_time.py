@@ -11,6 +11,7 @@ import pytest
 from hitab_core import (
     Agent,
     BehaviorLibrary,
+    HitabError,
     TrainingError,
     Use,
     plain_domain,
@@ -303,3 +304,37 @@ def test_a_late_command_counts_for_now_if_nothing_was_perceived_since_the_traini
     assert (taught.features, taught.ago) == ((5.0,), 0.0)
     with pytest.raises(TrainingError, match="cannot have been due 20 s ago"):
         cart.command("Left", ago=20.0)
+
+
+def test_a_state_that_the_agent_is_brought_into_teaches_nothing_and_is_what_is_corrected(
+    tmp_path,
+):
+    driven = Driven(tmp_path)
+    driven.run()
+    driven.command("Left")
+    driven.run(5)
+    taught = driven.examples()
+    assert driven.agent.command(Use("Right"), unrecorded=True) == []
+    assert driven.agent.active_path == ["Right"]
+    assert driven.examples() == taught
+    assert driven.agent.session.note == "was brought into Right; no example was recorded"
+    driven.run(2)
+    # Before that, it was in a state that the person did not mean: no reaction is so long.
+    corrected = driven.command("Left", ago=0.4)
+    assert (corrected.state, corrected.next_state) == ("Right", "Left")
+    assert corrected.cycle == 6
+    driven.restarted()
+    assert len(driven.examples()) == len(taught) + 2
+
+
+def test_an_agent_is_brought_into_a_state_only_in_training_and_only_into_one_that_there_is(
+    tmp_path,
+):
+    driven = Driven(tmp_path)
+    driven.run()
+    with pytest.raises(HitabError, match='unknown behavior "Rihgt"'):
+        driven.agent.command(Use("Rihgt"), unrecorded=True)
+    driven.command("Left")
+    driven.agent.test()
+    with pytest.raises(TrainingError, match="is being tested"):
+        driven.agent.command(Use("Right"), unrecorded=True)

@@ -28,6 +28,7 @@ def demonstrate(
     behavior: str,
     targets: Targets = None,
     ago: Annotated[float | None, typer.Option("--ago")] = None,
+    unrecorded: Annotated[bool, typer.Option("--unrecorded")] = False,
     swarm: SwarmName = None,
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
@@ -41,6 +42,8 @@ def demonstrate(
     Args:
         behavior: A behavior, such as GoFast, or GoTo(ball).
         ago: How long ago it was due, s of your time. Default: your reaction time.
+        unrecorded: Only bring the agent into that state, such as to correct what it does there;
+            no example is recorded.
 
     Examples:
       hitab demonstrate keeper_1 GoFast
@@ -48,6 +51,7 @@ def demonstrate(
       hitab demonstrate keeper_1 RunTowards direction=40
       hitab demonstrate keeper_1 GoFast --ago 0.5
       hitab demonstrate keeper_1 Done
+      hitab demonstrate keeper_1 TurnToBall --unrecorded
     """
     from hitab_client import reaction_time
 
@@ -57,7 +61,7 @@ def demonstrate(
     else:
         reaction_time.check(ago)
     with connection(swarm) as swarm_up:
-        due, seen = _due(swarm_up, agent, ago) if ago else (0.0, 0)
+        due, seen = _due(swarm_up, agent, ago) if ago and not unrecorded else (0.0, 0)
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
 
         status = swarm_up.agents.command(
@@ -66,6 +70,7 @@ def demonstrate(
             [*use.arguments, *(targets or [])],
             ago=due,
             seen=seen,
+            unrecorded=unrecorded,
             world=swarm_up.world,
         )
     console.say(outcome(agent, use.name, status))

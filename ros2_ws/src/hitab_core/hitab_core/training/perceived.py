@@ -150,13 +150,14 @@ class Perceived:
         self.silence.end()
         self._entered = None
 
-    def restart(self) -> None:
-        """Forget what was before the last percept, which begins an episode, in Start."""
+    def restart(self, state: str = START) -> None:
+        """Forget what was before the last percept, which begins an episode, or another state."""
         latest = self.moments.latest
         self.begin()
         if latest is not None:
             self.situations.forget_from(latest.time)
-            begun = replace(latest, state=START)
+            readings = as_entered(self.readable, latest.readings)
+            begun = replace(latest, state=state_of(state), readings=readings)
             self.moments.add(begun)
             self._meet(begun)
 

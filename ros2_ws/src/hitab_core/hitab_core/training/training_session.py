@@ -295,11 +295,7 @@ class TrainingSession:
             VocabularyError: if there is no such behavior or target.
             FeatureValueError: if no feature had a value, or one was infinite.
         """
-        if self.testing:
-            raise TrainingError(
-                f'"{self.curriculum.name}" is being tested; go to training mode to take over '
-                "before commanding"
-            )
+        self._check_controlled()
         state, numbers = self.context.repertoire.commanded(state)
         try:
             taught = self._record(state, numbers, cycle, ago, seen, pace, request)
@@ -307,12 +303,39 @@ class TrainingSession:
         except (FeatureValueError, TrainingError, LibraryError) as error:
             if not self.context.repertoire.stands_still(state):
                 raise
-            taught = []
-            self.note = f"stands still, but {state} was not recorded: {error}"
-            self.running.add_state(state)
-            self.running.go_to(str(state))
+            taught = self._enter(state, f"stands still, but {state} was not recorded: {error}")
         self._taken_over = False
         return taught
+
+    def bring_into(self, state: Use) -> list[Example]:
+        """Perform a behavior now and record nothing, such as to correct what is done there.
+
+        Raises:
+            TrainingError, VocabularyError: as `command`.
+        """
+        self._check_controlled()
+        state, numbers = self.context.repertoire.commanded(state)
+        self._check_state(state)
+        self._enter(state, f"was brought into {state}; no example was recorded")
+        self.running.set_numbers(numbers)
+        self._taken_over = False
+        return []
+
+    def _enter(self, state: Use, note: str) -> list[Example]:
+        """Perform a behavior of which no example is recorded."""
+        self.note = note
+        self.running.take_down_flags()
+        self.running.add_state(state)
+        self.running.go_to(str(state))
+        self.perception.restart(str(state))
+        return []
+
+    def _check_controlled(self) -> None:
+        if self.testing:
+            raise TrainingError(
+                f'"{self.curriculum.name}" is being tested; go to training mode to take over '
+                "before commanding"
+            )
 
     def _record(
         self,
