@@ -100,6 +100,8 @@ def test_the_emergency_stop_holds_the_robot_until_it_is_released_and_re_armed(de
     desk.link.spin_until(lambda: False, 0.1)
     assert desk.moves()
     desk.until(lambda: desk.has_fault("a dog"))
+    assert "a dog" in desk.status.stopped
+    assert "a dog" in desk.hitab("status", "--check", status=1)
     desk.hitab("train", ROBOT, "Held", "--state", "TurnLeft")
     for verb in (("demonstrate", ROBOT, "TurnLeft"), ("test", ROBOT)):
         assert "but: stopped: emergency stop by" in desk.hitab(*verb), verb

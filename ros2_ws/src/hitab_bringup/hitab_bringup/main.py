@@ -107,6 +107,7 @@ PANELS: dict[str, tuple[Callable[..., None], ...]] = {
         commanding.distribute,
         commanding.vocabulary,
         perceiving.perceive,
+        perceiving.why,
         evaluate.evaluate,
         exporting.export,
         emergency.stop,

@@ -17,6 +17,7 @@ class World:
 
     def __init__(self, interrupted_after: int) -> None:
         self.cycle, self.last, self.left = 100, 100, interrupted_after
+        self.status = None
 
     def wait(self) -> WorldStatus:
         return WorldStatus()
@@ -27,7 +28,9 @@ class World:
 
     step = WorldClient.step
 
-    def state_at(self, cycle: int, seconds: float = 10.0) -> SimpleNamespace:
+    def state_at(
+        self, cycle: int, seconds: float = 10.0, stopped: object = None
+    ) -> SimpleNamespace:
         if self.cycle < cycle <= self.last:
             if not self.left:
                 raise KeyboardInterrupt

@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 LOOK_SECONDS = 3.0
 """How long to look for a swarm that the registry does not know."""
 
+ALONE_SECONDS = 1.0
+"""How long to look if nobody at all is there, s: the first answer comes much earlier."""
+
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 
 
@@ -170,7 +173,7 @@ def none_is_up(domain_id: int | None) -> tuple[str, list[Remedy]]:
                 f'"{record.swarm}" runs in ROS domain {record.domain_id}; '
                 f"choose it with --swarm {name_to_choose(record)}, or unset ROS_DOMAIN_ID."
             )
-    known.append(f"Looking for {LOOK_SECONDS:g} s for one that was started elsewhere ...")
+    known.append("Looking for one that was started elsewhere ...")
     return " ".join(known), remedies
 
 
@@ -203,7 +206,10 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
         there = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
         return there & {namespace.rstrip("/")} if namespace else there
 
-    if not link.spin_until(spaces, LOOK_SECONDS):
+    def somebody() -> bool:
+        return len(link.node.get_node_names()) > 1
+
+    if not (link.spin_until(somebody, ALONE_SECONDS) and link.spin_until(spaces, LOOK_SECONDS)):
         which = f"namespace {namespace} of {where}" if namespace else where
         raise SwarmError(f"no swarm answers in {which}", Do.UP(swarm="keepaway"))
     there: set[str] = set()

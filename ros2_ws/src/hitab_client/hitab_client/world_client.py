@@ -15,6 +15,7 @@ from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_core import Do, some
 from hitab_ros import names, qos
+from hitab_ros.conversions import remedies_of
 from hitab_ros.stamps import seconds_of
 
 NO_WORLD = "no world answers; is a swarm with a world up?"
@@ -190,10 +191,25 @@ class WorldClient:
             SwarmError: if one takes longer.
         """
         last = self.control(Control.Request.STEP, cycles=cycles).cycle
+        told = [self.status]
+
+        def rests() -> bool:
+            """Raise if the world rests before, by a status that was sent since then."""
+            if self.status is not told[-1]:
+                told.append(self.status)  # the first new one may have been sent before
+            if (status := told[-1]) and len(told) > 2 and self.is_paused and status.cycle < last:
+                why = status.last_error or "it was paused"
+                raise SwarmError(
+                    f"the world did not reach cycle {last}, but rests at cycle {status.cycle}: "
+                    f"{why}",
+                    *remedies_of(status.remedies),
+                )
+            return False
+
         state = self.state_at(0, seconds)
         while state.cycle < last:
             left(last - state.cycle)
-            state = self.state_at(state.cycle + 1, seconds)
+            state = self.state_at(state.cycle + 1, seconds, rests)
         self._await_status(lambda status: status.cycle >= last)
         return state
 
@@ -209,13 +225,21 @@ class WorldClient:
             return state.cycle
         return max(1, state.cycle - round(seconds * state.cycle / now))
 
-    def state_at(self, cycle: int, seconds: float = 10.0) -> WorldState:
+    def state_at(
+        self, cycle: int, seconds: float = 10.0, rests: Callable[[], bool] = lambda: False
+    ) -> WorldState:
         """Wait for the state of a cycle, or of a later one.
+
+        Args:
+            cycle: of the world.
+            seconds: how long to wait.
+            rests: raises if it will not come.
 
         Raises:
             SwarmError: if it does not come in time.
         """
-        return self._awaited(lambda state: state.cycle >= cycle, f"reach cycle {cycle}", seconds)
+        what = f"reach cycle {cycle}"
+        return self._awaited(lambda state: state.cycle >= cycle or rests(), what, seconds)
 
     def _awaited(
         self, right: Callable[[WorldState], bool], what: str, seconds: float

@@ -1,4 +1,4 @@
-"""The verb that shows what an agent perceives now: perceive."""
+"""Verbs that show what an agent perceives now, and why it changes its state: perceive, why."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup.verbs.connection import Connection, connection
+from hitab_bringup.verbs.connection import WATCH_SECONDS, Connection, connection
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import FLAGS, OWN_NAMES, FeatureKind, Use, shown_unit, shown_value
@@ -43,6 +43,40 @@ def perceive(
             swarm_up.watch(lambda: _rendered(_read(swarm_up, agent, chosen, words)))
         data = _read(swarm_up, agent, chosen, words)
         console.show(json, data, *_rendered(data))
+
+
+def why(agent: AgentName, swarm: SwarmName = None) -> None:
+    """Show each change of state from now on: what the decision looked at, or a command.
+
+    It ends with Ctrl-C. In a world that is paused, step on in another terminal.
+
+    Example:
+      hitab why keeper_1
+    """
+    with connection(swarm) as swarm_up:
+        from hitab_msgs.msg import TransitionEvent
+
+        from hitab_ros import names, qos
+
+        agents = swarm_up.agents
+        known = {Use.parse(f.name).name: f for f in agents.vocabulary(agent).features}
+
+        def seen(name: str, value: float) -> str:
+            feature = known.get(Use.parse(name).name)
+            kind, unit = (feature.kind, feature.unit) if feature else (FeatureKind.BOOLEAN, "")
+            return f"{name} = {_value(value, kind, unit)} {shown_unit(unit)}".rstrip()
+
+        def told(event: TransitionEvent) -> None:
+            looked_at = ", ".join(map(seen, event.features, event.values))
+            because = "commanded" if event.commanded else looked_at or "always"
+            change = f"{'/'.join(event.automaton)}: {event.from_state} -> {event.to_state}"
+            console.say(f"cycle {event.cycle}: {change} ({because})")
+
+        topic = names.of_agent(agent, names.TRANSITIONS, agents.prefix)
+        swarm_up.link.subscribe(TransitionEvent, topic, told, qos.EVENTS)
+        console.note(f"{agent} is {agents.statuses[agent].mode}; Ctrl-C ends this")
+        while True:
+            swarm_up.link.spin(WATCH_SECONDS)
 
 
 def _all(words: Any) -> Iterator[str]:
@@ -96,7 +130,7 @@ def _rendered(data: dict[str, Any]) -> list[Any]:
 
 def _value(value: float | None, kind: str, unit: str, **_: Any) -> str:
     """Return a value for people."""
-    if value is None:
+    if value is None or math.isnan(value):
         return "no value"
     if kind == FeatureKind.BOOLEAN:
         return "yes" if value else "no"

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 AGENT = (
     "domain mode behavior active_path examples default_examples cycle library_digest last_error "
-    "faults note unsure questions remarks"
+    "faults stopped note unsure questions remarks"
 )
 WORLD = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
 """Fields of statuses that are shown."""
@@ -35,6 +35,7 @@ LOOK_SECONDS = 1.0  # for a world that was started by hand
 
 def status(
     watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
+    check: Annotated[bool, typer.Option("--check")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -42,10 +43,12 @@ def status(
 
     Args:
         watch: Keep it up to date.
+        check: Exit with 1 if somebody does not answer, is stopped or has a fault.
 
     Examples:
       hitab status
       hitab status --watch
+      hitab status --check --json -
     """
     with connection(swarm, reads=True) as swarm_up:
         swarm_up.agents.await_agents()
@@ -64,6 +67,9 @@ def status(
                 Do.UP(swarm="keepaway"),
             )
         console.show(json, data, *_rendered(data, silent))
+        told = [*data["agents"], *filter(None, [data["world"]])]
+        if check and (silent or any(one["faults"] or one.get("missing") for one in told)):
+            raise typer.Exit(1)
 
 
 def _await_world(swarm_up: Connection) -> None:
