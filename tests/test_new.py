@@ -60,6 +60,19 @@ def test_a_new_robot_is_tested_installed_started_and_trained(run, apart):
     run("hitab", "down")
 
 
+def test_a_new_robot_with_standard_messages_is_tested_and_has_no_link_of_its_own(run, apart):
+    assert "link.py" not in run("hitab", "new", "rover", "--standard")
+    tested = run(sys.executable, "-m", "pytest", "-o", "pythonpath=rover", "rover")
+    assert "2 passed" in tested
+    names = {str(path.relative_to("rover")) for path in Path("rover").rglob("*.*")}
+    assert {"rover/domain.py", "setup.py", "package.xml", "swarm.yaml"} <= names
+    assert "rover/link.py" not in names
+    domain = (apart / "rover/rover/domain.py").read_text()
+    assert 'link="hitab_robots:RobotLink"' in domain
+    refused = run("hitab", "new", "pond", "--world", "--standard", fails=True)
+    assert "leave out --world" in " ".join(refused.split())
+
+
 def test_a_new_world_is_tested_started_and_trained(run):
     run("hitab", "new", "pond", "--world")
     assert "1 passed" in run(sys.executable, "-m", "pytest", "pond.py")

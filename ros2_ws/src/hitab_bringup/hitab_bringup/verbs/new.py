@@ -21,7 +21,11 @@ SUFFIX = ".txt"
 NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", re.ASCII)
 
 
-def new(name: str, world: Annotated[bool, typer.Option("--world")] = False) -> None:
+def new(
+    name: str,
+    world: Annotated[bool, typer.Option("--world")] = False,
+    standard: Annotated[bool, typer.Option("--standard")] = False,
+) -> None:
     """Write a robot of your own, or with --world a simulated world in one file, to begin with.
 
     What is written can be started, tested and trained at once; then change it.
@@ -29,29 +33,37 @@ def new(name: str, world: Annotated[bool, typer.Option("--world")] = False) -> N
     Args:
         name: Of the folder my_robot, or the file my_world.py; neither may exist yet.
         world: Write a world in one file instead of a robot's package.
+        standard: The robot has standard messages: odometry, a scanner and velocities. It can be
+            tested at once, and started beside its driver.
 
     Examples:
       hitab new my_robot
+      hitab new my_robot --standard
       hitab new my_world --world
     """
     kind = "world" if world else "robot"
     placeholder = f"my_{kind}"
     _refuse_taken(name, placeholder)
     to = Path(f"{name}.py" if world else name)
+    if world and standard:
+        raise typer.BadParameter("--standard is for a robot; leave out --world")
     if to.exists() or to.is_symlink():
         raise HitabError(f"{to} exists already; choose another name, or another folder")
-    for template in sorted((TEMPLATES / kind).rglob(f"*{SUFFIX}")):
-        path = str(template.relative_to(TEMPLATES / kind)).removesuffix(SUFFIX)
-        file = to if world else to / path.replace(placeholder, name)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(template.read_text("utf-8").replace(placeholder, name), "utf-8")
+    own = TEMPLATES / ("standard" if standard else kind)
+    for base in (own,) if world else (own, TEMPLATES / "package"):
+        for template in sorted(base.rglob(f"*{SUFFIX}")):
+            path = str(template.relative_to(base)).removesuffix(SUFFIX)
+            file = to if world else to / path.replace(placeholder, name)
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(template.read_text("utf-8").replace(placeholder, name), "utf-8")
     hitab = called()
     if world:
         console.say(
             f"wrote {to}; start it: {hitab} up {to}; test it (pip install pytest): pytest {to}"
         )
         return
-    console.say(f"wrote {to}/; its words are in {name}/domain.py, its driver in {name}/link.py")
+    driver = "" if standard else f", its driver in {name}/link.py"
+    console.say(f"wrote {to}/; its words are in {name}/domain.py{driver}")
     console.say(f"install it: pip install --no-build-isolation --no-deps -e ./{to}")
     console.say(f"start it: {hitab} up {to}/swarm.yaml")
     console.say(f"let it act, after each start and each stop: {hitab} arm robot_1")
