@@ -195,8 +195,16 @@ class Cast:
         """
         for agents, text in map(self._whose, texts):
             if version := _VERSION.fullmatch(text):
-                for name in agents:
-                    self._versions.setdefault(name, {})[version[1]] = int(version[2])
+                behavior, number = version[1], int(version[2])
+                # Agents in other roles have learned other behaviors, or have other versions.
+                having = [
+                    name
+                    for name in agents
+                    if (library := self._libraries[name])
+                    and number in open_library(library).shelf.versions(behavior)
+                ]
+                for name in having or agents:  # the first is refused with what it has
+                    self._versions.setdefault(name, {})[behavior] = number
             else:
                 self._libraries |= dict.fromkeys(agents, named_library(text))
 

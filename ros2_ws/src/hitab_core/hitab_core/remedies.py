@@ -25,7 +25,9 @@ class Do(Enum):
     VOCABULARY = "list what {agent} can do and perceive"
     QUESTIONS = "see what {agent} asks"
     EXAMPLES = "list the examples of {agent}"
-    RELABEL = "have example {number} of {agent} go to {behavior}"
+    RELABEL = (
+        "have example {number} of {agent} go to {behavior} instead of {before}, if that is wrong"
+    )
     EXAMPLES_OF = "list the examples of a trained behavior of {agent}"
     TEST = "test what {agent} has learned"
     CAUTION = "say when an agent is unsure"

@@ -68,7 +68,10 @@ def test_commands_that_lead_back_to_each_other_in_one_situation_make_a_loop(
     assert remark.code is Sign.LOOP
     assert dict(remark.arguments)["states"] == "Stop and Right"
     assert str(remark).startswith(("with Position = 3", "with no feature chosen"))
-    assert remark.remedy == Do.RELABEL(agent="cart", number=3, behavior="Stop")
+    assert remark.remedy == Do.RELABEL(agent="cart", number=3, behavior="Stop", before="Right")
+    assert "have example 3 of cart go to Stop instead of Right, if that is wrong" in str(
+        remark.remedy
+    )
     assert cart.agent.session is not None
     cart.agent.session.relabel([3], Use("Stop"))
     assert cart.remarks == []

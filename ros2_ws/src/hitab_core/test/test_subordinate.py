@@ -81,6 +81,7 @@ def test_the_newest_order_is_performed_once_training_lets_it(tmp_path_factory, e
     agent.sense((1.0,), ())
     subordinate = Subordinate(agent, "scout")
     newest, performs, pending, training, lockstep = (0, 0), "", None, False, False
+    in_force = None
     started: list[str] = []
 
     def obey():
@@ -101,9 +102,11 @@ def test_the_newest_order_is_performed_once_training_lets_it(tmp_path_factory, e
                 ]
                 if number[1]:
                     pending = known[0] if known else None
+                    in_force = in_force if pending is None else pending
         elif event == "train":
             agent.begin(Curriculum("Trip", (Use("Speed"),)), discard=True)
-            training, performs = True, ""
+            subordinate.settle()
+            training, performs, pending = True, "", in_force
         elif event == "discard" and training:
             agent.discard()
             training = False

@@ -141,5 +141,6 @@ class _Looping:
                 changed = replace(self.automaton, examples=tuple(superseding(examples)))
                 changed = relearned(changed, self.repertoire.domain, self.classifier)
                 if not self.trap(changed, state, values):
-                    return Do.RELABEL(number=stays.number, behavior=label)
+                    before = leaving[0].next_state
+                    return Do.RELABEL(number=stays.number, behavior=label, before=before)
         return Do.CHOOSE_FEATURES()

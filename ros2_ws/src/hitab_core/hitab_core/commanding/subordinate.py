@@ -83,11 +83,12 @@ class Subordinate:
 
     def settle(self) -> bool:
         """Carry out a pending order if nothing prevents it; return whether it was carried out."""
-        if not self.waits or self.ordered is None:
-            return False
         agent = self.agent
-        if agent.mode in (Mode.TRAINING, Mode.TESTING):
-            self.refusal = ""
+        if self.ordered is not None and agent.mode in (Mode.TRAINING, Mode.TESTING):
+            # That in force as well: the training has taken its place.
+            self.waits, self.refusal = True, ""
+            return False
+        if not self.waits or self.ordered is None:
             return False
         try:
             use = Use.parse(self.ordered) if self.ordered else None
