@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 from waiting import within
 
-CORRIDOR = (Path(__file__).parents[1] / "examples/corridor.py").read_text()
+EXAMPLES = Path(__file__).parents[1] / "examples"
+CORRIDOR = (EXAMPLES / "corridor.py").read_text()
 FAILS = CORRIDOR.replace("        if self.gone > 4.0", "        1 / 0\n        if self.gone > 4.0")
 
 
@@ -49,8 +50,35 @@ def test_agents_of_a_world_in_one_file_are_trained_saved_and_there_again(run, ap
     assert json.loads(run(*evaluated))["measures"] == first["measures"]
 
 
+def test_a_world_in_one_file_is_played_under_a_commander(run):
+    run("up", str(EXAMPLES / "corridor_team.yaml"), "--paused")
+    run("status", "--check")
+    run("train", "captain", "Gather", "-f", "Middle")
+    run("demonstrate", "captain", "Left")
+    run("world", "step", "15")
+    run("demonstrate", "captain", "Right")
+    assert "orders Right: 2 of 2 perform it" in run("tree")
+    run("save", "captain")
+    assert "captain performs Gather" in run("order", "captain", "Gather")
+    # Nothing is recorded of a state that an agent is only brought into.
+    run("train", "agent_1", "Shuttle", "-f", "Position")
+    run("demonstrate", "agent_1", "Right")
+    told = run("demonstrate", "agent_1", "Left", "--unrecorded")
+    assert "agent_1 performs Left; Shuttle has 2 examples (1 default); agent_1 was brought" in told
+    assert "agent_1: Left -> Right; Shuttle has 4 examples" in run(
+        "demonstrate", "agent_1", "Right"
+    )
+    run("discard", "agent_1", "--yes")
+    assert "agent_1: Right" in run("tree"), "it obeys its commander again"
+    run("down")
+    ended = run(
+        "evaluate", str(EXAMPLES / "corridor_team.yaml"), "-b", "captain=Gather", "-n", "2"
+    )
+    assert "evaluated: 2 far" in ended
+
+
 def test_a_step_that_raises_is_in_the_status_with_its_line_and_the_world_goes_on_waiting(
-    run, apart
+    run, hitab, apart
 ):
     path = written(apart, FAILS)
     line = FAILS.splitlines().index("        1 / 0") + 1
@@ -61,7 +89,16 @@ def test_a_step_that_raises_is_in_the_status_with_its_line_and_the_world_goes_on
         return world["mode"] == "paused" and f"corridor.py:{line}" in str(world)
 
     assert within(30.0, failed)
+    step = hitab("world", "step", "5")
+    assert step.returncode == 1
+    told = " ".join(step.stderr.split())
+    assert (
+        f"the world did not reach cycle 1, but rests at cycle 0: paused: step failed: {path}"
+        in told
+    )
+    assert hitab("status", "--check").returncode == 1
     run("down")
+    assert hitab("status").returncode == 1
 
 
 @pytest.mark.parametrize(

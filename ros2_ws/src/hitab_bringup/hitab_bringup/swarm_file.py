@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from hitab_bringup.command_tree import CommandTree, in_hosts
+from hitab_bringup.library_choice import known_libraries
 from hitab_bringup.swarm_description import (
     AGENT,
     SIM_TIME,
@@ -43,6 +44,9 @@ FORMAT = 2
 """The newest format version that is read."""
 
 WORLDS = "hitab.worlds"
+FILE = ".py"
+"""Of a world in one file, and of the words of its agents."""
+
 NODES = {"remap", SIM_TIME}
 MEMBERS = {*NODES, "library", "start_from", "behavior", "seed", "parameters", "domain", "without"}
 ROS_WORDS = {*NODES, "namespace", "parameters", "agents"}
@@ -150,6 +154,11 @@ class _Reader:
         commanders = [c for group in lines.values() for c in group]
         groups = {key: tree.with_superiors(group) for key, group in groups.items()}
         agents = [agent for group in groups.values() for agent in group]
+        if self._world_file:
+            there = {f"agent_{i + 1}" for i in range(len(agents))}
+            if there != {agent.name for agent in agents}:
+                text = "of a world in one file are called agent_1, agent_2 and so on: rename them"
+                self._complaints.add(("agents",), text)
         for section, found in (("agents", groups), ("commanders", lines)):
             for key, group in found.items():
                 self._claim(section, key, {*(member.name for member in group), key})
@@ -180,29 +189,52 @@ class _Reader:
     def _check_folders(self, line: MemberSettings, *place: str) -> None:
         for key in sorted({"library", "start_from"} & line.model_fields_set):
             folder = getattr(line, key)
-            if folder and AGENT not in folder and not (self._path.parent / folder).is_dir():
+            there = self._start(folder) if key == "start_from" else self._path.parent / folder
+            if folder and AGENT not in folder and not there.is_dir():
                 text = (
                     f'`{key}:` there is no folder "{folder}"; make it, correct the path, which is '
                     "relative to this file, or leave it out"
                 )
                 self._complaints.add((*place, key), text)
 
+    @property
+    def _world_file(self) -> str:
+        """The file of the world, whose words its agents have; empty: it is in no file."""
+        world = self._file.world
+        return world.kind if world is not None and world.kind.endswith(FILE) else ""
+
+    def _start(self, text: str) -> Path:
+        """Return a library to begin with: a folder, or one that has a name, as for `up -l`."""
+        there = self._path.parent / text
+        return there if there.is_dir() else known_libraries().get(text, there)
+
+    def _in_file(self, text: str) -> str:
+        """Return the path of a file with a world, or its words; other names are as they are."""
+        return str((self._path.parent / text).resolve()) if text.endswith(FILE) else text
+
     def _world(self, line: WorldLine) -> WorldDescription:
-        module = line.module or world_module(line.kind)
+        kind, parameters = line.kind, line.parameters
+        module = line.module or world_module(kind)
+        if kind.endswith(FILE):
+            path = self._in_file(kind)
+            kind, module = Path(path).stem, "hitab_world.simulation_main"
+            count = sum(one.count or 1 for one in self._file.agents.values())
+            parameters = {"file": path, "agents": count, **parameters}
         if not module_exists(module):
             text = (
-                f'unknown world "{line.kind}": Python module {module} is not installed; install '
-                "its package, or name the module with `module:`"
+                f'unknown world "{kind}": Python module {module} is not installed; install '
+                "its package, or name the module with `module:`. Of a world in one file, give the "
+                "file: my_world.py"
             )
             self._complaints.add(("world", "kind"), text)
         return WorldDescription(
-            line.kind,
+            kind,
             module,
             line.pace,
             line.factor,
             line.seed,
             line.paused,
-            line.parameters,
+            parameters,
             line.node_parameters,
             {**self._file.remap, **line.remap},
         )
@@ -214,6 +246,7 @@ class _Reader:
         for key, line in self._file.agents.items():
             self._check_folders(line, "agents", key)
             own = _under(self._file, line, MEMBERS)
+            own = own.but(domain=self._in_file(own.domain or self._world_file))
             names = [f"{key}_{i + 1}" for i in range(line.count)] if line.count else [key]
             groups[key] = [
                 AgentDescription(
@@ -247,7 +280,7 @@ class _Reader:
         return {
             "name": name,
             "library": base / own.library.replace(AGENT, name) if own.library else None,
-            "start_from": base / own.start_from if own.start_from else None,
+            "start_from": self._start(own.start_from) if own.start_from else None,
             "behavior": own.behavior,
             "seed": own.seed,
             "role": key if own.role is None else own.role,

@@ -47,12 +47,7 @@ def _of_simulation(path: Path, agents: int, run_dir: Path | None) -> SwarmDescri
     count = agents or simulation_in(path).agents
     swarm = {
         "swarm": path.stem,
-        "domain": str(path),
-        "world": {
-            "kind": path.stem,
-            "module": "hitab_world.simulation_main",
-            "parameters": {"file": str(path), "agents": count},
-        },
+        "world": {"kind": str(path)},
         "agents": {"agent": {"count": count}},
     }
     return parse_swarm(json.dumps(swarm), path, run_dir)

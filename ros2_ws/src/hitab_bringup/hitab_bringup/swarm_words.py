@@ -68,7 +68,7 @@ class Words:
 
     def may_have(self, member: AgentDescription, behavior: str) -> bool:
         """Whether a member may have a behavior; a library in the run folder may hold more."""
-        is_known = isinstance(member, CommanderDescription) or member.domain in self._domains
+        is_known = isinstance(member, CommanderDescription) or not self.wrong_domain(member.domain)
         folders = _folders(member)
         kept = behavior in self._kept or any(behavior in _in(folder) for folder in folders)
         return not is_known or not folders or kept or behavior in self._own(member)
@@ -88,14 +88,14 @@ class Words:
         if isinstance(member, CommanderDescription):
             orders = member.kind.orders
             return {o.name: (o.parameter,) if o.parameter else () for o in orders}
-        if member.domain not in self._domains:
+        if self.wrong_domain(member.domain):
             return {}
         domain = load_domain(member.domain)
         known = {name: behavior.parameters for name, behavior in domain.behaviors.items()}
         return known | {name: automaton.parameters for name, automaton in domain.automata.items()}
 
     def _trained(self, member: AgentDescription) -> dict[str, tuple[str, ...]]:
-        if member.domain not in self._domains:
+        if self.wrong_domain(member.domain):
             return {}
         found: dict[str, tuple[str, ...]] = {}
         for folder in _folders(member):

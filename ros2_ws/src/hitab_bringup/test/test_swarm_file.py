@@ -120,3 +120,45 @@ def test_everything_wrong_is_told_with_its_place(text, expected):
 def test_all_complaints_come_at_once():
     told = complaint("domain: keepaway\nworld: {pace: fast}\nagents:\n  a: {seed: -1}\n")
     assert [line.split(":")[1] for line in told.splitlines()] == ["2", "2", "4"]
+
+
+def one_file(tmp_path: Path) -> Path:
+    text = Path("examples/corridor.py").read_text()
+    (tmp_path / "hall.py").write_text(text)
+    return tmp_path / "team.yaml"
+
+
+def test_the_world_of_a_swarm_may_be_one_file_whose_words_its_agents_have(tmp_path):
+    text = (
+        "world: {kind: hall.py}\n"
+        "agents:\n  agent: {count: 2}\n"
+        "kinds: {Squad: {}}\ncommanders:\n  captain: {kind: Squad, commands: agent}\n"
+    )
+    swarm = parse_swarm(text, one_file(tmp_path))
+    file = str((tmp_path / "hall.py").resolve())
+    assert swarm.world is not None
+    assert (swarm.world.kind, swarm.world.module) == ("hall", "hitab_world.simulation_main")
+    assert swarm.world.parameters == {"file": file, "agents": 2}
+    assert {agent.domain for agent in swarm.agents} == {file}
+    assert {order.name for order in swarm.commanders[0].kind.orders} == {"Left", "Right"}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("world: {kind: hal.py}\nagents: {agent_1: {}}\n", "there is no such file"),
+        ("world: {kind: hall.py}\nagents: {rover: {}}\n", "called agent_1, agent_2 and so on"),
+    ],
+)
+def test_what_does_not_fit_a_world_in_one_file_is_told(tmp_path, text, expected):
+    assert expected in complaint(text, one_file(tmp_path))
+
+
+def test_agents_may_start_from_a_library_by_its_name_as_the_command_line_takes_it():
+    text = "domain: foraging\nstart_from: foraging\nagents: {a: {}}\n"
+    (agent,) = parse_swarm(text, HERE).agents
+    assert agent.start_from is not None
+    assert (agent.start_from / "Forage.hfa.yaml").is_file()
+    assert '`start_from:` there is no folder "fouraging"' in complaint(
+        text.replace("from: foraging", "from: fouraging")
+    )

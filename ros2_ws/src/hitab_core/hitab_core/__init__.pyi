@@ -54,6 +54,7 @@ from .number import without_numbers as without_numbers
 from .plain import behavior as behavior
 from .plain import feature as feature
 from .plain import plain_domain as plain_domain
+from .plain import target as target
 from .remedies import Do as Do
 from .remedies import Remedy as Remedy
 from .repertoire import Repertoire as Repertoire

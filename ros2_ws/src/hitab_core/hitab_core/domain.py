@@ -434,8 +434,10 @@ def _checked(name: str, found: object) -> Domain:
 
 
 def _domain_of(file: ModuleType) -> Domain:
-    """Return the domain of the words in a file, named after it."""
+    """Return the domain of the words in a file, or its ``DOMAIN``, named after the file."""
     path = Path(str(file.__file__))
+    if isinstance(own := getattr(file, "DOMAIN", None), Domain):
+        return replace(own, name=path.stem)
 
     def words(kind: type[Any]) -> list[Any]:
         return [word for word in vars(file).values() if isinstance(word, kind)]

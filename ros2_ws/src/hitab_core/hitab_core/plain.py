@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
+from inspect import signature
+from typing import Any
 
-from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import FeatureValueError, VocabularyError
 from hitab_core.plain_body import Action, Percept, PlainBody
 
@@ -50,28 +52,28 @@ def plain_domain(
     return Domain.of(name, version, PlainBody, behaviors=made, features=read)
 
 
-def _behavior(name: str, action: Action | Callable[[Percept], Action]) -> BasicBehavior:
-    def pulse(body: PlainBody) -> None:
-        body.action = action(body.percept) if callable(action) else action
+def _behavior(name: str, action: Action | Callable[..., Action], **more: Any) -> BasicBehavior:
+    def pulse(body: PlainBody, *targets: Any) -> None:
+        body.action = action(body.percept, *targets) if callable(action) else action
 
     if not callable(action) and (isinstance(action, str) or not isinstance(action, Sequence)):
         raise VocabularyError(
             f'the action of "{name}" is {action!r}; give a list of numbers, or a function of the '
             "percept that returns one"
         )
-    return BasicBehavior(name, pulse)
+    return BasicBehavior(name, pulse, **more)
 
 
-def _reader(name: str, function: Callable[[Percept], float]) -> Callable[[PlainBody], float]:
+def _reader(name: str, function: Callable[..., float]) -> Callable[..., float]:
     if not callable(function):
         raise VocabularyError(
             f'feature "{name}" is {function!r}; give a function of the percept that returns a '
             "number"
         )
 
-    def read(body: PlainBody) -> float:
+    def read(body: PlainBody, *targets: Any) -> float:
         try:
-            return float(function(body.percept))
+            return float(function(body.percept, *targets))
         except Exception as error:
             raise FeatureValueError(
                 f'feature "{name}" cannot be computed from the percept {body.percept}: '
@@ -94,12 +96,37 @@ def _at(body: PlainBody, *, name: str, place: int) -> float:
     return body.percept[place]
 
 
-def behavior(function: Callable[[Percept], Action]) -> BasicBehavior:
-    """Make a basic behavior of a function of the percept that returns the action."""
-    return _behavior(function.__name__, function)
+def behavior(function: Callable[..., Action] | None = None, /, **more: Any) -> Any:
+    """Make a basic behavior of a function of the percept that returns the action.
+
+    Args:
+        function: of the percept and, with parameters, of the targets that they are bound to.
+        more: of `BasicBehavior`, such as ``@behavior(one_shot=True)``.
+    """
+    if function is None:
+        return partial(behavior, **more)
+    return _behavior(function.__name__, function, **_told(function), **more)
 
 
-def feature(function: Callable[[Percept], float]) -> Feature:
-    """Make a feature of a function of the percept that returns its value."""
+def feature(function: Callable[..., float] | None = None, /, **more: Any) -> Any:
+    """Make a feature of a function of the percept that returns its value.
+
+    Args:
+        function: of the percept and, with parameters, of the targets that they are bound to.
+        more: of `Feature`, such as ``@feature(unit="m")``.
+    """
+    if function is None:
+        return partial(feature, **more)
     name = function.__name__
-    return Feature(name, _reader(name, function), description=function.__doc__ or "")
+    return Feature(name, _reader(name, function), **_told(function), **more)
+
+
+def target(function: Callable[[Percept], Any]) -> Target:
+    """Make a target of a function of the percept: what features and behaviors get of it."""
+    return Target(function.__name__, lambda body: function(body.percept), function.__doc__ or "")
+
+
+def _told(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return what a function itself tells of its word."""
+    _, *parameters = signature(function).parameters
+    return {"parameters": tuple(parameters), "description": function.__doc__ or ""}

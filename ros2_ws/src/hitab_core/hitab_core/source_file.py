@@ -42,7 +42,8 @@ def load_file(path: Path) -> ModuleType:
         spec.loader.exec_module(module)
     except Exception as error:
         del sys.modules[spec.name]
-        lines = [frame.lineno for frame in extract_tb(error.__traceback__)]
+        frames = extract_tb(error.__traceback__)
+        lines = [frame.lineno for frame in frames if frame.filename == str(path)] or [1]
         line = getattr(error, "lineno", None) or lines[-1]
         place = f"{path}:{line}"
         raise VocabularyError(

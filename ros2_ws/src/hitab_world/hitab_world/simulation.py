@@ -29,9 +29,13 @@ from hitab_world.world import (
     WorldError,
 )
 
-VERSION = 1
+VERSION = 2
+PLACED = "placed"
+"""What a placement is kept under, where a step has the actions of agents."""
+
 TIME = "time"
 Values = Sequence[float]
+Things = Mapping[str, Mapping[str, float]]
 
 
 class Simulation:
@@ -70,6 +74,17 @@ class Simulation:
         The action of an agent that does nothing is empty.
         """
         raise NotImplementedError("define step(self, actions)")
+
+    def place(self, things: Things) -> Mapping[str, Values]:
+        """Put things elsewhere; return each agent's percept.
+
+        Args:
+            things: by name, with what is given of x, y, m, heading, rad, vx and vy, m/s.
+        """
+        raise WorldError(
+            f"{some(list(things))} cannot be moved; define place(self, things) in the file, or "
+            "begin another episode"
+        )
 
     def draw(self) -> Iterable[Entity]:
         """Return what viewers show."""
@@ -120,7 +135,8 @@ class SimulationFigures(Parameters):
 class SimulationWorld:
     """Makes a simulation a `hitab_world.world.World`.
 
-    A snapshot holds the actions of the episode so far; to restore it, they are done again.
+    A snapshot holds the actions and placements of the episode so far; to restore it, they are
+    done again.
     """
 
     def __init__(self, figures: SimulationFigures, seed: int = 0) -> None:
@@ -145,9 +161,9 @@ class SimulationWorld:
         self._simulation, self._percepts, self._done = self._played([], self.seed, self.episode)
 
     def _played(
-        self, done: list[dict[str, list[float]]], seed: int, episode: int
-    ) -> tuple[Simulation, dict[str, list[float]], list[dict[str, list[float]]]]:
-        """Return an episode in which these actions were done.
+        self, done: list[dict[str, Any]], seed: int, episode: int
+    ) -> tuple[Simulation, dict[str, list[float]], list[dict[str, Any]]]:
+        """Return an episode in which all of this was done.
 
         Raises:
             WorldError: naming the line of the file that raised.
@@ -156,9 +172,27 @@ class SimulationWorld:
             simulation = self._kind()
             simulation.agents, simulation.names = len(self.agents), self.agents
             percepts = self._checked(simulation.reset(world_seed(seed, episode)), "reset")
-            for actions in done:
-                percepts = self._stepped(simulation, actions)
+            for one in done:
+                percepts = self._done_once(simulation, one)
         return simulation, percepts, list(done)
+
+    def _done_once(self, simulation: Simulation, one: dict[str, Any]) -> dict[str, list[float]]:
+        """Return what all agents perceive after a step with these actions, or a placement."""
+        if PLACED not in one:
+            return self._stepped(simulation, one)
+        things = {name: dict(fields) for name, fields in one[PLACED].items()}
+        return self._checked(simulation.place(things), "place")
+
+    def _do(self, one: dict[str, Any]) -> None:
+        """Take a step, or place something; if that fails, maybe half-way, nothing changes."""
+        try:
+            with self._naming_the_line():
+                self._percepts = self._done_once(self._simulation, one)
+        except WorldError:
+            again = self._played(self._done, self.seed, self.episode)
+            self._simulation, self._percepts, self._done = again
+            raise
+        self._done.append(one)
 
     @contextmanager
     def _naming_the_line(self) -> Iterator[None]:
@@ -251,15 +285,8 @@ class SimulationWorld:
                 done[name] = values
             except (LookupError, TypeError, ValueError) as error:
                 refused[name] = f"{name}: {error}; treated as no action"
-        try:
-            with self._naming_the_line():
-                self._percepts = self._stepped(self._simulation, done)
-        except WorldError:  # maybe half-way through the step
-            again = self._played(self._done, self.seed, self.episode)
-            self._simulation, self._percepts, self._done = again
-            raise
+        self._do(done)
         self.refused = refused
-        self._done.append(done)
         self.cycle += 1
         self.episode_cycle += 1
         self.ended = self._simulation.ended
@@ -273,13 +300,27 @@ class SimulationWorld:
             return list(self._simulation.draw())
 
     def place(self, placements: Iterable[Placement], *, new_episode: bool = False) -> None:
-        """Begin an episode, if wanted; nothing can be moved."""
-        if names := [placement.name for placement in placements]:
-            raise WorldError(
-                f"{some(names)} cannot be moved in {self.name}; begin another episode instead"
-            )
+        """Put things elsewhere, in a new episode if wanted; if one is refused, nothing changes.
+
+        Raises:
+            WorldError: if a number is infinite, or the file refuses.
+        """
+        things: dict[str, dict[str, float]] = {}
+        for one in placements:
+            given = {key: getattr(one, key) for key in ("x", "y", "heading", "vx", "vy")}
+            things[one.name] = {key: v for key, v in given.items() if not math.isnan(v)}
+            if not all(map(math.isfinite, things[one.name].values())):
+                raise WorldError(f"{one.name} cannot be placed at {things[one.name]}")
+        before = self.snapshot() if new_episode else {}
         if new_episode:
             self.reset()
+        try:
+            if things:
+                self._do({PLACED: things})
+        except WorldError:
+            if before:
+                self.restore(before)
+            raise
 
     def snapshot(self) -> dict[str, Any]:
         """Return what was done in the episode, as JSON-able data."""
@@ -299,13 +340,16 @@ class SimulationWorld:
                     "restore that version of the file, or take another snapshot"
                 )
             done = [
-                {name: [snapshots.finite(v) for v in one[name]] for name in self.agents}
+                {PLACED: {n: _finite(f) for n, f in one[PLACED].items()}}
+                if PLACED in one
+                else {name: [snapshots.finite(v) for v in one[name]] for name in self.agents}
                 for one in snapshot["done"]
             ]
-            if len(done) != moment.episode_cycle:
-                raise ValueError(f"{len(done)} steps in {moment.episode_cycle} cycles")
+            steps = sum(PLACED not in one for one in done)
+            if steps != moment.episode_cycle:
+                raise ValueError(f"{steps} steps in {moment.episode_cycle} cycles")
             again = self._played(done, moment.seed, moment.episode)
-            if len(done) >= self._kind.longest and not again[0].ended:
+            if steps >= self._kind.longest and not again[0].ended:
                 again[0].ended = TIME
             if again[0].ended != moment.ended:
                 raise ValueError("the episode does not end as it did")
@@ -316,3 +360,7 @@ class SimulationWorld:
         """Return how the present episode has gone so far."""
         with self._naming_the_line():
             return EpisodeResult.of(self, dict(self._simulation.measured()))
+
+
+def _finite(fields: Mapping[str, Any]) -> dict[str, float]:
+    return {name: snapshots.finite(value) for name, value in fields.items()}

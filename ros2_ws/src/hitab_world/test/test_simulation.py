@@ -1,13 +1,15 @@
 """A world in one file: the class is a world, its functions are a domain, mistakes are named."""
 
+import json
 from pathlib import Path
 
 import pytest
 
-from hitab_core import HitabError, LearningAgent, load_domain
+from hitab_core import FeatureKind, HitabError, LearningAgent, load_domain
 from hitab_world import SimulationWorld, WorldError
 from hitab_world.simulation import SimulationFigures
 from hitab_world.testing import Wandering, check_world
+from hitab_world.world import Placement
 
 CORRIDOR = """
 from random import Random
@@ -171,3 +173,89 @@ def test_a_file_with_the_name_of_an_installed_domain_is_refused(tmp_path):
     with pytest.raises(HitabError, match='"keepaway" is installed; rename the file'):
         load_domain(str(written(tmp_path, CORRIDOR, "keepaway")))
     assert "Position" not in load_domain("keepaway").features
+
+
+PLACED = CORRIDOR.replace(
+    "    def draw(self)",
+    """    def place(self, things):
+        for name, to in things.items():
+            self.x[name] = to.get("x", self.x[name])
+        return self.percepts()
+
+    def draw(self)""",
+)
+
+
+def test_what_is_placed_is_perceived_at_once_and_a_snapshot_keeps_it(tmp_path):
+    path = written(tmp_path, PLACED, "placed")
+    check_world(
+        lambda seed: SimulationWorld(SimulationFigures(str(path)), seed), Wandering([[1.0]])
+    )
+    world = SimulationWorld(SimulationFigures(str(path)))
+    world.step({"agent_1": ([1.0], "")})
+    world.place([Placement("agent_1", x=2.0), Placement("agent_2", y=1.0)])
+    assert world.percept("agent_1") == ([2.0], [])
+    world.step({"agent_1": ([1.0], "")})
+    kept, there = world.snapshot(), world.entities()
+    with pytest.raises(WorldError, match="KeyError: 'ball'"):
+        world.place([Placement("agent_1", x=9.0), Placement("ball", x=0.0)])
+    assert (world.snapshot(), world.entities()) == (kept, there)
+    world.reset()
+    world.restore(json.loads(json.dumps(kept)))
+    assert world.entities() == there
+    assert world.percept("agent_1") == ([2.1], [])
+
+
+def test_a_file_that_places_nothing_says_what_to_define(tmp_path):
+    world = SimulationWorld(SimulationFigures(str(written(tmp_path, CORRIDOR))))
+    with pytest.raises(WorldError, match=r"agent_1 cannot be moved; define place\(self, things\)"):
+        world.place([Placement("agent_1", x=1.0)])
+
+
+def test_a_word_tells_its_unit_its_kind_and_its_parameters(tmp_path):
+    words = '''
+from hitab_core import FeatureKind, target
+
+
+@feature(unit="m")
+def DistanceTo(percept, X):
+    """how far it is"""
+    return abs(X - percept[0])
+
+
+@feature(kind=FeatureKind.BOOLEAN, required=True)
+def Low(percept):
+    return percept[0] < 1.0
+
+
+@behavior
+def GoTo(percept, X):
+    return [1.0 if percept[0] < X else -1.0]
+
+
+@behavior(one_shot=True)
+def Beep(percept):
+    return [0.0]
+
+
+@target
+def door(percept):
+    return 3.0
+'''
+    domain = load_domain(str(written(tmp_path, CORRIDOR + words, "told")))
+    distance, low = domain.features["DistanceTo"], domain.features["Low"]
+    assert (distance.parameters, distance.unit) == (("X",), "m")
+    assert distance.description == "how far it is"
+    assert (low.kind, low.required) == (FeatureKind.BOOLEAN, True)
+    assert domain.behaviors["Beep"].one_shot
+    agent = LearningAgent(domain).train("Reach", ["DistanceTo(door)"])
+    assert agent.step([0.5], command="GoTo(door)") == (1.0,)
+    assert agent.examples[0].features == (2.5,)
+    with pytest.raises(HitabError, match=r"wrong\.py:54: TypeError: .*colour"):
+        load_domain(str(written(tmp_path, CORRIDOR + words.replace("unit=", "colour="), "wrong")))
+
+
+def test_a_file_may_add_words_to_a_domain_that_is_installed(tmp_path):
+    crowded = load_domain(str(Path(__file__).parents[4] / "examples/crowded.py"))
+    assert (crowded.name, crowded.features["Between"].parameters) == ("crowded", ("X", "Y"))
+    assert crowded.features.keys() > load_domain("keepaway").features.keys()
