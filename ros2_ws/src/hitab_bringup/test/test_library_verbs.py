@@ -16,6 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 from hitab_bringup import read_swarm
+from hitab_bringup.evaluating import Cast
 from hitab_bringup.libraries import prepare
 from hitab_bringup.library_choice import with_library
 from hitab_bringup.main import make_app
@@ -318,3 +319,20 @@ def test_an_export_replaces_a_file_if_told_to(tmp_path: Path) -> None:
     (tmp_path / "Keepaway.py").write_text("old")
     done("export", "Keepaway", "-l", "keepaway", "--to", "python", "--force")
     assert "class Keepaway" in (tmp_path / "Keepaway.py").read_text()
+
+
+def test_an_earlier_version_is_compared_with_those_who_have_it(home: Path) -> None:
+    for name in ("keeper_1", "keeper_2"):
+        shutil.copytree(
+            shipped("libraries", "keepaway"), home / "keepaway_trained/libraries" / name
+        )
+    taught = library_of(home / "keepaway_trained/libraries/keeper_2")
+    taught.save(taught.load()["Keepaway"])
+    number = taught.shelf.versions("Keepaway")[-1]
+    cast = Cast(swarm("keepaway_trained"))
+    cast.choose_libraries([f"Keepaway@{number}"])
+    versions = {name: part.versions for name, part in cast.parts().items()}
+    assert versions == {"keeper_1": {}, "keeper_2": {"Keepaway": number}, "keeper_3": {}}
+    cast.choose_libraries(["Keepaway@99"])
+    with pytest.raises(LibraryError, match='no version 99 of "Keepaway"'):
+        cast.parts()
