@@ -145,7 +145,7 @@ class AgentNode(AgentBase):
                 self.agent.awaited = use
             self._start_error = (
                 f'{self.agent_name} is idle: it cannot perform its start behavior "{behavior}": '
-                f"{error}; have it perform something else, or give it the behavior"
+                f"{error.problem}; have it perform something else, or give it the behavior"
             )
 
     def load_domain(self, name: str) -> Domain:
