@@ -84,6 +84,7 @@ def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(
             desk.until(lambda: list(desk.status.active_path) == ["Stop"])
         desk.robot.send_signal(signal.SIGCONT)
         desk.until(lambda: desk.has_fault("that is over"))
+        assert f"`hitab arm {ROBOT}`" in desk.hitab("demonstrate", ROBOT, "TurnRight", status=1)
         desk.arm()
         desk.velocities.clear()
         desk.until_later(2.0)
@@ -94,6 +95,17 @@ def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(
     assert not desk.status.note
 
 
+def test_a_robot_whose_scanner_is_silent_does_not_drive_whatever_it_performs(desk):
+    desk.perform("TurnLeft")
+    desk.robot.send_signal(signal.SIGSTOP)
+    desk.until(lambda: desk.has_fault("scan has no value, and it must not drive without it"))
+    desk.until(desk.moves)
+    desk.robot.send_signal(signal.SIGCONT)
+    desk.until(lambda: desk.has_fault("that is over"))
+    desk.arm()
+    desk.until(lambda: not desk.moves())
+
+
 def test_the_emergency_stop_holds_the_robot_until_it_is_released_and_re_armed(desk):
     desk.perform("TurnLeft")
     assert f"stand still: {ROBOT}\n" in desk.hitab("stop", "--reason", "a dog")
@@ -102,9 +114,11 @@ def test_the_emergency_stop_holds_the_robot_until_it_is_released_and_re_armed(de
     desk.until(lambda: desk.has_fault("a dog"))
     assert "a dog" in desk.status.stopped
     assert "a dog" in desk.hitab("status", "--check", status=1)
-    desk.hitab("train", ROBOT, "Held", "--state", "TurnLeft")
-    for verb in (("demonstrate", ROBOT, "TurnLeft"), ("test", ROBOT)):
-        assert "but: stopped: emergency stop by" in desk.hitab(*verb), verb
+    desk.hitab("train", ROBOT, "Held")
+    refused = desk.hitab("demonstrate", ROBOT, "TurnLeft", status=1)
+    assert f"{ROBOT}: stopped: emergency stop by" in refused
+    desk.hitab("demonstrate", ROBOT, "Stop")
+    assert "but: stopped: emergency stop by" in desk.hitab("test", ROBOT)
     desk.hitab("discard", ROBOT)
     assert "but: stopped: emergency stop by" in desk.hitab("perform", ROBOT, "TurnLeft")
     refused = " ".join(desk.hitab("arm", ROBOT, status=1).split())

@@ -54,7 +54,8 @@ def listening(swarm: RunningSwarm) -> SignsOfLife:
         Alive, "/alive", lambda sign: heard.update({sign.process: sign.swarm}), qos.SIGNS_OF_LIFE
     )
     assert swarm.link.spin_until(
-        lambda: len(heard) == 4 and {"keeper_1", "major", "world"} < heard.keys(), SECONDS
+        lambda: len(heard) == 5 and {"keeper_1", "major", "captain", "world"} < heard.keys(),
+        SECONDS,
     ), heard
     assert set(heard.values()) == {swarm.record.identity}
     assert swarm.link.spin_until(lambda: not signs.silent(), SECONDS)

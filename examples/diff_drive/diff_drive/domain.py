@@ -37,6 +37,7 @@ AHEAD = Sector("ahead", width=math.radians(30.0))
 ROBOT = Robot(
     sensors=(Odometry(), Scan(sectors=(AHEAD, Sector("around")))),
     drive=Drive(max_velocity=(0.5, 0.0, 1.0)),
+    needed_to_drive=("scan",),
 )
 
 

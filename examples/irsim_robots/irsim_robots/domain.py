@@ -34,6 +34,7 @@ DOMAIN = Domain.of(
     Robot(
         sensors=(Odometry(), Scan(sectors=SECTORS, max_range=RANGE_MAX)),
         drive=Drive(max_velocity=(0.5, 0.0, 1.5)),
+        needed_to_drive=("scan",),
     ),
     behaviors=(
         motion("Forward", ahead=0.3, description="drive straight ahead"),

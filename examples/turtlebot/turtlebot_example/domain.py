@@ -27,6 +27,7 @@ ROBOT = Robot(
     # Its scanner's driver writes 0.0 where there is nothing to see.
     sensors=(Odometry(), Scan(sectors=SECTORS, max_range=3.5, zero_is_clear=True)),
     drive=Drive(max_velocity=(0.22, 0.0, 2.0)),
+    needed_to_drive=("scan",),
 )
 
 DOMAIN = Domain.of(

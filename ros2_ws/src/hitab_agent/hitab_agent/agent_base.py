@@ -8,6 +8,7 @@ from typing import Any
 from hitab_msgs import msg
 
 from hitab_agent.guarded_tick import Action
+from hitab_agent.robot_link import RobotStop
 from hitab_agent.settings import AgentSettings
 from hitab_core import Agent
 from hitab_ros import GuardedNode
@@ -24,6 +25,7 @@ class AgentBase(GuardedNode):
         shared: what it shares with the other agents of its process, a `Shared`.
         status: its status, a `StatusPublisher`.
         session_log: tells those who record, a `SessionLog`.
+        stop: of its robot; None if it has none.
     """
 
     agent: Agent
@@ -32,6 +34,7 @@ class AgentBase(GuardedNode):
     shared: Any
     status: Any
     session_log: Any
+    stop: RobotStop | None = None
 
     def take_in(self, percept: msg.Percept) -> None:
         """Perceive. The percept object may be reused: an agent must copy what it keeps."""

@@ -16,8 +16,9 @@ from hitab_agent.command_receiver import CommandReceiver
 from hitab_agent.diagnosis import diagnosis_of_agent
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.inspection_services import InspectionServices
+from hitab_agent.reach import Reach
 from hitab_agent.restart_memory import RestartMemory
-from hitab_agent.robot_link import OwnStop, RobotStop, link_class
+from hitab_agent.robot_link import OwnStop, link_class
 from hitab_agent.session_log import SessionLog
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
@@ -107,10 +108,10 @@ class AgentNode(AgentBase):
         self._sensed = False
         self._unsettled = True
         self._link: Any = None
-        self.stop: RobotStop | None = None
         self.actions: actions.ActionClients | None = None
         self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
+        self._reach: Reach | None = None
         self._start_error = ""
         self.memory = RestartMemory(state, settings.swarm)
         if self.memory.damage:
@@ -170,7 +171,10 @@ class AgentNode(AgentBase):
         if settings.commander:
             subordinate = Subordinate(self.agent, settings.role)
             self.superior = self.status.superior = SuperiorLink(self, subordinate)
+            self.stop_changed()
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
+        if settings.when_out_of_reach == "halt":
+            self._reach = Reach(self)
         training, performed = self.agent.session, self.memory.performed
         if training is not None:
             self.training.offer()
@@ -283,12 +287,13 @@ class AgentNode(AgentBase):
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
         action = NO_ACTION
-        if self._sensed and not percept.look:
+        unreached = "" if self._reach is None else self._reach.why
+        if self._sensed and not percept.look and not unreached:
             action = self._tick.act()
         elif self._sensed and (percept.restart or self.agent.active_path != self.status.path):
             self.status.publish()
         if self.stop is not None:
-            self.stop.cause(self._tick.fault)
+            self.stop.cause(self._tick.fault or unreached)
             if self.stop.why:
                 action = NO_ACTION
         if self._sensed and not self.status.message.perceived:
@@ -324,6 +329,9 @@ class AgentNode(AgentBase):
         why = self.stop.why if self.stop is not None else ""
         self.status.message.stopped = why
         self.guard.faults.set("stop", why, Do.GO(), Do.ARM(robot=self.agent_name))
+        if self.superior is not None:
+            self.superior.subordinate.stopped = bool(why)
+            self.superior.tell()
         if self.actions is not None:
             self.actions.hold(held=bool(why))
 

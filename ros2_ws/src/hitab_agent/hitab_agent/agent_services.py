@@ -172,15 +172,17 @@ class AgentServices:
         return f"{self._agent.name} is {self._agent.mode}; discarded {given_up}"
 
     def _edit_examples(self, request: srv.EditExamples.Request, response: Any) -> str:
-        session = self._training()
+        session, did = self._training(), ""
         edits = srv.EditExamples.Request
         match request.action:
             case _ if not session.begins(Request(request.client, request.request)):
                 pass  # made by this agent's last process, which was killed before it answered
             case edits.UNDO:
                 session.undo()
+                did = f"undone: {session.log.history.undone[0]}; "
             case edits.REDO:
                 session.redo()
+                did = f"redone: {session.log.history.done[-1]}; "
             case edits.DELETE:
                 session.delete(request.numbers)
             case edits.RELABEL:
@@ -191,7 +193,7 @@ class AgentServices:
                 session.choose_features(list(map(Use.parse, request.features)))
             case action:
                 raise TrainingError(f"there is no action {action}; see EditExamples.srv")
-        return f'"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
+        return f'{did}"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
 
     def _answer_question(self, request: srv.AnswerQuestion.Request, response: Any) -> str:
         session = self._training()

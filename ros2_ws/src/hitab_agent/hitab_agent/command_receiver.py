@@ -7,13 +7,16 @@ import time
 from hitab_msgs import msg
 
 from hitab_agent.agent_base import AgentBase
-from hitab_core import Request
+from hitab_core import Do, Request, TrainingError, some
 from hitab_ros import RecentRequests, names, qos, session_topics
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 from hitab_ros.plain_text import plain
 
 DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name; a longer one is shortened
+TOGETHER_S = 10.0
+"""Demonstrators who command an agent within this time of each other, s, are told of each other."""
+
 YOUNG_S = 50.0
 """For how long after its start an agent does not answer commands until its first percept."""
 
@@ -29,6 +32,7 @@ class CommandReceiver:
         """Subscribe to commands."""
         self._node = node
         self._young_until = time.monotonic() + YOUNG_S
+        self._heard: dict[str, float] = {}  # when each demonstrator last commanded
         self._recent: RecentRequests[tuple[Exception, ...]] = RecentRequests()  # why refused
         session = node.agent.session
         for request in session.requests if session is not None else ():
@@ -53,6 +57,10 @@ class CommandReceiver:
                 refusal = ()
                 check(command)
                 use = use_of(command.behavior, command.targets)
+                stop = node.stop
+                if stop is not None and stop.why and not agent.repertoire.stands_still(use):
+                    # The robot would not show what its examples say.
+                    raise TrainingError(stop.why, Do.ARM(robot=agent.name))
                 request = Request(status.demonstrator, command.sequence)
                 taught = agent.command(
                     use,
@@ -65,6 +73,7 @@ class CommandReceiver:
                 status.left = taught[0].state if taught else ""
         except Exception as error:
             refusal = (error,)
+        node.status.together = self._together(status.demonstrator or "somebody")
         self._recent.keep(status.demonstrator, command.sequence, refusal)
         if refusal:
             status.last_refused_sequence = command.sequence
@@ -72,3 +81,11 @@ class CommandReceiver:
             status.last_command_sequence = command.sequence
         node.status.report_error(refusal[0] if refusal else None)
         node.settle()
+
+    def _together(self, demonstrator: str) -> str:
+        """Return who commands the agent at the same time; empty if this demonstrator is alone."""
+        now = time.monotonic()
+        heard = {who: at for who, at in self._heard.items() if now - at <= TOGETHER_S}
+        self._heard = heard | {demonstrator: now}
+        people = some(sorted(self._heard), between=" and ")
+        return f"is commanded by {people} at the same time" if len(self._heard) > 1 else ""

@@ -16,22 +16,18 @@ from __future__ import annotations
 
 import gc
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
-from hitab_msgs.msg import AgentStatus, HostRoster
+from hitab_msgs.msg import AgentStatus
 from rclpy.parameter import Parameter
 
-from hitab_agent.agent_node import AgentNode
 from hitab_agent.host.roster import read_roster
 from hitab_agent.shared import Shared
 from hitab_ros import (
     NO_TYPE_DESCRIPTIONS,
-    GuardedNode,
     Spinner,
     give_signs_of_life,
     make_node,
-    names,
-    qos,
     refuse_second_of_name,
     run,
 )
@@ -77,8 +73,9 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
-    _announce_others(desk, nodes, swarm)
-    give_signs_of_life(desk, swarm)
+    # A world announces only the agents that it knows, not commanders and those with robots.
+    others = [node.agent_name for node in nodes if node.agent.domain.link]
+    give_signs_of_life(desk, swarm, others)
     # The objects made so far stay: a collection over them would take longer than a cycle. What a
     # cycle leaves behind is freed by reference counting; only errors leave garbage cycles, and
     # collecting those is not urgent.
@@ -91,16 +88,6 @@ def _renaming(remap: Mapping[str, str]) -> list[str]:
     """Return the arguments that have a node use other names."""
     rules = [part for name, other in remap.items() for part in ("-r", f"{name}:={other}")]
     return ["--ros-args", *rules] if rules else []
-
-
-def _announce_others(desk: GuardedNode, nodes: Sequence[AgentNode], swarm: str) -> None:
-    """Announce the agents that a world does not know, such as commanders, for those who watch."""
-    others = [node.agent_name for node in nodes if node.agent.domain.link]
-    if not others:
-        return
-    rosters = desk.create_publisher(HostRoster, names.in_swarm(desk, names.HOSTS), qos.LATCHED)
-    # The lowest number: a world that reads it nevertheless takes the host's other roster instead.
-    rosters.publish(HostRoster(host=names.own_name(desk), number=1, agents=others, swarm=swarm))
 
 
 def main() -> None:

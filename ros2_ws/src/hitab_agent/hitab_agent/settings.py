@@ -8,6 +8,8 @@ from typing import Any
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 
+from hitab_core import HitabError
+
 _SECONDS = FloatingPointRange(from_value=0.0, to_value=3600.0)
 _WHOLE = IntegerRange(from_value=0, to_value=2**63 - 1, step=1)
 
@@ -34,11 +36,17 @@ class AgentSettings:
     commander: str = _is("", "name of the commander whose orders it obeys; empty: it has none")
     role: str = _is("", "in its commander's group, for orders that differ by role")
     services_on_demand: bool = _is(False, "create the services only when a client asks")
+    when_out_of_reach: str = _is("go_on", "or halt, while its commander or operator is silent")
+    out_of_reach_after: float = _is(5.0, "s of silence after which they are out of reach")
     auto_rearm: bool = _is(False, "act again by itself when a stop of its robot is over: a risk")
     swarm: str = _is("", "identity of its swarm; empty: none, and nothing to resume")
     offer_actions: bool = _is(False, "offer its behaviors as one action, perform_until_done")
     action_timeout: float = _is(2.0, "s; how long to wait for an action's server and its answers")
     action_patience: float = _is(2.0, "s without a tick until goals are canceled; 0: never")
+
+    def __post_init__(self) -> None:
+        if (given := self.when_out_of_reach) not in ("go_on", "halt"):
+            raise HitabError(f'when_out_of_reach is "{given}"; it must be go_on or halt')
 
     @classmethod
     def declare(cls, node: Node) -> AgentSettings:

@@ -38,6 +38,7 @@ class StatusPublisher:
         message: the status; the handlers of requests record their outcome in it.
         path: the last published path of active states.
         superior: the link to its commander; None: it has none.
+        together: which demonstrators command it at the same time; empty: one at most.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class StatusPublisher:
         self.message = msg.AgentStatus(agent=agent.name, domain=agent.domain.name, swarm=swarm)
         self.path: list[str] = []
         self.superior: SuperiorLink | None = None
+        self.together = ""
         self._guard = node.guard
         self._agent = agent
         self._shared = shared
@@ -164,7 +166,8 @@ class StatusPublisher:
         status.faults = faults
         status.remedies = remedy_messages([*self._guard.faults.remedies, *agent.remedies])
         note = session.note if session and agent.mode is Mode.TRAINING else ""
-        status.note = "".join(shown(filter(None, [note or self._beginning.note])))
+        notes = [note or self._beginning.note, self.together if session else ""]
+        status.note = "; ".join(shown(filter(None, notes)))
         status.last_error = self.notice or (faults[0] if faults else "")
         if self.superior is not None:
             subordinate = self.superior.subordinate

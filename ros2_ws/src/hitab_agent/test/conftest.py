@@ -117,12 +117,14 @@ class One:
         self.process.until(lambda: self.agent.cycle == self._cycle)
         return self.agent.active_path
 
-    def command(self, behavior: str) -> None:
+    def command(self, behavior: str, demonstrator: str = "me") -> None:
         """Command it, and wait for the acknowledgement."""
         self.process.until(self.commands.get_subscription_count)
         self._cycle += 1
         number = self._cycle
-        self.commands.publish(msg.Command(sequence=number, behavior=behavior, demonstrator="me"))
+        self.commands.publish(
+            msg.Command(sequence=number, behavior=behavior, demonstrator=demonstrator)
+        )
         self.process.until(
             lambda: (
                 number in (self.status.last_command_sequence, self.status.last_refused_sequence)

@@ -110,3 +110,29 @@ def test_who_never_perceives_anything_refuses_a_command_in_the_end(one, monkeypa
     monkeypatch.setattr(command_receiver, "time", SimpleNamespace(monotonic=lambda: math.inf))
     one.command("Go")
     assert "nothing perceived yet" in one.status.last_error
+
+
+def test_demonstrators_who_command_at_the_same_time_are_told_of_each_other(one, monkeypatch):
+    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
+    one.perceive(1.0)
+    one.command("Go", "Bert")
+    assert one.status.note == ""
+    one.command("Wait", "Anna")
+    together = "is commanded by Anna and Bert at the same time"
+    assert one.status.note == together
+    one.command("Go", "Bert")
+    assert one.status.note == together
+    monkeypatch.setattr(command_receiver, "TOGETHER_S", 0.0)
+    one.command("Wait", "Anna")
+    assert one.status.note == "", "Bert has left"
+
+
+def test_undo_and_redo_say_what_is_undone_and_redone(one):
+    one.ask(srv.BeginTraining, names.BEGIN, automaton="A", features=["X"])
+    one.perceive(1.0)
+    one.command("Go")
+    edits = srv.EditExamples.Request
+    undone = one.ask(srv.EditExamples, names.EDIT_EXAMPLES, action=edits.UNDO)
+    assert undone.message == 'undone: Start → Go, 2 examples; "A" has 0 examples'
+    redone = one.ask(srv.EditExamples, names.EDIT_EXAMPLES, action=edits.REDO)
+    assert redone.message == 'redone: Start → Go, 2 examples; "A" has 2 examples'

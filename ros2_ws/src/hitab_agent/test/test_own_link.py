@@ -8,8 +8,9 @@ import pytest
 from hitab_msgs import msg, srv
 
 from hitab_agent.agent_node import AgentNode
-from hitab_core import BasicBehavior, Domain, Feature, Use
-from hitab_ros import EmergencySwitch, names, qos
+from hitab_core import BasicBehavior, Domain, Feature, HitabError, Use
+from hitab_core.training import Curriculum
+from hitab_ros import EmergencySwitch, give_signs_of_operator, names, qos
 from hitab_ros.testing import NumberBody
 
 
@@ -34,16 +35,16 @@ class Link:
 class Robot:
     """One robot with its agent, driven by the test."""
 
-    def __init__(self, start: Any) -> None:
+    def __init__(self, start: Any, **parameters: Any) -> None:
         domain = Domain.of(
             "own",
             "1",
             Body,
-            behaviors=[BasicBehavior("Go")],
+            behaviors=[BasicBehavior("Go"), BasicBehavior("Stop", stands_still=True)],
             features=[Feature("X", lambda body: body.x)],
             link=f"{__name__}:Link",
         )
-        one = start(domain)
+        one = self.one = start(domain, **parameters)
         self.process, self.node, desk = one.process, one.node, one.process.node
         self.states: list[msg.StopState] = []
         topic = f"/one/{names.STOP_STATE}"
@@ -93,3 +94,45 @@ def test_an_agent_that_could_not_act_acts_only_once_re_armed(robot, monkeypatch)
     assert not robot.drives()
     assert robot.arm() == ""
     assert robot.drives()
+
+
+def test_what_is_commanded_before_it_is_re_armed_is_refused_with_the_way_out(robot):
+    one = robot.one
+    one.agent.begin(Curriculum("Drive", (Use("X"),)))
+    robot.drives()
+    one.command("Go")
+    assert one.status.last_error.startswith("stopped: it has just started")
+    assert [(r.code, r.values[0]) for r in one.status.last_remedies] == [("ARM", "one")]
+    assert one.agent.session.examples == ()
+    one.command("Stop")
+    assert one.agent.active_path == ["Stop"], "that it can do"
+    assert robot.arm() == ""
+    one.command("Go")
+    assert one.status.last_error == ""
+    assert one.agent.active_path == ["Go"]
+
+
+def test_a_robot_out_of_reach_halts_if_it_is_to_and_drives_only_once_re_armed(start):
+    robot = Robot(start, when_out_of_reach="halt", out_of_reach_after=1.0)
+    assert robot.arm() == ""
+    assert robot.drives(), "a console that was never there is not lost"
+    there = [True]
+    give_signs_of_operator(robot.process.node, "", lambda: there)
+    robot.process.until(lambda: robot.node.count_publishers(f"/{names.OPERATORS}"))
+    robot.process.meanwhile(ticks := [])
+    robot.process.until(lambda: len(ticks) > 300)
+    assert robot.drives()
+    there.clear()
+    robot.process.until(lambda: not robot.drives())
+    assert "whoever operates it is out of reach: silent for 1 s" in robot.one.faults
+    assert "out of reach" in robot.arm()
+    there.append(True)
+    robot.process.until(lambda: robot.drives() or "that is over" in robot.one.faults)
+    assert not robot.drives()
+    assert robot.arm() == ""
+    assert robot.drives()
+
+
+def test_what_is_to_happen_out_of_reach_is_one_of_two_things(start):
+    with pytest.raises(HitabError, match='"stop"; it must be go_on or halt'):
+        Robot(start, when_out_of_reach="stop")

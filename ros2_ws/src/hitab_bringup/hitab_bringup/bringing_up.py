@@ -293,7 +293,7 @@ def _to_know(
     begins_paused = swarm.world is not None and swarm.world.paused
     if world is not None and world.mode == WorldState.PAUSED and not begins_paused:
         yield with_commands("the world is still paused, as it was before", [Do.RESUME_WORLD()])
-    yield from announcements(agents.statuses.values(), folder.path)
+    yield from announcements(agents.statuses.values(), folder.path, record.commanders)
 
 
 def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:

@@ -12,7 +12,7 @@ journal is set aside before such a start, and brought back before a start with i
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from hitab_msgs.msg import AgentStatus
@@ -62,21 +62,25 @@ def waiting(folder: Path) -> Iterator[tuple[str, Path]]:
         yield kept.parents[2].name, Path(library)
 
 
-def announcements(statuses: Iterable[AgentStatus], folder: Path) -> list[str]:
+def announcements(
+    statuses: Iterable[AgentStatus], folder: Path, commanders: Collection[str] = ()
+) -> list[str]:
     """Return sentences about the unsaved trainings of a swarm, with the ways out.
 
     Args:
         statuses: of its agents, just started.
         folder: of the run.
+        commanders: those of the agents that are commanders.
     """
     sentences = []
     for status in sorted(statuses, key=lambda status: natural(status.agent)):
         if status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
             agent = status.agent
             told = f'{agent} resumes the training of "{status.behavior}"'
-            told += f" ({quantity(status.examples, 'example')})"
-            ways = [Do.SAVE(agent=agent), Do.DISCARD(agent=agent)]
-            sentences.append(with_commands(told, ways if status.examples else ways[1:]))
+            told += f" ({quantity(status.examples, 'example')}) and waits for commands"
+            told += "; its group waits for its orders" if agent in commanders else ""
+            ways = [Do.TEST(agent=agent), Do.SAVE(agent=agent), Do.DISCARD(agent=agent)]
+            sentences.append(with_commands(told, ways if status.examples else ways[2:]))
     for agent, library in waiting(folder):
         own = library.is_relative_to(folder / "libraries")
         way = "without --library" if own else f"with --library {library}"

@@ -10,6 +10,7 @@ from hitab_bringup.libraries import prepare
 from hitab_bringup.opened_library import open_library
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
+from hitab_bringup.verbs.hierarchy import line_of
 from hitab_client.command_view import tree_of
 from hitab_client.errors import DescriptionError
 
@@ -190,7 +191,8 @@ class Group:
         quiet = silent or [False] * len(subordinates)
         told = zip(subordinates, behaviors, obeying, quiet, strict=True)
         self.subordinates = [
-            Subordinate(name=n, behavior=b, obeys=o, silent=s) for n, b, o, s in told
+            Subordinate(name=n, behavior=b, obeys=o, silent=s, stopped=not b)
+            for n, b, o, s in told
         ]
         self.faults = list(faults)
 
@@ -206,3 +208,16 @@ def test_an_agent_performs_the_order_from_above_only_if_all_between_obey():
     assert top.leaves == (1, 3)
     assert [branch.leaves for branch in top.below] == [(1, 2), (1, 1)]
     assert top.data()["agents_performing"] == 1
+
+
+def test_the_tree_says_how_many_cannot_perform_an_order_and_why():
+    obeying, silent = [True, False, False, False], [False, True, True, False]
+    groups = {"top": Group("top", list("abcd"), ["X", "X", "", ""], obeying, silent)}
+    (top,) = tree_of(groups)
+    assert [line_of(branch) for branch in (top, *top.below)] == [
+        "top: orders X: 1 of 4 perform it (2 silent, 1 stopped)",
+        "a: X",
+        "b: X  silent",
+        "c: nothing  silent",
+        "d: nothing  stopped",
+    ]

@@ -74,11 +74,18 @@ def test_a_training_that_resumes_is_announced_with_the_ways_out(folder):
     status = AgentStatus(agent="lone", mode=AgentStatus.TRAINING, behavior="Chase", examples=8)
     idle = AgentStatus(agent="other", mode=AgentStatus.IDLE)
     assert announcements([status, idle], folder) == [
-        'lone resumes the training of "Chase" (8 examples)\n'
+        'lone resumes the training of "Chase" (8 examples) and waits for commands\n'
+        "  test what lone has learned: `hitab test lone`\n"
         "  save the training of lone: `hitab save lone`\n"
         "  discard the training of lone: `hitab discard lone`"
     ]
     assert announcements([status] * 8, folder)[-1] == "... and 3 more"
+
+
+def test_of_a_commander_that_resumes_a_training_it_is_said_that_its_group_waits(folder):
+    status = AgentStatus(agent="chief", mode=AgentStatus.TRAINING, behavior="Lead", examples=2)
+    told = announcements([status], folder, ["chief"])[0]
+    assert "waits for commands; its group waits for its orders\n" in told
 
 
 def test_a_swarm_that_goes_down_names_the_trainings_that_it_keeps(folder):

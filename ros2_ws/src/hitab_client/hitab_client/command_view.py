@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from hitab_msgs.msg import CommanderStatus
+from hitab_msgs.msg import CommanderStatus, Subordinate
 
 from hitab_client.identity import is_own
 from hitab_client.ros_link import RosLink
@@ -102,6 +102,7 @@ class Branch:
         order: a commander's current order; empty: none yet.
         obeys: whether it performs its own commander's order; None: it has no commander.
         silent: whether its commander has missed its heartbeat.
+        stopped: whether its robot may not act.
         counts: of a commander's subordinates: obeying, total.
         leaves: the same for all agents below it; an agent counts as obeying if it and every
             commander in between obey.
@@ -115,6 +116,7 @@ class Branch:
     mode: str = ""
     obeys: bool | None = None
     silent: bool = False
+    stopped: bool = False
     below: tuple[Branch, ...] = ()
     counts: tuple[int, int] = (0, 0)
     leaves: tuple[int, int] = field(default=(0, 0))
@@ -139,6 +141,7 @@ class Branch:
             "behavior": self.behavior,
             "obeys": self.obeys,
             "silent": self.silent,
+            "stopped": self.stopped,
         }
         if self.is_commander:
             told |= {
@@ -162,33 +165,28 @@ def tree_of(groups: Mapping[str, CommanderStatus]) -> list[Branch]:
 
 
 def _branch(
-    name: str, groups: Mapping[str, CommanderStatus], above: tuple[str, ...], **seen: Any
+    name: str,
+    groups: Mapping[str, CommanderStatus],
+    above: tuple[str, ...],
+    seen: Subordinate | None = None,
 ) -> Branch:
+    """Return a branch; ``seen`` is how its own commander sees it."""
+    fields = ("obeys", "silent", "stopped") if seen is not None else ()
+    told: dict[str, Any] = {one: getattr(seen, one) for one in fields}
     group = groups.get(name)
     if group is None or name in above:
-        obeys = bool(seen.get("obeys"))
-        return Branch(name, **seen, leaves=(int(obeys and not seen.get("silent")), 1))
-    below = tuple(
-        _branch(
-            m.name, groups, (*above, name), behavior=m.behavior, obeys=m.obeys, silent=m.silent
-        )
-        for m in group.subordinates
-    )
-    obeying = [b.obeys and not b.silent for b in below]
-    leaves = [
-        branch.leaves if obeys else (0, branch.leaves[1])
-        for branch, obeys in zip(below, obeying, strict=True)
-    ]
+        return Branch(name, seen.behavior if seen else "", **told, leaves=(int(told["obeys"]), 1))
+    below = tuple(_branch(m.name, groups, (*above, name), m) for m in group.subordinates)
+    leaves = [b.leaves if b.obeys else (0, b.leaves[1]) for b in below]
     return Branch(
         name,
         group.behavior,
         tuple(group.active_path),
         group.order,
         group.mode,
-        seen.get("obeys"),
-        bool(seen.get("silent")),
-        below,
-        (sum(map(bool, obeying)), len(below)),
-        (sum(performing for performing, _ in leaves), sum(count for _, count in leaves)),
-        tuple(group.faults),
+        **told,
+        below=below,
+        counts=(sum(bool(b.obeys) for b in below), len(below)),
+        leaves=(sum(performing for performing, _ in leaves), sum(count for _, count in leaves)),
+        faults=tuple(group.faults),
     )

@@ -193,7 +193,9 @@ class CommanderBody:
         """Whether a subordinate has reported that it performs its order."""
         member = self.members[name]
         report = member.latest
-        if report is None or (report.epoch, report.sequence) != self.number or report.waits:
+        if report is None or (report.epoch, report.sequence) != self.number:
+            return False
+        if report.waits or report.stopped:
             return False
         behavior = self.order.behavior_for(name, member.role)
         return behavior is None or (report.path[0] if report.path else "") == behavior
@@ -295,4 +297,4 @@ class CommanderBody:
 def _activity(report: Report) -> tuple[object, ...]:
     """Return what a report says of an order and of what is done for it."""
     number = report.epoch, report.sequence
-    return number, report.waits, list(report.flags), list(report.path)
+    return number, report.waits, report.stopped, list(report.flags), list(report.path)

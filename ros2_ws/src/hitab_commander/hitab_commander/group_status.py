@@ -40,8 +40,9 @@ class GroupStatus:
             msg.Subordinate(
                 name=name,
                 behavior=told.path[0] if (told := member.latest) is not None and told.path else "",
-                obeys=body.obeys(name),
+                obeys=body.obeys(name) and not quiet,
                 silent=quiet,
+                stopped=told is not None and told.stopped,
             )
             for (name, member), quiet in zip(body.members.items(), silent, strict=True)
         ]

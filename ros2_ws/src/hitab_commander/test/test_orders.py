@@ -1,13 +1,14 @@
 """Orders over topics: latched, numbered, obeyed on arrival, by role, to any depth."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from hitab_msgs import msg, srv
 
 from hitab_commander.commander_node import CommanderNode
 from hitab_core.errors import HitabError
-from hitab_ros import names, qos
+from hitab_ros import give_signs_of_life, names, qos
 
 SQUAD = """\
 commander: Squad
@@ -312,3 +313,46 @@ def test_what_is_wrong_with_a_commander_is_shown_with_its_group(team):
     team.until(lambda: any("the wire is cut" in f for f in team.statuses["chief"].faults))
     chief.guard.faults.clear("hearing")
     team.until(lambda: not team.groups["chief"].faults and not team.statuses["chief"].faults)
+
+
+def test_who_is_stopped_or_out_of_reach_is_not_counted_among_those_that_perform(team):
+    squad(team)
+    a, b = (team.ant(name, "chief") for name in ANTS)
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.obeying() == [True, True])
+    a.stop = SimpleNamespace(why="stopped: a dog", cause=lambda why: None)
+    a.stop_changed()
+    team.until(lambda: team.obeying() == [False, True])
+    first, second = team.groups["chief"].subordinates
+    assert (first.stopped, first.behavior, second.stopped) == (True, "", False)
+    a.stop.why = ""
+    a.stop_changed()
+    team.until(lambda: team.obeying() == [True, True])
+    team.end("b")
+    team.until(lambda: team.obeying() == [True, False])
+    assert team.groups["chief"].subordinates[1].silent
+    assert b.agent.behavior == "Home"
+
+
+def test_a_subordinate_that_is_to_halt_does_nothing_while_its_commander_is_out_of_reach(team):
+    chief = squad(team)
+    settings = {"when_out_of_reach": "halt", "out_of_reach_after": 1.5}
+    ant = team.ant("a", "chief", "scout", **settings)
+    signs = team.link.create_publisher(msg.Alive, f"/{names.ALIVE}", qos.SIGNS_OF_LIFE)
+    team.until(signs.get_subscription_count)
+    give = signs.publish
+    team.perform("chief", "Retreat")
+    team.until(lambda: team.performs("a") == "Home")
+
+    def acts() -> bool:
+        return bool(ant.answer(msg.Percept())[0])
+
+    team.perceive("a", 0.0, 0.0, 0.0)
+    assert acts()
+    give(msg.Alive(process="chief"))
+    team.until(lambda: "chief is out of reach" in "".join(team.statuses["a"].faults))
+    assert not acts()
+    give(msg.Alive(process="major"))  # which is not its commander
+    give_signs_of_life(chief)
+    team.until(acts)
+    assert ant.agent.behavior == "Home", "it goes on by itself"

@@ -71,8 +71,8 @@ class Feature:
     ``period`` is the length of a toroidal feature's circle, in its own ``unit``.
 
     Where a feature has no value (NaN, None or a raised `FeatureValueError`), a learned tree
-    decides by the others. If it is ``required``, nothing is decided without it: who needs it does
-    nothing, such as a robot that would drive blindly.
+    decides by the others. If it is ``required``, an automaton that has it does nothing without it,
+    in whatever state, so that no robot drives on blindly.
     """
 
     name: str

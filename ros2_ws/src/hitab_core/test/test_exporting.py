@@ -64,12 +64,18 @@ def library(tmp_path: Path) -> BehaviorLibrary:
     )
     library = BehaviorLibrary(tmp_path / "library", domain)
 
-    def teach(name: str, *states: str, classifier: str = "tree", parameter: str = "") -> None:
+    def teach(
+        name: str,
+        *states: str,
+        classifier: str = "tree",
+        parameter: str = "",
+        leaving: tuple[str, ...] = (),
+    ) -> None:
         rows = [((1.0, 0.0, 0.0), states[0]), ((0.0, 0.0, 0.0), states[1])]
         rows += [((0.0, 1.0, 0.0), states[0]), ((0.0, 1.0, 90.0), states[1])]
         examples = tuple(
             Example(state, values, following, number=4 * index + number, command=number)
-            for index, state in enumerate((START, *states))
+            for index, state in enumerate(leaving or (START, *states))
             for number, (values, following) in enumerate(rows, 1)
         )
         uses = tuple(map(Use, FEATURES))
@@ -80,6 +86,7 @@ def library(tmp_path: Path) -> BehaviorLibrary:
         library.save(automaton, classifier=classifier)
 
     teach("Roam", "Walk", "Rest")
+    teach("Begin", "Walk", "Rest", leaving=(START,))
     teach("Bound", "Walk", "Rest", parameter="A")
     teach("Neighborly", "Walk", "Rest", classifier=NEIGHBORS)
     teach("Errand", "GoTo", "Rest")
@@ -135,18 +142,32 @@ def test_python_decides_nothing_by_impossible_values_and_names_the_feature(
     assert robot.tick({"Near": True}, 0.1, float).name == "Walk"
 
 
+def test_python_does_nothing_without_a_required_value_in_a_state_that_tests_nothing(
+    library: BehaviorLibrary,
+) -> None:
+    module: Any = ModuleType("begin")
+    exec(exported(library, "Begin", "python"), module.__dict__)
+    robot = module.Begin()
+    assert robot.tick({"Near": True}, 0.0, float).name == "Walk"
+    with pytest.raises(ValueError, match="Near has no value"):
+        robot.tick({"Role": 0.0, "Angle": 0.0}, 0.1, float)
+    assert robot.tick({"Near": False}, 0.2, float).name == "Walk"
+
+
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
 def test_cpp_decides_nothing_by_impossible_values(
     library: BehaviorLibrary, tmp_path: Path
 ) -> None:
-    (tmp_path / "roam.hpp").write_text(exported(library, "Roam", "cpp"))
+    for name in ("Roam", "Begin"):
+        (tmp_path / f"{name}.hpp").write_text(exported(library, name, "cpp"))
     tries = "".join(
         f"refused += tries({', '.join(str(v).upper().replace('INF', 'INFINITY') for v in row)});\n"
         for row in (p.values() for p in IMPOSSIBLE)
     )
     (tmp_path / "main.cpp").write_text(
         f"""
-        #include "roam.hpp"
+        #include "Roam.hpp"
+        #include "Begin.hpp"
         int tries(double near, double role, double angle) {{
           hitab_Roam::Behavior robot;
           hitab_Roam::Features features;
@@ -155,7 +176,20 @@ def test_cpp_decides_nothing_by_impossible_values(
           catch (const std::invalid_argument&) {{ return robot.path()[0] == "Start"; }}
           return 0;
         }}
-        int main() {{ int refused = tries(1, 0, 0) ? -99 : 0; {tries} return refused; }}
+        bool blind() {{
+          hitab_Begin::Behavior robot;
+          hitab_Begin::Features features;
+          features.Near = 1;
+          robot.tick(features, 0, [] {{ return 0.5; }});
+          features.Near = NAN;
+          try {{ robot.tick(features, 1, [] {{ return 0.5; }}); }}
+          catch (const std::invalid_argument&) {{ return robot.path()[0] == "Walk"; }}
+          return false;
+        }}
+        int main() {{
+          int refused = tries(1, 0, 0) || !blind() ? -99 : 0;
+          {tries} return refused;
+        }}
         """
     )
     subprocess.run(["g++", "-std=c++17", "main.cpp", "-o", "main"], cwd=tmp_path, check=True)

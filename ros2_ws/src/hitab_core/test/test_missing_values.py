@@ -356,6 +356,16 @@ def test_without_a_required_value_nothing_is_decided() -> None:
     assert player.tick(1.0, 1.0) == "A"
 
 
+def test_what_is_required_is_required_in_states_whose_tree_tests_nothing() -> None:
+    tree = learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2)
+    player = Player(tree, required=True)
+    assert player.tick(9.0, 9.0) == "B"
+    assert player.running.function is None
+    with pytest.raises(FeatureValueError, match='feature "x" has no value'):
+        player.tick(NAN, 9.0)
+    assert player.tick(9.0, NAN) == "B", "y is not required"
+
+
 def test_a_hand_written_function_decides_nothing_without_a_value() -> None:
     player = Player(HandWritten(lambda x: "A" if x < 5 else "B", (0,)))
     with pytest.raises(FeatureValueError, match='feature "x" has no value'):

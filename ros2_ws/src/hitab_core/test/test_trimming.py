@@ -58,6 +58,16 @@ def test_states_never_visited_and_features_never_used_are_trimmed(
     ]
 
 
+def test_a_required_feature_stays_though_nothing_tests_it(robot: Domain, teach: Teach) -> None:
+    kickable = replace(robot.features["BallIsKickable"], required=True)
+    careful = replace(robot, features={**robot.features, "BallIsKickable": kickable})
+    rows = [("Start", [0, 9.5, 0], "GoFast"), ("GoFast", [0, 0.5, 0], "Stop")]
+    features = ["Role", "DistanceTo(ball)", "BallIsKickable"]
+    trimmed, notes = trim(teach("Fetch", features, rows), Repertoire(careful))
+    assert names(trimmed) == ["DistanceTo(ball)", "BallIsKickable"]
+    assert notes == ['feature "Role" is not used by any transition function']
+
+
 def test_a_feature_stays_if_another_tree_would_grow_without_it(
     repertoire: Repertoire, teach: Teach
 ) -> None:

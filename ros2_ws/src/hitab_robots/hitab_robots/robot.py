@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
-from hitab_core import VocabularyError, quantity, unknown
+from hitab_core import FeatureValueError, VocabularyError, quantity, unknown
 from hitab_robots.sensors import Sensor
 from hitab_robots.velocity import STILL, Drive, Velocity
 
@@ -31,6 +31,8 @@ class Robot:
         sensors: each with a name of its own.
         drive: limits of its velocity, and which message it takes.
         odometry: the sensor that says where the robot is.
+        needed_to_drive: sensors, such as ``scan``, or single values, such as ``scan.ahead.range``:
+            while one has no value, the robot does not drive, whatever it performs.
         body: class of the bodies, derived from `RobotBody`, if words need to remember something;
             None: `RobotBody` itself.
 
@@ -46,6 +48,7 @@ class Robot:
     sensors: tuple[Sensor, ...]
     drive: Drive = field(default_factory=Drive)
     odometry: str = "odom"
+    needed_to_drive: tuple[str, ...] = ()
     body: type[RobotBody] | None = None
 
     def __post_init__(self) -> None:
@@ -56,6 +59,10 @@ class Robot:
                     f'a second sensor "{name}" of a robot; give it another `name`, and the topic '
                     "as `topic`"
                 )
+        for name, places in self.needed.items():
+            if not places:
+                there = {*names, *self.values}
+                raise VocabularyError(unknown("value", name, there, " in `needed_to_drive`"))
 
     def __call__(self, name: str) -> RobotBody:
         """Return the body of one agent."""
@@ -70,6 +77,14 @@ class Robot:
     def index(self) -> dict[str, int]:
         """The place of each of these numbers."""
         return {name: i for i, name in enumerate(self.values)}
+
+    @cached_property
+    def needed(self) -> dict[str, tuple[int, ...]]:
+        """The places of the numbers without all of which it does not drive, by name."""
+        return {
+            name: tuple(i for value, i in self.index.items() if f"{value}.".startswith(f"{name}."))
+            for name in self.needed_to_drive
+        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,8 +155,15 @@ class RobotBody:
             ahead: m/s, negative backwards.
             turn: rad/s, counter-clockwise.
             left: m/s, of robots that can move sideways.
+
+        Raises:
+            FeatureValueError: if the robot must not move, since it lacks what it needs for that.
         """
-        self.velocity = self.robot.drive.clipped((ahead, left, turn))
+        velocity = self.robot.drive.clipped((ahead, left, turn))
+        for name, places in self.robot.needed.items() if velocity != STILL else ():
+            if all(math.isnan(self._values[i]) for i in places):
+                raise FeatureValueError(f"{name} has no value, and it must not drive without it")
+        self.velocity = velocity
 
     @property
     def place(self) -> tuple[float, float, float]:

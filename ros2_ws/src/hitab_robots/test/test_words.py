@@ -3,12 +3,13 @@
 import math
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_core import Domain, VocabularyError
+from hitab_core import Domain, FeatureValueError, VocabularyError
 from hitab_robots import (
     Battery,
     Drive,
@@ -120,6 +121,22 @@ def test_a_silent_sensor_leaves_its_words_without_a_value():
     sense(body, time=1.0)
     for name, feature in DOMAIN.features.items():
         assert math.isnan(read(body, name, *["home"] * len(feature.parameters))), name
+
+
+def test_a_robot_does_not_drive_without_what_it_needs_for_that_and_may_stand_still():
+    careful = replace(ROBOT, needed_to_drive=("scan", "odom.x"))
+    body = careful("robot_1")
+    body.drive(0.0)
+    with pytest.raises(FeatureValueError, match="scan has no value, and it must not drive"):
+        body.drive(0.1)
+    sense(body, scan__around__range=2.0)  # nothing is known of what is ahead: it is not blind
+    with pytest.raises(FeatureValueError, match=r"odom\.x has no value"):
+        body.drive(0.1)
+    sense(body, scan__around__range=2.0, odom__x=0.0)
+    body.drive(0.1)
+    assert list(body.act()[0]) == [0.1, 0.0, 0.0]
+    with pytest.raises(VocabularyError, match=r'"sacn" in `needed_to_drive`.*Did you mean "scan"'):
+        replace(ROBOT, needed_to_drive=("sacn",))
 
 
 def drive(body, seconds, velocity, moves=1.0, turns=1.0, *, begin=0.0):

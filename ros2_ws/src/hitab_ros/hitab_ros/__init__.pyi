@@ -14,6 +14,7 @@ from . import session_topics as session_topics
 from . import stamps as stamps
 from . import testing as testing
 from .alive import give_signs_of_life as give_signs_of_life
+from .alive import give_signs_of_operator as give_signs_of_operator
 from .definitions import own_hash as own_hash
 from .definitions import own_hashes as own_hashes
 from .definitions import refuse_other_definitions as refuse_other_definitions

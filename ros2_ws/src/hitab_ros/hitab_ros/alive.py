@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+
 from hitab_msgs.msg import Alive
+from rclpy.node import Node
 
 from hitab_ros import names, qos
-from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.steady_timer import steady_timer
 
 PERIOD_S = 0.5
 """Time between two signs of life, s, by the machine's clock: a paused world is alive, too."""
 
 
-def give_signs_of_life(node: GuardedNode, swarm: str = "") -> None:
+def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) -> None:
     """Publish signs of life from now on, in the name of a node's agent, host or world.
 
     They come from the thread that handles the node's other events, so a process that hangs in one
@@ -21,11 +23,28 @@ def give_signs_of_life(node: GuardedNode, swarm: str = "") -> None:
     Args:
         node: that stands for its process; its namespace gives the name.
         swarm: identity of its swarm; empty: none.
+        others: further names that stand for the process, such as those of a host's commanders.
     """
-    publisher = node.create_publisher(Alive, names.in_swarm(node, names.ALIVE), qos.SIGNS_OF_LIFE)
-    sign = Alive(process=names.own_name(node), swarm=swarm)
+    signs = [Alive(process=name, swarm=swarm) for name in (names.own_name(node), *others)]
+    _give(node, names.in_swarm(node, names.ALIVE), signs, lambda: True)
+
+
+def give_signs_of_operator(node: Node, prefix: str, there: Callable[[], object]) -> None:
+    """Publish from now on that a person who operates the agents of a swarm is there.
+
+    Args:
+        node: of the person's console.
+        prefix: namespace of the swarm.
+        there: returns whether the person is in reach of the console.
+    """
+    _give(node, names.of_swarm(names.OPERATORS, prefix), [Alive(process=node.get_name())], there)
+
+
+def _give(node: Node, topic: str, signs: Iterable[Alive], there: Callable[[], object]) -> None:
+    publisher = node.create_publisher(Alive, topic, qos.SIGNS_OF_LIFE)
 
     def show() -> None:
-        publisher.publish(sign)
+        for sign in signs if there() else ():
+            publisher.publish(sign)
 
     steady_timer(node, PERIOD_S, show)

@@ -80,6 +80,7 @@ TELEOP = "cmd_vel_teleop"
 
 # Of the swarm.
 ALIVE = "alive"
+OPERATORS = "operators"  # signs of life of people's consoles
 HOSTS = "hosts"
 DISTRIBUTION = "distribution"
 DISTRIBUTION_ACK = "distribution_ack"

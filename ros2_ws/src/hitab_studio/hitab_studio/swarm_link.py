@@ -27,7 +27,7 @@ from typing import Any, TypeVar
 from hitab_client import RosLink, SwarmClient, SwarmError, Training, WorldClient
 from hitab_client.identity import BY_HAND
 from hitab_core import HitabError
-from hitab_ros import names
+from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.known import Known
 from hitab_studio.observer import Observer, Viewing
@@ -301,6 +301,7 @@ class SwarmLink:
                 self.do,
                 self._options,
             )
+            give_signs_of_operator(link.node, space, lambda: self.viewing.pages)
             self._connected = swarm
             await self._serve(target, swarm, self._observer)
             why = _gone(target)

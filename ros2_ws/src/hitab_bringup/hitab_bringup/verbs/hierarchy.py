@@ -10,6 +10,7 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import SwarmError, completion, console
 from hitab_client.command_options import JsonPath, SwarmName
+from hitab_client.commands import with_commands
 from hitab_core import Do, Use, has, quantity
 
 if TYPE_CHECKING:
@@ -59,6 +60,10 @@ def tree(
         branches = _meant(swarm_up, view, commander, lost)
         data = {"commanders": [branch.data() for branch in branches]}
         console.show(json, data, *(_drawn(branch, agents) for branch in branches))
+        for branch in branches if json is None else ():
+            if branch.order and branch.order == branch.behavior:
+                told = f"{branch.name} gives {branch.order} until it is told what else to perform"
+                console.note(with_commands(told, [Do.PERFORM(agent=branch.name)]))
         for why in lost:
             console.error(why)
 
@@ -110,7 +115,7 @@ def _drawn(branch: Branch, agents: bool) -> Tree:
     """Return a branch as a tree of lines."""
     from rich.tree import Tree
 
-    drawn = Tree(console.line(_line(branch), _style(branch)))
+    drawn = Tree(console.line(line_of(branch), _style(branch)))
     for fault in branch.faults:
         drawn.add(console.line(fault, "red"))
     drawn.children += [_drawn(m, agents) for m in branch.below if m.is_commander]
@@ -119,7 +124,8 @@ def _drawn(branch: Branch, agents: bool) -> Tree:
     return drawn
 
 
-def _line(branch: Branch) -> str:
+def line_of(branch: Branch) -> str:
+    """Return what a commander or an agent does, in one line."""
     doing = " > ".join((branch.behavior or "nothing", *branch.path))
     if not branch.is_commander:
         return f"{branch.name}: {doing}{_why_not(branch)}"
@@ -127,22 +133,30 @@ def _line(branch: Branch) -> str:
     if not branch.order:
         return f"{branch.name}{mode}: {doing}, no order yet{_why_not(branch)}"
     does = "" if doing == branch.order else f"{doing}, "
-    share = f"{branch.counts[0]} of {branch.counts[1]} perform it"
-    if silent := sum(member.silent for member in branch.below):
-        share += f" ({silent} silent)"
+    share = f"{branch.counts[0]} of {branch.counts[1]} perform it{_unable(branch.below)}"
     of_agents = f"{branch.leaves[0]} of {branch.leaves[1]} agents"
     below = "" if branch.leaves == branch.counts else f", {of_agents}"
     return f"{branch.name}{mode}: {does}orders {branch.order}: {share}{below}{_why_not(branch)}"
 
 
+def _unable(members: Sequence[Any]) -> str:
+    """Return how many members cannot perform an order, and why; empty if all can."""
+    silent = sum(member.silent for member in members)
+    stopped = sum(member.stopped and not member.silent for member in members)
+    told = ", ".join([f"{silent} silent"] * (silent > 0) + [f"{stopped} stopped"] * (stopped > 0))
+    return f" ({told})" if told else ""
+
+
 def _why_not(branch: Branch) -> str:
     if branch.silent:
         return "  silent"
-    return "  does not perform the order" if branch.obeys is False else ""
+    if branch.stopped:
+        return "  stopped"
+    return "  does not perform the order; obeys the next one" if branch.obeys is False else ""
 
 
 def _style(branch: Branch) -> str:
-    if branch.silent or branch.faults:
+    if branch.silent or branch.stopped or branch.faults:
         return "red"
     return "yellow" if branch.obeys is False else ""
 
@@ -150,7 +164,7 @@ def _style(branch: Branch) -> str:
 def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
     """Return one line per agent, or per behavior if there are many agents."""
     if len(leaves) <= SHOWN:
-        return [console.line(_line(leaf), _style(leaf)) for leaf in leaves]
+        return [console.line(line_of(leaf), _style(leaf)) for leaf in leaves]
     alike: dict[tuple[str, str], list[Branch]] = {}
     for leaf in leaves:
         alike.setdefault((leaf.behavior or "nothing", _why_not(leaf)), []).append(leaf)
@@ -201,8 +215,11 @@ def order(
     obeying = sum(member.obeys for member in group.subordinates)
     console.say(
         f"{commander} performs {use} and orders {group.order or 'nothing yet'}: "
-        f"{obeying} of {len(group.subordinates)} perform it"
+        f"{obeying} of {len(group.subordinates)} perform it{_unable(group.subordinates)}"
     )
+    if status.mode == "performing" and status.behavior != str(use):
+        again = Do.PERFORM(agent=commander, behavior=status.behavior)
+        console.note(with_commands(f"before, it performed {status.behavior}", [again]))
     if status.superior:
         console.note(f"{status.superior} commands {commander}; its next order replaces this one")
 
@@ -220,4 +237,4 @@ def _obeyed(group: Any, behavior: str) -> bool:
     """Whether a commander performs a behavior and the reachable members of its group obey."""
     if group.behavior != behavior or not group.order:
         return False
-    return all(member.obeys or member.silent for member in group.subordinates)
+    return all(member.obeys or member.silent or member.stopped for member in group.subordinates)

@@ -27,7 +27,7 @@ from hitab_client.stops import Stops
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import START, HitabError, Use, natural, numbers_of, some
-from hitab_ros import EmergencySwitch, names
+from hitab_ros import EmergencySwitch, give_signs_of_operator, names
 
 PATIENCE_S = 1.0
 """What was pressed longer ago, s, before it could be carried out, was meant for another moment."""
@@ -83,6 +83,7 @@ class Demonstrator:
         self.asked: Asked | None = None
         # Hands on: the topic is open before it is needed, so that a stop arrives at once.
         self.switch = EmergencySwitch(agents.link.node, hands_on=True)
+        give_signs_of_operator(agents.link.node, agents.prefix, lambda: True)
         self._stops = Stops(agents.link, switch=self.switch)
         self.steering = Steering(agents.link.node, agents.prefix, self._is_at_rest, clock)
         self._agents = agents

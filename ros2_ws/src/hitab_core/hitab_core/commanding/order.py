@@ -61,7 +61,9 @@ class Report:
         epoch, sequence: of the last order received; 0: none.
         waits: whether that order is still pending.
         mode: of the agent.
-        path: its top-level behavior and, if requested, the active states inwards; empty if idle.
+        stopped: whether its robot may not act.
+        path: its top-level behavior and, if requested, the active states inwards; empty if idle
+            or stopped.
         flags: raised by its top-level behavior since that order.
         values: of the features that the commander requested; NaN: no value.
         position: x and y, m; empty: not requested, or unknown.
@@ -77,6 +79,7 @@ class Report:
     sequence: int = 0
     waits: bool = False
     mode: str = ""
+    stopped: bool = False
     path: Sequence[str] = ()
     flags: Sequence[str] = ()
     values: Sequence[float] = ()

@@ -26,6 +26,7 @@ class Subordinate:
 
     Attributes:
         order: the newest one received; None: none yet.
+        stopped: whether its robot may not act.
         ordered: what the agent should perform according to it; None: nothing was ordered.
         waits: whether the order is still pending.
         refusal: why the order cannot be obeyed, and the way out; empty if it can.
@@ -35,6 +36,7 @@ class Subordinate:
 
     def __init__(self, agent: Agent, role: str = "") -> None:
         self.agent = agent
+        self.stopped = False
         self.role = role
         self.order: Order | None = None
         self.ordered: str | None = None
@@ -180,7 +182,7 @@ class Subordinate:
         agent = self.agent
         epoch, sequence = self.order.number if self.order is not None else (0, 0)
         path: tuple[str, ...] = ()
-        if agent.mode is not Mode.IDLE:
+        if agent.mode is not Mode.IDLE and not self.stopped:
             inside = self.order is not None and self.order.report_states
             path = (agent.behavior, *(agent.active_path if inside else ()))
         return Report(
@@ -189,6 +191,7 @@ class Subordinate:
             sequence,
             self.waits,
             agent.mode.value,
+            self.stopped,
             path,
             tuple(sorted(agent.raised)),
             episode=self.episode,

@@ -89,6 +89,7 @@ class Behavior {
     if (levels_.empty()) start(now);
     for (std::size_t depth = 0;; ++depth) {
       Level& level = levels_[depth];
+      for (int required : REQUIRED[level.automaton]) read(FEATURES[required], features);
       const std::vector<State>& states = AUTOMATA[level.automaton];
       const State& before = states[level.state];
       if (before.automaton < 0 && before.basic < 0) level.state = 0;  // Start, flags: left at once
@@ -205,6 +206,7 @@ def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
         for use, one_shot in hierarchy.basics.items()
     ]
     automata, nodes, chances = _tables(hierarchy)
+    required = [automaton.required for automaton in hierarchy.automata]
     parts = [
         "\n".join(f"// {line}".rstrip() for line in origin.splitlines()),
         "\n" + BEGIN.format(space=space, members=members),
@@ -214,6 +216,7 @@ def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
         _table("Node", "NODES", nodes),
         _table("Chance", "CHANCES", chances),
         _table("std::vector<State>", "AUTOMATA", automata),
+        _table("std::vector<int>", "REQUIRED", [", ".join(map(str, r)) for r in required]),
         RUNTIME,
         f"\n}}  // namespace {space}\n",
     ]

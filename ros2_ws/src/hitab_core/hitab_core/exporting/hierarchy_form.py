@@ -112,10 +112,15 @@ class StateForm:
 
 @dataclass(frozen=True, slots=True)
 class AutomatonForm:
-    """An automaton bound to targets; its first state is Start."""
+    """An automaton bound to targets; its first state is Start.
+
+    Attributes:
+        required: indices of the features without which it does nothing, whatever its state.
+    """
 
     use: Use
     states: tuple[StateForm, ...]
+    required: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,6 +199,11 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
         for used in function.features_used:
             slots.setdefault(features[used], len(slots))
         trees[label] = _tree(function, [slots.get(name, -1) for name in features], indices)
+    required = [
+        slots.setdefault(label, len(slots)) - len(OWN)
+        for feature, label in zip(automaton.features, features, strict=True)
+        if repertoire.domain.feature(feature.name).required
+    ]
     states = [StateForm(START, None, False, False, trees.get(START))]
     for state, label in zip(automaton.states, automaton.labels, strict=True):
         if state.name in FLAGS:
@@ -210,7 +220,7 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
         numbers = _numbers(automaton, label, repertoire.domain.numbers_of(state), features, slots)
         tree = trees.get(label)
         states.append(StateForm(label, performs, is_automaton, one_shot, tree, numbers))
-    return AutomatonForm(use, tuple(states))
+    return AutomatonForm(use, tuple(states), tuple(required))
 
 
 def _numbers(

@@ -23,7 +23,8 @@ def as_python(hierarchy: Hierarchy, origin: str) -> str:
     runtime = files(__package__).joinpath("python_runtime.py").read_text(encoding="utf-8")
     parsed = ast.parse(runtime)
     there = {node.name for node in parsed.body if isinstance(node, (ast.ClassDef))}
-    reserved = {*keyword.kwlist, *there, "AUTOMATA", "FEATURES", "FLAGS", "inf", "math"}
+    own = ["AUTOMATA", "FEATURES", "FLAGS", "REQUIRED", "inf", "math"]
+    reserved = {*keyword.kwlist, *there, *own}
     top = str(hierarchy.top.use)
     name = identifiers([top], reserved)[top]
     lines = [f'"""{origin}\n', USE.format(name=name), '"""']
@@ -40,6 +41,8 @@ def as_python(hierarchy: Hierarchy, origin: str) -> str:
         for state in automaton.states:
             lines += _state(state)
         lines.append(")")
+        if automaton.required:
+            lines.append(f"REQUIRED[{str(automaton.use)!r}] = {automaton.required!r}")
     lines += ["", "", f"class {name}(Behavior):", f'    """Performs {top}."""', ""]
     return "\n".join([*lines, f"    NAME = {top!r}", ""])
 

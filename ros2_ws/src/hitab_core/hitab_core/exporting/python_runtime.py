@@ -90,6 +90,7 @@ class State(NamedTuple):
 
 FEATURES: list[tuple[str, int, bool]] = []  # name, categories (-1: on a circle), required
 AUTOMATA: dict[str, tuple[State, ...]] = {}
+REQUIRED: dict[str, tuple[int, ...]] = {}  # features without which an automaton does nothing
 
 
 class _Percept:
@@ -117,7 +118,7 @@ class _Performance:
     """An automaton being performed; a new one for each entry."""
 
     def __init__(self, name: str, now: float) -> None:
-        self.states = AUTOMATA[name]
+        self.states, self.required = AUTOMATA[name], REQUIRED.get(name, ())
         self.state = 0
         self.entered = now
         self.seen = dict.fromkeys(FLAGS, now)
@@ -126,6 +127,8 @@ class _Performance:
 
     def tick(self, percept: _Percept) -> Action | None:
         now = percept.now
+        for feature in self.required:
+            percept.read(*FEATURES[feature])
         if self.states[self.state].performs is None:
             self.state = 0  # Start and flag states are left at once
         own = [0.0, 0.0, max(0.0, now - self.entered) if self.state else 0.0]

@@ -27,7 +27,8 @@ def trim(
 ) -> tuple[Automaton, list[str]]:
     """Return an automaton without the states and features that it does not need.
 
-    A state is needed if an example mentions it, a feature if a transition function can look at it.
+    A state is needed if an example mentions it, a feature if a transition function can look at it
+    or if it is required: then nothing is done without it, in whatever state.
     The trimmed automaton decides exactly as before, and notes the features chosen, so that its
     training can be resumed with them. A C4.5 tree depends a little even on features
     that it does not use in the end: if leaving one out would change a decision, it is kept.
@@ -55,7 +56,7 @@ def trim(
     )
     columns = _needed_columns(complete, repertoire.domain, classifier)
     trimmed = relearned(_with_columns(complete, columns), repertoire.domain, classifier)
-    used = _columns_used(complete)
+    used = _columns_used(complete, repertoire.domain)
     for i, feature in enumerate(automaton.features):
         if i not in columns:
             notes.append(f'feature "{feature}" is not used by any transition function')
@@ -189,10 +190,11 @@ def _distinct(uses: Sequence[Use], bound: Any, what: str) -> tuple[Use, ...]:
     return tuple(became)
 
 
-def _columns_used(automaton: Automaton) -> set[int]:
+def _columns_used(automaton: Automaton, domain: Domain) -> set[int]:
     if automaton.numbers:  # a moment is near in all features
         return {*range(len(automaton.features))}
-    return {i for function in automaton.transitions.values() for i in function.features_used}
+    required = {i for i, use in enumerate(automaton.features) if domain.feature(use.name).required}
+    return required.union(*(one.features_used for one in automaton.transitions.values()))
 
 
 def _with_columns(automaton: Automaton, columns: Sequence[int]) -> Automaton:
@@ -215,7 +217,7 @@ def _needed_columns(complete: Automaton, domain: Domain, classifier: str) -> lis
         )
 
     everything = range(len(complete.features))
-    used = _columns_used(complete)
+    used = _columns_used(complete, domain)
     needed = [i for i in everything if i in used]
     if suffice(needed):
         return needed

@@ -148,12 +148,13 @@ class RunningAutomaton:
         self._slots: list[int] = []
         self._flag_slots: list[tuple[int, str]] = []
         self._timer_slots: list[tuple[int, str]] = []
+        self._required: list[int] = []
         self._bind(automaton.features)
         self.set_transitions(automaton.transitions, automaton.numbers)
 
     def _bind(self, features: Sequence[Use]) -> None:
         """Find the slots of the features."""
-        self._slots, self._flag_slots, self._timer_slots = [], [], []
+        self._slots, self._flag_slots, self._timer_slots, self._required = [], [], [], []
         for feature in features:
             if feature.name in FLAGS:
                 slot = self._senses.own_slot()
@@ -163,8 +164,10 @@ class RunningAutomaton:
                 self._timer_slots.append((slot, "".join(feature.arguments)))
             else:
                 slot = self._senses.slot(feature.bound(self.bindings))
+                if self.context.repertoire.domain.features[feature.name].required:
+                    self._required.append(slot)
             self._slots.append(slot)
-        self._has_own = bool(self._flag_slots or self._timer_slots)
+        self._looks_first = bool(self._flag_slots or self._timer_slots or self._required)
 
     def set_features(self, features: Sequence[Use]) -> None:
         """Use other features; transition functions must follow."""
@@ -241,13 +244,17 @@ class RunningAutomaton:
         self._active = 0
 
     def tick(self) -> None:
-        """Query, change state if the transition function says so, and pulse."""
+        """Query, change state if the transition function says so, and pulse.
+
+        Raises:
+            FeatureValueError: if a required feature has no value, in whatever state.
+        """
         active = self._active
         child = self._children[active]
         if child is None:
             active = self._active = 0  # Start and flag states are left at once
-        if self._has_own:
-            self._query_own(child)
+        if self._looks_first:
+            self._look_first(child)
         decide = self._decide[active]
         if decide is not None:
             chosen = decide(self._values, self._read, self.context.draw)
@@ -259,6 +266,15 @@ class RunningAutomaton:
                 self.set_numbers(give(values))
         if child is not None:
             child.tick()
+
+    def check_required(self) -> None:
+        """Check that all required features have values.
+
+        Raises:
+            FeatureValueError: if one has none.
+        """
+        for slot in self._required:
+            self._read(slot)
 
     def pulse(self) -> None:
         """Perform one timestep of the active state without a query: a demonstrator decides."""
@@ -344,8 +360,9 @@ class RunningAutomaton:
             since = now if child is None else self._entered
         return max(0.0, now - since)
 
-    def _query_own(self, child: Running | None) -> None:
-        """Fill in the flags and timers; a flag that was seen goes down."""
+    def _look_first(self, child: Running | None) -> None:
+        """Check what is required and fill in flags and timers; a flag that was seen goes down."""
+        self.check_required()
         raised = child.raised if child is not None else None
         for slot, flag in self._flag_slots:
             self._values[slot] = 1.0 if raised and flag in raised else 0.0

@@ -181,7 +181,7 @@ class TrainingSession:
             return
         try:
             if not self.context.repertoire.stands_still(Use.parse(self.running.active)):
-                self._check_needed()
+                self.running.check_required()
             self.running.pulse()
         except Exception as error:
             if self.running.active != START:
@@ -189,12 +189,6 @@ class TrainingSession:
             self.running.stop()
             self._taken_over = False
             raise
-
-    def _check_needed(self) -> None:
-        domain, senses = self.context.repertoire.domain, self.context.senses
-        for feature in self.curriculum.features:
-            if domain.feature(feature.name).required:
-                senses.look(feature.bound(self._bindings))
 
     def restart(self) -> None:
         """Stop the active state and return to Start, as at the beginning of an episode."""
