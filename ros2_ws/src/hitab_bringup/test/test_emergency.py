@@ -4,7 +4,7 @@ import threading
 
 import pytest
 import rclpy
-from hitab_msgs.msg import EmergencyStop, StopState
+from hitab_msgs.msg import EmergencyState, StopState
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
@@ -14,7 +14,6 @@ from hitab_bringup.verbs import emergency
 from hitab_client import domain_ids
 from hitab_ros import EmergencySwitch, Stop, qos
 from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.stamps import nanoseconds
 
 
 @pytest.fixture(autouse=True)
@@ -76,25 +75,31 @@ def field(domain_id, monkeypatch):
     field.context.try_shutdown()
 
 
-def test_robots_are_stopped_and_released_and_re_armed_though_there_is_no_agent(field, capfd):
+def test_robots_are_stopped_and_released_and_re_armed_though_there_is_no_agent(
+    field, domain_id, capfd
+):
     one, two = field.robot("robot_1"), field.robot("red/robot_2")
     field.thread.start()
     status, out, _ = hitab(capfd, "stop", "--reason", "a dog")
     assert (status, out) == (0, "stand still: red/robot_2, robot_1\n")
     assert one.switch.engaged
-    assert two.switch.state.reason == "a dog"
+    assert two.switch.known.who.endswith(" (a dog)")
     status, _, err = hitab(capfd, "arm", "robot_1")
     assert status == 1
     assert "robot_1 may not act again: emergency stop by" in err
     status, out, _ = hitab(capfd, "go")
     assert out == "released: red/robot_2, robot_1; robots wait for `hitab arm`\n"
     assert one.machine.why
-    assert hitab(capfd, "arm", "/red/robot_2")[1] == "/red/robot_2 may act\n"
+    there = f"in ROS domain {domain_id}"
+    assert hitab(capfd, "arm", "/red/robot_2")[1] == f"/red/robot_2 may act {there}\n"
     assert one.machine.why
     assert not two.machine.why
-    assert hitab(capfd, "arm", "--all")[1] == "robot_1 may act\n"
+    waits = hitab(capfd, "arm")[1]
+    assert waits.startswith("robot_1: stopped: emergency stop by")
+    assert waits.endswith("that is over (hitab arm robot_1)\n")
+    assert hitab(capfd, "arm", "--all")[1] == f"robot_1 may act {there}\n"
     assert not one.machine.why
-    assert hitab(capfd, "arm")[1] == "no robot waits\n"
+    assert hitab(capfd, "arm")[1] == f"no robot waits {there}\n"
 
 
 def test_a_stop_names_each_robot_that_has_not_confirmed_to_stand_still(field, capfd):
@@ -104,7 +109,7 @@ def test_a_stop_names_each_robot_that_has_not_confirmed_to_stand_still(field, ca
     # One whose relay hangs from before: only its agent can be found.
     field.node("robot_3").create_publisher(StopState, "agent_heartbeat", qos.STREAM)
     field.thread.start()
-    status, out, err = hitab(capfd, "stop")
+    status, out, err = hitab(capfd, "stop", "--wait", "5")
     assert (status, out) == (1, "")
     progress, _, outcome = err.partition("not confirmed: ")
     assert "waiting for" in progress
@@ -112,7 +117,7 @@ def test_a_stop_names_each_robot_that_has_not_confirmed_to_stand_still(field, ca
     assert "robot_3 (does not answer)" in outcome
     assert "robot_1 (" not in outcome
     field.moving.clear()
-    outcome = hitab(capfd, "stop")[2].partition("not confirmed: ")[2]
+    outcome = hitab(capfd, "stop", "--wait", "5")[2].partition("not confirmed: ")[2]
     assert "robot_3 (does not answer)" in outcome
     assert "robot_2 (" not in outcome
 
@@ -120,25 +125,24 @@ def test_a_stop_names_each_robot_that_has_not_confirmed_to_stand_still(field, ca
 def test_a_robot_that_has_not_heard_the_stop_is_stopped_by_the_next_message(
     field, capfd, monkeypatch
 ):
-    heard = set()
-    take = EmergencySwitch.take
+    heard = []
+    take = EmergencySwitch._hear_state
 
-    def lose_the_first(switch: EmergencySwitch, message: EmergencyStop) -> None:
-        heard.add(nanoseconds(message.stamp))
+    def lose_the_first(switch: EmergencySwitch, message: EmergencyState) -> None:
+        heard.append(message)
         if len(heard) > 2:
             take(switch, message)
 
-    monkeypatch.setattr(EmergencySwitch, "take", lose_the_first)
+    monkeypatch.setattr(EmergencySwitch, "_hear_state", lose_the_first)
     robot = field.robot("robot_1")
     field.thread.start()
     assert hitab(capfd, "stop")[0] == 0
     assert robot.switch.engaged
-    assert len(heard) > 2
+    assert len(robot.switch.known.stops) == 1, "the same stop is said again"
 
 
-def test_a_stop_that_nobody_heard_is_an_error(domain_id, capfd, monkeypatch):
-    monkeypatch.setattr(emergency, "CONFIRM_S", 0.1)
-    status, out, err = hitab(capfd, "stop")
+def test_a_stop_that_nobody_heard_is_an_error(domain_id, capfd):
+    status, out, err = hitab(capfd, "stop", "--wait", "0.1")
     assert (status, out) == (1, "")
     assert "nobody heard it: no robot and no simulated world answers in ROS domain" in err
     assert f"{domain_id}; use the robots' own switches" in err

@@ -20,11 +20,10 @@ from rclpy.qos import DurabilityPolicy
 
 from hitab_ros import names, qos
 from hitab_ros.known_stops import KnownStops, must_tell
-from hitab_ros.plain_text import plain
 from hitab_ros.steady_timer import steady_timer
 
 LOOK_S = 1.0
-"""Between two looks for others who latch a stop, s."""
+"""Between two looks for stops that others latch, or have not been told, s."""
 
 
 class EmergencySwitch:
@@ -52,11 +51,12 @@ class EmergencySwitch:
                 last, such as the robots' relays, keep it for those who come later.
             known: the stops that this participant knew when it ended.
         """
-        self.known = known or KnownStops()
+        self.known = KnownStops() if known is None else known
         self._node = node
         self._changed = changed
         self._hands_on = hands_on
         self._hears_latched = False
+        self._told = KnownStops()
         self._publisher = node.create_publisher(EmergencyState, names.EMERGENCY_STATE, qos.LATCHED)
         node.create_subscription(
             EmergencyState, names.EMERGENCY_STATE, self._hear_state, qos.LATCHED_BY_MANY
@@ -64,7 +64,7 @@ class EmergencySwitch:
         self._listen(qos.EVENTS, latched=False)
         if hands_on:
             steady_timer(node, LOOK_S, self._look)
-            if self.known:
+            if known:
                 self.tell()
 
     @property
@@ -82,11 +82,13 @@ class EmergencySwitch:
         """
         before, identity = self.known, uuid.uuid4().hex
         known = before.stopped(identity, by, reason) if engaged else before.released_by(by)
-        self._know(known, KnownStops(), tells=True)
+        self._know(known, known, tells=False)
+        self.tell()  # always: others may not know what this one does
         return {identity} if engaged else {*before.stops}
 
     def tell(self) -> None:
         """Tell the others what is known."""
+        self._told = self.known
         self._publisher.publish(EmergencyState(**self.known.texts()))
 
     def delivered(self, seconds: float) -> bool:
@@ -94,17 +96,19 @@ class EmergencySwitch:
         return bool(self._publisher.wait_for_all_acked(Duration(seconds=seconds)))
 
     def _listen(self, profile: Any, *, latched: bool) -> None:
-        # Whatever is wrong with its texts: a stop is a stop.
+        # Not checked: whatever is wrong with its texts, a stop is a stop.
         hear = partial(self._hear_event, latched)
         self._node.create_subscription(
             EmergencyStop, names.EMERGENCY_STOP, hear, profile, checked=False
         )
 
     def _look(self) -> None:
-        """Have a stop delivered that others latched before this participant came.
+        """Tell of further stops, and have those delivered that others latched before this came.
 
-        Only then: whoever does not latch is warned of those who ask for latched messages.
+        The latter only if there are any: who does not latch is warned of who asks for it.
         """
+        if self.known.stops.keys() - self._told.stops.keys():
+            self.tell()
         found = self._node.get_publishers_info_by_topic(names.EMERGENCY_STOP)
         latch = DurabilityPolicy.TRANSIENT_LOCAL
         if not self._hears_latched and any(p.qos_profile.durability == latch for p in found):
@@ -112,15 +116,14 @@ class EmergencySwitch:
             self._listen(qos.LATCHED_BY_MANY, latched=True)
 
     def _hear_event(self, latched: bool, message: EmergencyStop, information: Any) -> None:
-        by = plain(message.by)
         if message.engaged:
             # The same for all who hear it, and each time that it is delivered.
             sent = information["source_timestamp"]
             number = information["publication_sequence_number"]
             identity = f"{sent}.{number}" if sent else uuid.uuid4().hex
-            known = self.known.stopped(identity, by, plain(message.reason))
+            known = self.known.stopped(identity, message.by, message.reason)
         elif not latched:
-            known = self.known.released_by(by)
+            known = self.known.released_by(message.by)
         else:
             return  # it was meant for what was known then
         self._know(known, known, tells=self._hands_on)

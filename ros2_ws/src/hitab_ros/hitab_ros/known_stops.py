@@ -11,7 +11,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Self
 
-KEPT_MAX = 200
+from hitab_ros.plain_text import plain
+
+KEPT_MAX = 100
 """How many stops, and how many releases, are kept. An older stop that is delivered again after its
 release was forgotten stops the robots again."""
 
@@ -53,19 +55,20 @@ class KnownStops:
 
     def joined(self, other: KnownStops) -> KnownStops:
         """Return what is known to somebody who knows both."""
-        released = {**self.released, **other.released}
-        stops = {**self.stops, **other.stops}
+        # What is new comes last, and words stay as they were first heard.
+        released = {**self.released, **other.released, **self.released}
+        stops = {**self.stops, **other.stops, **self.stops}
         left = {identity: stops[identity] for identity in stops if identity not in released}
         return KnownStops(_newest(left), _newest(released))
 
     def stopped(self, identity: str, by: str, reason: str = "") -> KnownStops:
         """Return what is known after a stop; one that is known already makes no difference."""
         words = f"{by or 'somebody'} ({reason})" if reason else by or "somebody"
-        return self.joined(KnownStops({identity: words[:WORDS_MAX]}))
+        return self.joined(KnownStops({identity: plain(words, WORDS_MAX, lines=False)}))
 
     def released_by(self, by: str) -> KnownStops:
         """Return what is known after a release of all stops that are known."""
-        who = (by or "somebody")[:WORDS_MAX]
+        who = plain(by or "somebody", WORDS_MAX, lines=False)
         return self.joined(KnownStops({}, dict.fromkeys(self.stops, who)))
 
 

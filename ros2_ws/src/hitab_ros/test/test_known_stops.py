@@ -42,14 +42,15 @@ class Room:
         """A participant stops all."""
         self.stops += 1
         one = self.all[who]
-        one.know(one.known.stopped(f"s{self.stops}", "ann"), KnownStops(), tells=True)
+        one.known = one.known.stopped(f"s{self.stops}", "ann")
+        one.told.append(one.known)
         assert one.known
-        assert f"s{self.stops}" in one.told[-1].stops
 
     def release(self, who):
         one = self.all[who]
         self.may_be_ended |= {*one.known.stops}
-        one.know(one.known.released_by("ben"), KnownStops(), tells=True)
+        one.known = one.known.released_by("ben")
+        one.told.append(one.known)
         assert not one.known
 
     def push(self, who):
@@ -94,8 +95,15 @@ class Room:
         self.all[who].known, self.all[who].told = KnownStops(), []
 
     def settle(self):
-        """All hear the last that each has said, until none has more to say."""
+        """All hear the last that each has said, until none has more to say.
+
+        In time, those who hand on tell of all stops that they know.
+        """
         for _ in range(20):
+            for one in self.all:
+                told = one.told[-1] if one.told else KnownStops()
+                if one.hands_on and one.known.stops.keys() - told.stops.keys():
+                    one.told.append(one.known)
             said = [(one, one.told[-1]) for one in self.all if one.told]
             for speaker, last in said:
                 for one in self.all:
