@@ -10,41 +10,19 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Annotated, Any
 
 import typer
 
 from hitab_bringup.help_pages import HelpfulGroup, make_helpful
-from hitab_bringup.verbs import (
-    bootstrap,
-    commanding,
-    doctor,
-    driving,
-    emergency,
-    evaluate,
-    examples,
-    exporting,
-    hierarchy,
-    lesson,
-    library,
-    logs,
-    new,
-    perceiving,
-    questions,
-    reaction,
-    recording,
-    status,
-    swarm,
-    training,
-    world,
-)
 from hitab_client import console, interruptions
 from hitab_client.commands import called
 from hitab_client.ros_environment import refuse_problems
 from hitab_core import HitabError, installed_version
 
+VERB_MODULES = "hitab_bringup.verbs"
 VERBS = "hitab.verbs"
 COMMANDS = "hitab.commands"
 
@@ -87,44 +65,47 @@ class HitabGroup(HelpfulGroup):
             raise
 
 
-PANELS: dict[str, tuple[Callable[..., None], ...]] = {
-    "Swarm": (swarm.up, swarm.down, status.status, logs.logs, recording.record, doctor.doctor),
+PANELS: dict[str, tuple[str, ...]] = {
+    "Swarm": ("swarm.up", "swarm.down", "status.status", "logs.logs", "recording.record", "doctor.doctor"),
     "Train": (
-        commanding.demonstrate,
-        driving.drive,
-        driving.joystick,
-        training.train,
-        training.start_testing,
-        training.undo,
-        training.redo,
-        training.save,
-        training.discard,
-        questions.questions,
-        reaction.reaction,
+        "commanding.demonstrate",
+        "driving.drive",
+        "driving.joystick",
+        "training.train",
+        "training.start_testing",
+        "training.undo",
+        "training.redo",
+        "training.save",
+        "training.discard",
+        "questions.questions",
+        "reaction.reaction",
     ),
     "Perform": (
-        commanding.perform,
-        commanding.distribute,
-        commanding.vocabulary,
-        perceiving.perceive,
-        evaluate.evaluate,
-        exporting.export,
-        emergency.stop,
-        emergency.go,
-        emergency.arm,
+        "commanding.perform",
+        "commanding.distribute",
+        "commanding.vocabulary",
+        "perceiving.perceive",
+        "evaluate.evaluate",
+        "exporting.export",
+        "emergency.stop",
+        "emergency.go",
+        "emergency.arm",
     ),
-    "Command": (hierarchy.tree, hierarchy.order),
-    "Domains": (new.new,),
+    "Command": ("hierarchy.tree", "hierarchy.order"),
+    "Domains": ("new.new",),
 }
-"""The verbs, by panel of the help: those without one would come before "Begin here"."""
+"""The verbs by panel of the help, as module and function of `hitab_bringup.verbs`: those without a
+panel would come before "Begin here"."""
 
-GROUPS = (
-    ("Swarm", "world", world.app),
-    ("Train", "examples", examples.app),
-    ("Train", "bootstrap", bootstrap.app),
-    ("Train", "lesson", lesson.app),
-    ("Perform", "library", library.app),
-)
+GROUPS = {
+    "world": "Swarm",
+    "examples": "Train",
+    "bootstrap": "Train",
+    "lesson": "Train",
+    "library": "Perform",
+}
+"""The panel of each module whose ``app`` is a group of verbs."""
+
 HELP = "Train robots, teams and swarms by demonstration, while they run."
 
 
@@ -148,8 +129,12 @@ def _hitab(
         refuse_problems()
 
 
-def make_app() -> typer.Typer:
-    """Return the command with all its verbs, including those of other packages."""
+def make_app(wanted: str = "") -> typer.Typer:
+    """Return the command with its verbs, including those of other packages.
+
+    Args:
+        wanted: if this is a verb in `PANELS`, only that one, which is faster: a stop is urgent.
+    """
     app = typer.Typer(
         name="hitab",
         cls=HitabGroup,
@@ -159,28 +144,40 @@ def make_app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(help=HELP)(_hitab)
-    for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
-        point.load().register(app)
-    for panel, verbs in PANELS.items():
-        for verb in verbs:
-            name = "test" if verb is training.start_testing else None
+    alone = any(place.endswith(f".{wanted}") for places in PANELS.values() for place in places)
+    if not alone:
+        for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
+            point.load().register(app)
+    for panel, places in PANELS.items():
+        for module, _, function in (place.partition(".") for place in places):
+            if alone and function != wanted:
+                continue
+            name = "test" if function == "start_testing" else function
             # Names that somebody gives in the belief that they choose robots get a reason.
-            names = {"allow_extra_args": verb in (emergency.stop, emergency.go)}
+            names = {"allow_extra_args": function in ("stop", "go")}
+            verb = getattr(import_module(f"{VERB_MODULES}.{module}"), function)
             app.command(name, rich_help_panel=panel, context_settings=names)(verb)
-    app.command("begin", hidden=True)(training.train)
-    for panel, name, group in GROUPS:
+    if not alone:
+        _add_groups(app)
+    make_helpful(app)
+    return app
+
+
+def _add_groups(app: typer.Typer) -> None:
+    train = import_module(f"{VERB_MODULES}.training").train
+    app.command("begin", hidden=True)(train)
+    for name, panel in GROUPS.items():
+        group = import_module(f"{VERB_MODULES}.{name}").app
         app.add_typer(group, name=name, rich_help_panel=panel)
     for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
         app.add_typer(point.load(), name=point.name, cls=HelpfulGroup, rich_help_panel="Domains")
-    make_helpful(app)
-    return app
 
 
 def main() -> None:
     """Run the command; on SIGTERM, clean up as on Ctrl-C."""
     interruptions.handle_interruptions()
     try:
-        make_app()()
+        make_app(*sys.argv[1:2])()
     finally:
         interruptions.forget_handled()
 

@@ -194,9 +194,9 @@ class Stops:
         lacking: dict[str, str] = {}
         began = time.monotonic()
         while time.monotonic() < began + seconds:
-            if engaged or Stops.settled(ends):  # a release ends what is known when it is said
-                for end in ends:
-                    end.say(by, reason, engaged=engaged)
+            says = engaged or Stops.settled(ends)  # a release ends what is known when it is said
+            for end in ends if says else ():
+                end.say(by, reason, engaged=engaged)
             Stops.listen(ends, REPEAT_S)
             lacking = {
                 end.label(name, ends): why
@@ -206,7 +206,7 @@ class Stops:
             there = any(end.names() for end in ends)
             if there and not lacking and Stops.settled(ends):
                 break
-            if lacking or not there:
+            if says and (lacking or not there):
                 tell(lacking, time.monotonic() - began)
         return lacking
 
