@@ -22,7 +22,6 @@ from hitab_client.commands import called
 from hitab_client.ros_environment import refuse_problems
 from hitab_core import HitabError, installed_version
 
-VERB_MODULES = "hitab_bringup.verbs"
 VERBS = "hitab.verbs"
 COMMANDS = "hitab.commands"
 
@@ -65,34 +64,16 @@ class HitabGroup(HelpfulGroup):
             raise
 
 
-PANELS: dict[str, tuple[str, ...]] = {
-    "Swarm": ("swarm.up", "swarm.down", "status.status", "logs.logs", "recording.record", "doctor.doctor"),
-    "Train": (
-        "commanding.demonstrate",
-        "driving.drive",
-        "driving.joystick",
-        "training.train",
-        "training.start_testing",
-        "training.undo",
-        "training.redo",
-        "training.save",
-        "training.discard",
-        "questions.questions",
-        "reaction.reaction",
-    ),
-    "Perform": (
-        "commanding.perform",
-        "commanding.distribute",
-        "commanding.vocabulary",
-        "perceiving.perceive",
-        "evaluate.evaluate",
-        "exporting.export",
-        "emergency.stop",
-        "emergency.go",
-        "emergency.arm",
-    ),
-    "Command": ("hierarchy.tree", "hierarchy.order"),
-    "Domains": ("new.new",),
+PANELS = {
+    "Swarm": "swarm.up swarm.down status.status logs.logs recording.record doctor.doctor",
+    "Train": "commanding.demonstrate driving.drive driving.joystick training.train "
+    "training.start_testing training.undo training.redo training.save training.discard "
+    "questions.questions reaction.reaction",
+    "Perform": "commanding.perform commanding.distribute commanding.vocabulary "
+    "perceiving.perceive evaluate.evaluate exporting.export "
+    "emergency.stop emergency.go emergency.arm",
+    "Command": "hierarchy.tree hierarchy.order",
+    "Domains": "new.new",
 }
 """The verbs by panel of the help, as module and function of `hitab_bringup.verbs`: those without a
 panel would come before "Begin here"."""
@@ -144,31 +125,35 @@ def make_app(wanted: str = "") -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(help=HELP)(_hitab)
-    alone = any(place.endswith(f".{wanted}") for places in PANELS.values() for place in places)
+    alone = f".{wanted} " in f"{' '.join(PANELS.values())} "
     if not alone:
         for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
             point.load().register(app)
     for panel, places in PANELS.items():
-        for module, _, function in (place.partition(".") for place in places):
+        for place in places.split():
+            module, _, function = place.partition(".")
             if alone and function != wanted:
                 continue
             name = "test" if function == "start_testing" else function
             # Names that somebody gives in the belief that they choose robots get a reason.
-            names = {"allow_extra_args": function in ("stop", "go")}
-            verb = getattr(import_module(f"{VERB_MODULES}.{module}"), function)
-            app.command(name, rich_help_panel=panel, context_settings=names)(verb)
+            names = {"allow_extra_args": name in ("stop", "go")}
+            app.command(name, rich_help_panel=panel, context_settings=names)(
+                _verb(module, function)
+            )
     if not alone:
         _add_groups(app)
     make_helpful(app)
     return app
 
 
+def _verb(module: str, name: str) -> Any:
+    return getattr(import_module(f"hitab_bringup.verbs.{module}"), name)
+
+
 def _add_groups(app: typer.Typer) -> None:
-    train = import_module(f"{VERB_MODULES}.training").train
-    app.command("begin", hidden=True)(train)
+    app.command("begin", hidden=True)(_verb("training", "train"))
     for name, panel in GROUPS.items():
-        group = import_module(f"{VERB_MODULES}.{name}").app
-        app.add_typer(group, name=name, rich_help_panel=panel)
+        app.add_typer(_verb(name, "app"), name=name, rich_help_panel=panel)
     for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
         app.add_typer(point.load(), name=point.name, cls=HelpfulGroup, rich_help_panel="Domains")
 

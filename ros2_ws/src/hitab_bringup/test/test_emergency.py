@@ -13,7 +13,7 @@ from rclpy.signals import SignalHandlerOptions
 from hitab_bringup.main import make_app
 from hitab_bringup.verbs import emergency
 from hitab_client import RunFolder, RunRecord, domain_ids, run_folder, swarm_choice
-from hitab_ros import EmergencySwitch, KnownStops, Stop, qos
+from hitab_ros import KnownStops, Stop, qos
 from hitab_ros.guarded_node import GuardedNode
 
 
@@ -31,7 +31,10 @@ def swarms(monkeypatch):
 
     def up(*records):
         there = [
-            (RunFolder(Path(name)), RunRecord(name, "", number, "", ("robot_1",), False, 0, "", name))
+            (
+                RunFolder(Path(name)),
+                RunRecord(name, "", number, "", ("robot_1",), False, 0, "", name),
+            )
             for name, number in records
         ]
         for module in (run_folder, swarm_choice):
@@ -75,7 +78,6 @@ class Field:
 
     def robot(self, name):
         return Stop(self.node(name), lambda: name not in self.moving)
-
 
     def close(self):
         self.ends.set()
@@ -202,9 +204,7 @@ def test_arming_acts_in_the_swarm_that_is_meant_and_stopping_in_all(
     assert not other.machine.why
 
 
-def test_a_robot_of_another_swarm_in_the_same_domain_is_not_armed(
-    field, domain_id, swarms, capfd
-):
+def test_a_robot_of_another_swarm_in_the_same_domain_is_not_armed(field, domain_id, swarms, capfd):
     field.robot("robot_1")
     stranger = field.robot("red/robot_1")
     field.thread.start()
@@ -225,10 +225,11 @@ def test_a_robot_that_was_out_of_reach_obeys_when_it_is_back_though_the_stop_is_
     monkeypatch.setattr(
         emergency.console,
         "note",
-        lambda text: "not confirmed" in text and not comes_back.is_set() and (
-            comes_back.set(), field.robot("robot_1"), field.thread.start()
+        lambda text: (
+            "not confirmed" in text
+            and not comes_back.is_set()
+            and (comes_back.set(), field.robot("robot_1"), field.thread.start())
         ),
     )
     assert hitab(capfd, "stop")[:2] == (0, "stand still: robot_1\n")
     assert comes_back.is_set()
-

@@ -43,7 +43,9 @@ class KnownStops:
 
     def texts(self) -> dict[str, list[str]]:
         """Return both fields, by name, as texts: an identity, a blank, and words."""
-        return {name: [f"{i} {words}" for i, words in of.items()] for name, of in vars(self).items()}
+        return {
+            name: [f"{i} {words}" for i, words in of.items()] for name, of in vars(self).items()
+        }
 
     def __bool__(self) -> bool:
         return bool(self.stops)

@@ -161,7 +161,11 @@ stops = st.builds(
 )
 
 
-@given(st.lists(stops, min_size=1, max_size=5).flatmap(lambda s: st.tuples(st.just(s), st.permutations(s))))
+@given(
+    st.lists(stops, min_size=1, max_size=5).flatmap(
+        lambda s: st.tuples(st.just(s), st.permutations(s))
+    )
+)
 def test_the_order_in_which_messages_come_and_how_often_makes_no_difference(heard):
     def outcome(messages):
         known = KnownStops()
@@ -187,7 +191,9 @@ def test_what_is_known_stays_small_and_a_button_that_is_held_down_goes_on_stoppi
 
 
 def test_people_read_who_has_stopped_the_robots_and_why():
-    known = KnownStops().stopped("1", "ann", "a dog").stopped("2", "", "").stopped("3", "ann", "a dog")
+    known = (
+        KnownStops().stopped("1", "ann", "a dog").stopped("2", "", "").stopped("3", "ann", "a dog")
+    )
     assert known.who == "ann (a dog), somebody"
     assert KnownStops.of_texts(**known.texts()) == known
     assert not KnownStops().who

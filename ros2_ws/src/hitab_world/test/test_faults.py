@@ -16,7 +16,6 @@ from hitab_ros.diagnostics import Level
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.ros_domains import reserved_domain
 from hitab_ros.spinning import Spinner, spinner
-from hitab_ros.stamps import nanoseconds
 from hitab_world.world_node import WorldNode
 
 AGENTS = ("a", "b")

@@ -148,7 +148,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
     told: list[object] = []
 
     def tell(who: dict[str, str], after: float) -> None:
-        is_late = CONFIRM_S < after and seconds > CONFIRM_S
+        is_late = after > CONFIRM_S and seconds > CONFIRM_S
         if [who, is_late] == told or not (who or is_late):
             return
         told[:] = who, is_late
