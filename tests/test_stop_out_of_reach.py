@@ -73,7 +73,7 @@ def test_a_stop_during_a_cut_is_obeyed_when_the_link_heals(machines: Machines) -
     until(says(released, "released: robot_1"), released)
     machines.network.cut_off(ROBOT)
     stop = machines.hitab("stop", "--reason", "second")
-    until(says(stop, "not confirmed: nobody answers", "until Ctrl-C"), stop)
+    until(says(stop, "not confirmed: nobody answers", "or Ctrl-C"), stop)
     machines.network.heal()
     until(says(stop, "stand still: robot_1"), stop)
     armed = machines.hitab("arm", "robot_1")

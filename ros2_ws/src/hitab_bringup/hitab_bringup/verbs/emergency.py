@@ -155,8 +155,8 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
         if is_late:
             whom = _listed(who) or f"nobody answers in ROS domain {where}"
             console.note(
-                f"not confirmed: {whom}; {unsure}; this goes on until all confirm it, so that they "
-                "obey when they are back, or until Ctrl-C"
+                f"not confirmed: {whom}; {unsure}; the command goes on, so that they obey when "
+                "they are back, until all confirm it or Ctrl-C"
             )
         else:
             console.note(f"waiting for {_listed(who)}")
