@@ -15,10 +15,10 @@ from typing import Any
 
 from hitab_msgs.msg import EmergencyState, EmergencyStop
 from rclpy.duration import Duration
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy
 
 from hitab_ros import names, qos
+from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.known_stops import KnownStops, must_tell
 from hitab_ros.steady_timer import steady_timer
 
@@ -35,7 +35,7 @@ class EmergencySwitch:
 
     def __init__(
         self,
-        node: Node,
+        node: GuardedNode,
         changed: Callable[[KnownStops], None] = lambda known: None,
         *,
         hands_on: bool = False,

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from hitab_ros import names, qos
 from hitab_ros.emergency_stop import EmergencySwitch, stopped_by
 from hitab_ros.fault_texts import STOPPED
+from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.known_stops import KnownStops
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
@@ -33,7 +34,7 @@ class Stop:
 
     def __init__(
         self,
-        node: Node,
+        node: GuardedNode,
         stands: Callable[[], bool],
         *,
         changed: Callable[[], None] = lambda: None,
