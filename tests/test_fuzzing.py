@@ -142,10 +142,12 @@ def stopped(running: RunningSwarm) -> list[str]:
 def let_go(running: RunningSwarm, agents: list[str]) -> None:
     """End what the fuzzer has begun as a demonstrator: trainings, a stopped and paused world."""
     switch = EmergencySwitch(running.link.node)
-    running.link.spin(0.5)  # to hear what counts now, and overtake it
-    assert running.link.spin_until(
-        lambda: not (switch.set(False, "the test") and stopped(running)), SECONDS, 0.2
-    )
+
+    def released() -> bool:
+        switch.set(False, "the test")
+        return not stopped(running)
+
+    assert running.link.spin_until(released, SECONDS, 0.2)
     for agent in agents:
         running.agents.await_agent(agent, SECONDS)  # its backlog may be long
         running.agents.set_mode(agent, "idle")

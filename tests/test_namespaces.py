@@ -21,7 +21,10 @@ from hitab_client.identity import new_identity
 from hitab_ros import qos
 
 SECONDS = 60.0
-SHARED = ("/clock", "/diagnostics", "/emergency_stop", "/parameter_events", "/rosout")
+SHARED = (
+    *("/clock", "/diagnostics", "/emergency_stop", "/emergency_stop/state"),
+    *("/parameter_events", "/rosout"),
+)
 """Topics that ROS wants under these names; the first has this test's subscription only."""
 
 WORLD = """\

@@ -126,8 +126,13 @@ def test_the_emergency_stop_holds_the_robot_until_it_is_released_and_re_armed(de
     assert desk.stays_where_it_is()
     assert f"released: {ROBOT}; robots wait for `hitab arm`" in desk.hitab("go")
     assert desk.stays_where_it_is()
-    assert f"{ROBOT}: stopped: emergency stop by" in desk.hitab("arm")
-    assert desk.hitab("arm", "--all") == f"{ROBOT} may act\n"
+    waits = desk.hitab("arm")
+    assert f"{ROBOT}: stopped: emergency stop by" in waits
+    assert "hitab go" not in waits + desk.hitab("status")
+    assert (
+        desk.hitab("arm", "--all")
+        == f"{ROBOT} may act in ROS domain {desk.link.node.context.get_domain_id()}\n"
+    )
     desk.until(lambda: not desk.moves())
     desk.until(lambda: not desk.has_fault("stopped"))
 

@@ -27,9 +27,8 @@ def test_one_key_stops_all_robots_wherever_the_focus_is_and_releasing_asks(swarm
     person.page.focus('[data-test="new-name"]')
     person.page.keyboard.press("Control+Enter")
     person.waits_until(lambda: swarm.link.spin(0.02) or switch.engaged, "stopped")
-    assert switch.state.reason == "emergency stop in the studio"
-    assert switch.state.by
-    person.sees("stopped", f"{switch.state.by} has stopped them")
+    assert switch.known.who.endswith("(emergency stop in the studio)")
+    person.sees("stopped", f"stopped by {switch.known.who}")
     assert person.page.locator('[data-test="new-name"]').count() == 1, "the form stays"
     person.click("release")  # in front of the dialog, too
     person.sees("release-dialog")
@@ -45,10 +44,10 @@ def test_one_key_stops_all_robots_wherever_the_focus_is_and_releasing_asks(swarm
 @needs_browser
 def test_a_stop_by_others_is_seen_by_all_with_its_reason(swarm, person, chrome, url, switch):
     switch.set(True, "Anna", "a dog on the field")
-    person.sees("stopped", "Anna has stopped them (a dog on the field)")
+    person.sees("stopped", "stopped by Anna (a dog on the field)")
     page = chrome.new_page(viewport={"width": 820, "height": 1180})
     late = Person(page, url)
-    late.sees("stopped", "Anna has stopped them")
+    late.sees("stopped", "stopped by Anna")
     switch.set(False, "Anna")
     person.does_not_see("stopped")
     person.click("stop-robots")

@@ -328,7 +328,8 @@ class AgentNode(AgentBase):
         """Say why its robot may not act, and cancel its goals, or go on with them."""
         why = self.stop.why if self.stop is not None else ""
         self.status.message.stopped = why
-        self.guard.faults.set("stop", why, Do.GO(), Do.ARM(robot=self.agent_name))
+        ways = [Do.GO()] if self.stop is not None and self.stop.is_emergency else []
+        self.guard.faults.set("stop", why, *ways, Do.ARM(robot=self.agent_name))
         if self.superior is not None:
             self.superior.subordinate.stopped = bool(why)
             self.superior.tell()

@@ -21,10 +21,15 @@ class RobotStop(Protocol):
 
     Attributes:
         why: why the robot may not act, and the way out; empty: it may.
+        is_emergency: whether an emergency stop holds it.
     """
 
     @property
     def why(self) -> str:
+        """See above."""
+
+    @property
+    def is_emergency(self) -> bool:
         """See above."""
 
     def cause(self, why: str) -> None:
@@ -41,6 +46,11 @@ class OwnStop:
     def why(self) -> str:
         """Why the robot may not act, and the way out; empty: it may."""
         return self._stop.why
+
+    @property
+    def is_emergency(self) -> bool:
+        """Whether an emergency stop holds the robot."""
+        return self._stop.switch.engaged
 
     def cause(self, why: str) -> None:
         """Stop the robot until it is re-armed, since its agent cannot act; empty: it can."""

@@ -39,12 +39,8 @@ def lines(
     if agent in silent:
         logs = as_command(Do.LOGS(node=agent))
         yield console.line(f"  it has been silent for {silent[agent]:.0f} s; {logs}", "yellow")
-    stop = demonstrator.switch.state
-    if stop is not None and stop.engaged:
-        why = f" ({stop.reason})" if stop.reason else ""
-        yield console.line(
-            f"EMERGENCY STOP by {stop.by or 'somebody'}{why}: G releases the robots", "bold red"
-        )
+    if who := demonstrator.switch.known.who:
+        yield console.line(f"EMERGENCY STOP by {who}: G releases the robots", "bold red")
     if any(demonstrator.steering.velocity):
         ahead, left, turn = demonstrator.steering.velocity
         yield console.line(

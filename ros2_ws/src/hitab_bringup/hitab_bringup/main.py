@@ -10,36 +10,13 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Annotated, Any
 
 import typer
 
 from hitab_bringup.help_pages import HelpfulGroup, make_helpful
-from hitab_bringup.verbs import (
-    bootstrap,
-    commanding,
-    doctor,
-    driving,
-    emergency,
-    evaluate,
-    examples,
-    exporting,
-    hierarchy,
-    lesson,
-    library,
-    logs,
-    new,
-    perceiving,
-    questions,
-    reaction,
-    recording,
-    status,
-    swarm,
-    training,
-    world,
-)
 from hitab_client import console, interruptions
 from hitab_client.commands import called
 from hitab_client.ros_environment import refuse_problems
@@ -87,45 +64,29 @@ class HitabGroup(HelpfulGroup):
             raise
 
 
-PANELS: dict[str, tuple[Callable[..., None], ...]] = {
-    "Swarm": (swarm.up, swarm.down, status.status, logs.logs, recording.record, doctor.doctor),
-    "Train": (
-        commanding.demonstrate,
-        driving.drive,
-        driving.joystick,
-        training.train,
-        training.start_testing,
-        training.undo,
-        training.redo,
-        training.save,
-        training.discard,
-        questions.questions,
-        reaction.reaction,
-    ),
-    "Perform": (
-        commanding.perform,
-        commanding.distribute,
-        commanding.vocabulary,
-        perceiving.perceive,
-        perceiving.why,
-        evaluate.evaluate,
-        exporting.export,
-        emergency.stop,
-        emergency.go,
-        emergency.arm,
-    ),
-    "Command": (hierarchy.tree, hierarchy.order),
-    "Domains": (new.new,),
+PANELS = {
+    "Swarm": "swarm.up swarm.down status.status logs.logs recording.record doctor.doctor",
+    "Train": "commanding.demonstrate driving.drive driving.joystick training.train "
+    "training.start_testing training.undo training.redo training.save training.discard "
+    "questions.questions reaction.reaction",
+    "Perform": "commanding.perform commanding.distribute commanding.vocabulary "
+    "perceiving.perceive perceiving.why evaluate.evaluate exporting.export "
+    "emergency.stop emergency.go emergency.arm",
+    "Command": "hierarchy.tree hierarchy.order",
+    "Domains": "new.new",
 }
-"""The verbs, by panel of the help: those without one would come before "Begin here"."""
+"""The verbs by panel of the help, as module and function of `hitab_bringup.verbs`: those without a
+panel would come before "Begin here"."""
 
-GROUPS = (
-    ("Swarm", "world", world.app),
-    ("Train", "examples", examples.app),
-    ("Train", "bootstrap", bootstrap.app),
-    ("Train", "lesson", lesson.app),
-    ("Perform", "library", library.app),
-)
+GROUPS = {
+    "world": "Swarm",
+    "examples": "Train",
+    "bootstrap": "Train",
+    "lesson": "Train",
+    "library": "Perform",
+}
+"""The panel of each module whose ``app`` is a group of verbs."""
+
 HELP = "Train robots, teams and swarms by demonstration, while they run."
 
 
@@ -149,8 +110,12 @@ def _hitab(
         refuse_problems()
 
 
-def make_app() -> typer.Typer:
-    """Return the command with all its verbs, including those of other packages."""
+def make_app(wanted: str = "") -> typer.Typer:
+    """Return the command with its verbs, including those of other packages.
+
+    Args:
+        wanted: if this is a verb in `PANELS`, only that one, which is faster: a stop is urgent.
+    """
     app = typer.Typer(
         name="hitab",
         cls=HitabGroup,
@@ -160,28 +125,44 @@ def make_app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(help=HELP)(_hitab)
-    for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
-        point.load().register(app)
-    for panel, verbs in PANELS.items():
-        for verb in verbs:
-            name = "test" if verb is training.start_testing else None
+    alone = f".{wanted} " in f"{' '.join(PANELS.values())} "
+    if not alone:
+        for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
+            point.load().register(app)
+    for panel, places in PANELS.items():
+        for place in places.split():
+            module, _, function = place.partition(".")
+            if alone and function != wanted:
+                continue
+            name = "test" if function == "start_testing" else function
             # Names that somebody gives in the belief that they choose robots get a reason.
-            names = {"allow_extra_args": verb in (emergency.stop, emergency.go)}
-            app.command(name, rich_help_panel=panel, context_settings=names)(verb)
-    app.command("begin", hidden=True)(training.train)
-    for panel, name, group in GROUPS:
-        app.add_typer(group, name=name, rich_help_panel=panel)
-    for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
-        app.add_typer(point.load(), name=point.name, cls=HelpfulGroup, rich_help_panel="Domains")
+            names = {"allow_extra_args": name in ("stop", "go")}
+            app.command(name, rich_help_panel=panel, context_settings=names)(
+                _verb(module, function)
+            )
+    if not alone:
+        _add_groups(app)
     make_helpful(app)
     return app
+
+
+def _verb(module: str, name: str) -> Any:
+    return getattr(import_module(f"hitab_bringup.verbs.{module}"), name)
+
+
+def _add_groups(app: typer.Typer) -> None:
+    app.command("begin", hidden=True)(_verb("training", "train"))
+    for name, panel in GROUPS.items():
+        app.add_typer(_verb(name, "app"), name=name, rich_help_panel=panel)
+    for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
+        app.add_typer(point.load(), name=point.name, cls=HelpfulGroup, rich_help_panel="Domains")
 
 
 def main() -> None:
     """Run the command; on SIGTERM, clean up as on Ctrl-C."""
     interruptions.handle_interruptions()
     try:
-        make_app()()
+        make_app(*sys.argv[1:2])()
     finally:
         interruptions.forget_handled()
 

@@ -12,7 +12,6 @@ from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_core import natural, some
 from hitab_ros import EmergencySwitch, names, qos, why_stopped
-from hitab_ros.stamps import nanoseconds
 
 TYPE = "hitab_msgs/msg/StopState"
 
@@ -51,7 +50,7 @@ class Stops:
         self._reports: dict[str, tuple[float, StopState]] = {}  # when each came, by topic
         self._topics: set[str] = set()
         self.found_at = time.monotonic()
-        self._told = 0  # stamp of what was last wanted, ns
+        self._meant: set[str] = set()  # identities of what was stopped or released
         self.look()
 
     @property
@@ -102,23 +101,42 @@ class Stops:
         for name, report in self._present():
             if report is None:
                 found[name] = "does not answer"
-            elif nanoseconds(report.emergency) < self._told:
+            elif bool(self._meant & {*report.emergencies}) is not engaged:
                 found[name] = "has not heard it"
             elif engaged and report.state != StopState.STOPPED:
                 found[name] = "still moves"
+            elif not engaged and report.emergencies:
+                found[name] = f"still stopped: {'; '.join(report.causes)}"
         return found
 
     def say(self, by: str, reason: str = "", *, engaged: bool) -> None:
-        """Stop whatever acts, or release it; say it again to those who have not confirmed it."""
-        message = self.switch.set(engaged, by, reason)
-        self._told = self._told or nanoseconds(message.stamp)
+        """Stop whatever acts, or release it; say it again to those who have not confirmed it.
 
-    def waiting(self) -> dict[str, str]:
-        """Return the robots that may not act, and why."""
+        What holds a robot is released only if it was known when it was first said.
+
+        Raises:
+            SwarmError: if somebody has released the stop meanwhile.
+        """
+        known = self.switch.known
+        reported = {it for _, report in self._present() if report for it in report.emergencies}
+        if engaged and (ended := self._meant & {*known.released}):
+            raise SwarmError(f"released meanwhile by {known.released[ended.pop()]}")
+        if self._meant:
+            self.switch.tell()
+        elif engaged or reported <= {*known.stops, *known.released}:
+            self._meant = self.switch.set(engaged, by, reason)
+
+    def label(self, name: str, ends: Sequence[Stops]) -> str:
+        """Return a robot's name, with the ROS domain if it is in several of these."""
+        several = sum(name in end.names() for end in ends) > 1
+        return f"{name} in ROS domain {self.domain_id}" if several else name
+
+    def waiting(self) -> dict[str, tuple[str, bool]]:
+        """Return the robots that may not act, why, and whether an emergency stop holds them."""
         return {
-            name: why_stopped(report.why, report.causes)
+            name: (why_stopped(report.why, report.causes), bool(report.emergencies))
             for name, report in self._present()
-            if report is not None and report.why
+            if report is not None and report.why and report.stop  # a world is not re-armed
         }
 
     def arm(self, robot: str, seconds: float) -> None:
@@ -154,7 +172,7 @@ class Stops:
         *,
         engaged: bool,
         seconds: float,
-        tell: Callable[[dict[str, str]], None] = lambda who: None,
+        tell: Callable[[dict[str, str], float], None] = lambda who, after: None,
     ) -> dict[str, str]:
         """Stop whatever acts, or release it, again and again until all have confirmed it.
 
@@ -164,24 +182,32 @@ class Stops:
             reason: for people.
             engaged: whether they have to stand still.
             seconds: how long at most.
-            tell: called with those who have not confirmed it, when that changes.
+            tell: called about twice a second with those who have not confirmed it, and how long
+                it has been said, s.
 
         Returns:
             Those who have not confirmed it, and why not.
+
+        Raises:
+            SwarmError: if somebody has released the stop meanwhile.
         """
         lacking: dict[str, str] = {}
-        told: dict[str, str] = {}
         began = time.monotonic()
         while time.monotonic() < began + seconds:
-            for end in ends:
+            says = engaged or Stops.settled(ends)  # a release ends what is known when it is said
+            for end in ends if says else ():
                 end.say(by, reason, engaged=engaged)
             Stops.listen(ends, REPEAT_S)
-            lacking = {k: v for end in ends for k, v in end.unconfirmed(engaged=engaged).items()}
-            if any(end.names() for end in ends) and not lacking and Stops.settled(ends):
+            lacking = {
+                end.label(name, ends): why
+                for end in ends
+                for name, why in end.unconfirmed(engaged=engaged).items()
+            }
+            there = any(end.names() for end in ends)
+            if there and not lacking and Stops.settled(ends):
                 break
-            if lacking and lacking != told:
-                told = lacking
-                tell(lacking)
+            if says and (lacking or not there):
+                tell(lacking, time.monotonic() - began)
         return lacking
 
     @staticmethod

@@ -57,6 +57,9 @@ class Node:
     ) -> None:
         self.subscriptions[topic] = callback
 
+    def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
+        return []
+
     def destroy_publisher(self, topic: Topic) -> None:
         pass
 

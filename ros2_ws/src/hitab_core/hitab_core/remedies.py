@@ -51,7 +51,7 @@ class Do(Enum):
     GO_BACK = 'go back to generation {generation} of "{behavior}" with {agent}'
     GENERATIONS = 'list the generations of "{behavior}" of {agent}'
     # worlds and robots
-    GO = "release the emergency stop, if it is engaged"
+    GO = "release the emergency stop"
     ARM = "let {robot} act again"
     PACE = "have the world wait for real time"
     RESUME_WORLD = "let the world go on"

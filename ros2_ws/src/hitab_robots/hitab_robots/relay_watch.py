@@ -26,6 +26,7 @@ class RelayWatch:
 
     Attributes:
         why: why the robot may not act, and the way out; empty: it may.
+        is_emergency: whether an emergency stop holds it.
     """
 
     def __init__(self, node: AgentNode, process: RelayProcess | None) -> None:
@@ -36,6 +37,7 @@ class RelayWatch:
             process: of the relay; None: it is started elsewhere.
         """
         self.why = f"its {names.VELOCITY_RELAY} has not answered yet"
+        self.is_emergency = False
         self._node = node
         self._process = process
         self._cause = ""
@@ -53,6 +55,7 @@ class RelayWatch:
 
     def _hear(self, relay: msg.StopState) -> None:
         self._unheard_s = 0.0
+        self.is_emergency = bool(relay.emergencies)
         self._tell(why_stopped(relay.why, relay.causes))
 
     def _look(self) -> None:

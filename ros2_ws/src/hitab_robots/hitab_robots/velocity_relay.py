@@ -16,6 +16,7 @@ import os
 import signal
 import sys
 import time
+import uuid
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -23,7 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry_msgs.msg import Twist, TwistStamped
-from hitab_msgs.msg import EmergencyStop, StopState
+from hitab_msgs.msg import StopState
 from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
@@ -32,8 +33,7 @@ from hitab_core.library.durable_files import write_durably
 from hitab_robots.held_up import is_held_up
 from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY, RelaySettings, declare
 from hitab_robots.velocity import STILL, Drive, Gate, Velocity
-from hitab_ros import GuardedNode, Spinner, Stop, names, qos, run, steady_timer
-from hitab_ros.stamps import as_time, nanoseconds
+from hitab_ros import GuardedNode, KnownStops, Spinner, Stop, names, qos, run, steady_timer
 
 FILE = "emergency_stop.json"
 
@@ -108,7 +108,7 @@ class VelocityRelay(GuardedNode):
             self._stands,
             changed=self._stop_changed,
             rearms=settings.auto_rearm,
-            state=self._kept(),
+            known=self._kept(),
             keep=self._keep,
         )
         self._stop_changed()
@@ -211,38 +211,21 @@ class VelocityRelay(GuardedNode):
         own = names.own_name(self)
         return Path(state_dir).expanduser() / own / FILE if state_dir else None
 
-    def _kept(self) -> EmergencyStop | None:
-        """Return what counted when an earlier relay of this robot ended."""
+    def _kept(self) -> KnownStops:
+        """Return the stops that an earlier relay of this robot knew when it ended."""
         if self._file is None or not self._file.exists():
-            return None
+            return KnownStops()
         try:
-            kept = json.loads(self._file.read_text(encoding="utf-8"))
-            return EmergencyStop(
-                stamp=as_time(int(kept["stamp"])),
-                engaged=bool(kept["engaged"]),
-                by=str(kept["by"]),
-                reason=str(kept["reason"]),
-            )
-        except (OSError, ValueError, KeyError, TypeError, AssertionError):
-            # Which of the two it was is not known: the one that moves nothing is assumed.
-            return EmergencyStop(
-                stamp=as_time(1),
-                engaged=True,
-                by=names.own_name(self),
-                reason=f"{self._file} cannot be read",
-            )
+            return KnownStops.of_texts(**json.loads(self._file.read_text(encoding="utf-8")))
+        except (OSError, ValueError, TypeError, AttributeError):
+            # Which stops it knew is lost: what moves nothing is assumed.
+            why = f"{self._file} cannot be read"
+            return KnownStops().stopped(uuid.uuid4().hex, names.own_name(self), why)
 
-    def _keep(self, state: EmergencyStop) -> None:
-        if self._file is None:
-            return
-        kept = {
-            "stamp": nanoseconds(state.stamp),
-            "engaged": state.engaged,
-            "by": state.by,
-            "reason": state.reason,
-        }
-        # Not synced: it has to survive the relay, and a sync could delay the next velocity.
-        write_durably(self._file, f"{json.dumps(kept)}\n".encode(), sync=False)
+    def _keep(self, known: KnownStops) -> None:
+        if self._file is not None:
+            # Not synced: it has to survive the relay, and a sync could delay the next velocity.
+            write_durably(self._file, f"{json.dumps(known.texts())}\n".encode(), sync=False)
 
     def destroy_node(self) -> None:
         """Stop the robot, then destroy the node."""

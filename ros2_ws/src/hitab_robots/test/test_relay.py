@@ -17,7 +17,7 @@ from rclpy.parameter import Parameter
 from hitab_core import HitabError, VocabularyError
 from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY
 from hitab_robots.velocity_relay import FILE, VelocityRelay
-from hitab_ros import EmergencySwitch, make_node, names, qos
+from hitab_ros import EmergencySwitch, KnownStops, make_node, names, qos
 from hitab_ros.testing import context_of_its_own, spin_until
 
 ROBOT = "/robot_1"
@@ -198,7 +198,7 @@ def test_an_emergency_stops_the_robot_though_its_agent_drives_on(bench):
 def test_a_publisher_that_latches_nothing_stops_the_robot(bench):
     bench.until_it_moves()
     plain = bench.peer.create_publisher(EmergencyStop, names.EMERGENCY_STOP, 10)
-    bench.until(lambda: plain.get_subscription_count() >= 2, lambda: bench.drive(0.2))
+    bench.until(plain.get_subscription_count, lambda: bench.drive(0.2))
     plain.publish(EmergencyStop(engaged=True, by="me"))
     bench.until(lambda: bench.has(StopState.STOPPED, "by me"), lambda: bench.drive(0.2))
 
@@ -243,12 +243,12 @@ def test_a_relay_that_is_started_again_still_holds_the_robot(bench, tmp_path):
     file = tmp_path / "robot_1" / FILE
     bench.until(file.exists)
     bench.end_relay()
-    bench.switch.state = None
+    bench.switch.known = KnownStops()
     bench.start(state_dir=str(tmp_path))
     bench.until(lambda: bench.switch.engaged)
     bench.until_it_stands(lambda: bench.drive(0.2))
     bench.switch.set(False, "ann")
-    bench.until(lambda: not json.loads(file.read_text())["engaged"])
+    bench.until(lambda: not json.loads(file.read_text())["stops"])
     bench.stands_until_armed()
 
 
@@ -258,7 +258,7 @@ def test_a_damaged_file_holds_the_robot(bench, tmp_path):
     (tmp_path / "robot_1" / FILE).write_text("{")
     bench.start(state_dir=str(tmp_path))
     bench.until(lambda: bench.switch.engaged)
-    assert "cannot be read" in bench.switch.state.reason
+    assert "cannot be read" in bench.switch.known.who
 
 
 def test_a_relay_whose_agent_is_gone_stops_the_robot_and_ends(bench):

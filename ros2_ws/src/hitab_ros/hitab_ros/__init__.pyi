@@ -24,6 +24,7 @@ from .guard import Guard as Guard
 from .guarded_node import NO_TYPE_DESCRIPTIONS as NO_TYPE_DESCRIPTIONS
 from .guarded_node import GuardedNode as GuardedNode
 from .guarded_node import name_of as name_of
+from .known_stops import KnownStops as KnownStops
 from .patience import Patience as Patience
 from .receivers import Receivers as Receivers
 from .recent_requests import RecentRequests as RecentRequests

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from hitab_core import HitabError, Remedy
-from hitab_ros.conversions import remedy_messages
 from hitab_ros.plain_text import plain
 from hitab_ros.recent_requests import RecentRequests
 
@@ -40,6 +39,8 @@ def remedies_for(error: Exception | None) -> tuple[Remedy, ...]:
 def refuse(response: Any, error: Exception) -> Any:
     """Have a response say why a request is refused, as far as it has fields for that."""
     if hasattr(response, "message"):
+        from hitab_ros.conversions import remedy_messages  # slow: it needs numpy
+
         response.message = what_went_wrong(error)
         response.remedies = remedy_messages(remedies_for(error))
     return response

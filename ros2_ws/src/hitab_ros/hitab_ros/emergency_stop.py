@@ -1,126 +1,145 @@
-"""The emergency stop of all robots: one latched topic, whose newest message counts.
+"""The emergency stop of all robots: anyone stops them, and all who take part agree on it.
 
-Whoever takes part, a robot's relay, the `hitab` command or the studio, has a switch. The message
-with the latest stamp wins, so that it does not matter in which order somebody who comes late hears
-what several publishers have latched. A switch stamps its own messages later than all that it has
-heard, so that clocks that differ do not keep a person from stopping, or releasing, the robots.
+Anyone may publish on ``/emergency_stop``. Whoever takes part, a robot's relay, the `hitab` command
+or the studio, has a switch. Switches tell one another on ``/emergency_stop/state``, latched, which
+stops they know (`hitab_ros.known_stops`): so those who come late or were out of reach hear of a
+stop, and of its release, though its sender has ended.
 """
 
 from __future__ import annotations
 
-import time
+import uuid
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
-from hitab_msgs.msg import EmergencyStop
+from hitab_msgs.msg import EmergencyState, EmergencyStop
 from rclpy.duration import Duration
-from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy
 
 from hitab_ros import names, qos
-from hitab_ros.checks import too_far_ahead
-from hitab_ros.stamps import as_time, nanoseconds
+from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.known_stops import KnownStops, must_tell
+from hitab_ros.steady_timer import steady_timer
+
+LOOK_S = 1.0
+"""Between two looks for stops that others latch, or have not been told, s."""
 
 
 class EmergencySwitch:
     """One participant's view of the emergency stop.
 
     Attributes:
-        state: the message that counts; None: none was heard.
+        known: the stops that it knows.
     """
 
     def __init__(
         self,
-        node: Node,
-        changed: Callable[[EmergencyStop], None] = lambda state: None,
+        node: GuardedNode,
+        changed: Callable[[KnownStops], None] = lambda known: None,
         *,
         hands_on: bool = False,
+        known: KnownStops | None = None,
     ) -> None:
         """Listen.
 
         Args:
             node: to listen and speak with.
-            changed: called when the robots are stopped or released, with the new state.
-            hands_on: whether to publish what was heard again. A latched message lasts as long as
-                its publisher, and the command that stops the robots ends at once; so the robots'
-                relays keep it for those who come later.
+            changed: called when other stops are known.
+            hands_on: whether to tell the others what was heard. A latched message lasts as long as
+                its publisher, and the command that stops the robots may end at once; so those who
+                last, such as the robots' relays, keep it for those who come later.
+            known: the stops that this participant knew when it ended.
         """
-        self.state: EmergencyStop | None = None
+        self.known = KnownStops() if known is None else known
         self._node = node
         self._changed = changed
         self._hands_on = hands_on
-        self._publisher: Any = None
+        self._hears_latched = False
+        self._told = KnownStops()
+        self._publisher = node.create_publisher(EmergencyState, names.EMERGENCY_STATE, qos.LATCHED)
+        node.create_subscription(
+            EmergencyState, names.EMERGENCY_STATE, self._hear_state, qos.LATCHED_BY_MANY
+        )
+        self._listen(qos.EVENTS, latched=False)
         if hands_on:
-            self._open()
-        # A latched subscription gets what was said before it came, but hears nobody who latches
-        # nothing, such as `ros2 topic pub --once`; the other one hears everybody.
-        self._subscriptions = [
-            node.create_subscription(EmergencyStop, names.EMERGENCY_STOP, self.take, profile)
-            for profile in (qos.LATCHED, qos.EVENTS)
-        ]
+            steady_timer(node, LOOK_S, self._look)
+            if known:
+                self.tell()
 
     @property
     def engaged(self) -> bool:
         """Whether the robots have to stand still."""
-        return self.state is not None and self.state.engaged
+        return bool(self.known)
 
-    def set(self, engaged: bool, by: str, reason: str = "") -> EmergencyStop:
-        """Stop all robots, or release them; return the message, which counts from now on.
+    def set(self, engaged: bool, by: str, reason: str = "") -> set[str]:
+        """Stop all robots, or release them; return the identity of what is stopped or released.
 
         Args:
-            engaged: whether they have to stand still.
+            engaged: whether to stop them; otherwise all stops that are known are released.
             by: who wants it, for people.
-            reason: for people; may be empty.
+            reason: of a stop, for people; may be empty.
         """
-        message = EmergencyStop(engaged=engaged, by=by, reason=reason)
-        message.stamp = as_time(self._next_stamp())
-        self._keep(message)
-        self._open().publish(message)
-        return message
+        before, identity = self.known, uuid.uuid4().hex
+        known = before.stopped(identity, by, reason) if engaged else before.released_by(by)
+        self._know(known, known, tells=False)
+        self.tell()  # always: others may not know what this one does
+        return {identity} if engaged else {*before.stops}
+
+    def tell(self) -> None:
+        """Tell the others what is known."""
+        self._told = self.known
+        self._publisher.publish(EmergencyState(**self.known.texts()))
 
     def delivered(self, seconds: float) -> bool:
         """Wait until all listeners found so far have what was set; return whether they do."""
-        return bool(self._open().wait_for_all_acked(Duration(seconds=seconds)))
+        return bool(self._publisher.wait_for_all_acked(Duration(seconds=seconds)))
 
-    def _open(self) -> Any:
-        if self._publisher is None:
-            self._publisher = self._node.create_publisher(
-                EmergencyStop, names.EMERGENCY_STOP, qos.LATCHED
-            )
-        return self._publisher
+    def _listen(self, profile: Any, *, latched: bool) -> None:
+        # Not checked: whatever is wrong with its texts, a stop is a stop.
+        hear = partial(self._hear_event, latched)
+        self._node.create_subscription(
+            EmergencyStop, names.EMERGENCY_STOP, hear, profile, checked=False
+        )
 
-    def _next_stamp(self) -> int:
-        last = -1 if self.state is None else nanoseconds(self.state.stamp)
-        return max(time.time_ns(), last + 1)
+    def _look(self) -> None:
+        """Tell of further stops, and have those delivered that others latched before this came.
 
-    def take(self, message: EmergencyStop) -> None:
-        """Take what was heard, or what counted when this participant ended."""
-        stamp = nanoseconds(message.stamp)
-        # By hand, as with `ros2 topic pub`, or by a clock that nobody could ever overtake.
-        if stamp <= 0 or too_far_ahead(stamp):
-            message.stamp = as_time(self._next_stamp())
-        if self.state is not None and not supersedes(message, self.state):
-            return
-        was = None if self.state is None else self.state.engaged
-        self._keep(message)
-        if self._hands_on and was is not message.engaged:
-            self._open().publish(message)
+        The latter only if there are any: who does not latch is warned of who asks for it.
+        """
+        if self.known.stops.keys() - self._told.stops.keys():
+            self.tell()
+        found = self._node.get_publishers_info_by_topic(names.EMERGENCY_STOP)
+        latch = DurabilityPolicy.TRANSIENT_LOCAL
+        if not self._hears_latched and any(p.qos_profile.durability == latch for p in found):
+            self._hears_latched = True
+            self._listen(qos.LATCHED_BY_MANY, latched=True)
 
-    def _keep(self, message: EmergencyStop) -> None:
-        was = self.engaged
-        self.state = message
-        if was is not message.engaged:
-            self._changed(message)
+    def _hear_event(self, latched: bool, message: EmergencyStop, information: Any) -> None:
+        if message.engaged:
+            # The same for all who hear it, and each time that it is delivered.
+            sent = information["source_timestamp"]
+            number = information["publication_sequence_number"]
+            identity = f"{sent}.{number}" if sent else uuid.uuid4().hex
+            known = self.known.stopped(identity, message.by, message.reason)
+        elif not latched:
+            known = self.known.released_by(message.by)
+        else:
+            return  # it was meant for what was known then
+        self._know(known, known, tells=self._hands_on)
+
+    def _hear_state(self, message: EmergencyState) -> None:
+        heard = KnownStops.of_texts(message.stops, message.released)
+        self._know(self.known.joined(heard), heard, tells=self._hands_on)
+
+    def _know(self, known: KnownStops, heard: KnownStops, *, tells: bool) -> None:
+        before, self.known = self.known, known
+        if tells and must_tell(before, known, heard):
+            self.tell()
+        if known != before:
+            self._changed(known)
 
 
-def supersedes(message: EmergencyStop, state: EmergencyStop) -> bool:
-    """Whether a message counts instead of what counted: it is later, or as late and stops."""
-    new, old = nanoseconds(message.stamp), nanoseconds(state.stamp)
-    return new > old or (new == old and message.engaged and not state.engaged)
-
-
-def stopped_by(state: EmergencyStop) -> str:
-    """Return who stopped the robots, and why; empty: the stop is released."""
-    if not state.engaged:
-        return ""
-    why = f" ({state.reason})" if state.reason else ""
-    return f"emergency stop by {state.by or 'somebody'}{why}"
+def stopped_by(known: KnownStops) -> str:
+    """Return who stopped the robots, and why; empty: no stop is in force."""
+    return f"emergency stop by {known.who}" if known else ""

@@ -66,6 +66,7 @@ ROSOUT = "/rosout"  # the same
 
 # Of all robots, whatever their swarm.
 EMERGENCY_STOP = "/emergency_stop"
+EMERGENCY_STATE = "/emergency_stop/state"
 VELOCITY_RELAY = "velocity_relay"
 """Name of the node that passes an agent's velocities on to its robot, in the agent's namespace."""
 

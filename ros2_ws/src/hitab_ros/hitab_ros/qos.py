@@ -10,6 +10,14 @@ LATCHED = QoSProfile(
 )
 """State: late subscribers get the last value."""
 
+LATCHED_BY_MANY = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1000,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""For a subscriber to the states of many publishers, each of which counts."""
+
 EVENTS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=200, reliability=ReliabilityPolicy.RELIABLE
 )

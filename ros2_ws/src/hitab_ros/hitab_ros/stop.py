@@ -11,6 +11,8 @@ from rclpy.node import Node
 from hitab_ros import names, qos
 from hitab_ros.emergency_stop import EmergencySwitch, stopped_by
 from hitab_ros.fault_texts import STOPPED
+from hitab_ros.guarded_node import GuardedNode
+from hitab_ros.known_stops import KnownStops
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import StopMachine, StopState
@@ -32,13 +34,13 @@ class Stop:
 
     def __init__(
         self,
-        node: Node,
+        node: GuardedNode,
         stands: Callable[[], bool],
         *,
         changed: Callable[[], None] = lambda: None,
         rearms: bool = False,
-        state: msg.EmergencyStop | None = None,
-        keep: Callable[[msg.EmergencyStop], None] = lambda state: None,
+        known: KnownStops | None = None,
+        keep: Callable[[KnownStops], None] = lambda known: None,
     ) -> None:
         """Begin stopped.
 
@@ -47,8 +49,8 @@ class Stop:
             stands: returns whether the robot stands still.
             changed: called after each change.
             rearms: whether the robot re-arms itself.
-            state: of the emergency stop, when this participant ended.
-            keep: called with each new state of the emergency stop.
+            known: emergency stops, when this participant ended.
+            keep: called with the emergency stops that are known, each time that these change.
         """
         self._node = node
         self._stands = stands
@@ -58,9 +60,8 @@ class Stop:
         self._logged = ""
         self._publisher = node.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)
         self.machine = StopMachine("it has just started", rearms=rearms, changed=self._changed)
-        self.switch = EmergencySwitch(node, self._emergency, hands_on=True)
-        if state is not None:
-            self.switch.take(state)
+        self.switch = EmergencySwitch(node, self._emergency, hands_on=True, known=known)
+        self._emergency(self.switch.known)
         node.create_service(srv.Arm, names.ARM, self._arm)
         steady_timer(node, PERIOD_S, self._look)
 
@@ -70,11 +71,11 @@ class Stop:
         machine = self.machine
         return why_stopped(machine.why, machine.causes.values())
 
-    def _emergency(self, state: msg.EmergencyStop) -> None:
-        self.machine.cause(self.EMERGENCY, stopped_by(state))
-        if not state.engaged and self.machine.why:
-            self._log(f"the emergency stop is released by {state.by or 'somebody'}")
-        self._keep(state)
+    def _emergency(self, known: KnownStops) -> None:
+        if self.EMERGENCY in self.machine.causes and not known:
+            self._log(f"the emergency stop is released by {[*known.released.values()][-1]}")
+        self.machine.cause(self.EMERGENCY, stopped_by(known))
+        self._keep(known)
 
     def _arm(self, request: srv.Arm.Request, response: srv.Arm.Response) -> srv.Arm.Response:
         response.message = self.machine.arm(request.stop)
@@ -132,8 +133,8 @@ def stop_report(
         causes=list(causes),
         why=why,
     )
-    if switch is not None and switch.state is not None:
-        report.emergency = switch.state.stamp
+    if switch is not None:
+        report.emergencies = list(switch.known.stops)
     return report
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from hitab_client.run_processes import Silence
 from hitab_core import natural
-from hitab_ros import names
+from hitab_ros import KnownStops, names
 from hitab_studio.agent_watch import Watched
 from hitab_studio.learned import NOTHING
 from hitab_studio.remembered_scenes import Key
@@ -43,7 +43,8 @@ class Known:
         watched: more about the viewed agents, by name.
         moments: in which examples were recorded.
         elsewhere: identities of swarms that were started elsewhere; while there is none from here.
-        emergency: the last `EmergencyStop`; None: none was heard.
+        emergency: the emergency stops that are known.
+        stopped_at: when the first of them was heard, by the wall clock, s.
         recording: the file of the run being recorded; "" if none is.
         recorded: its number of messages.
         robots: what is known of real robots; None: there is a world, or nothing was heard yet.
@@ -62,7 +63,8 @@ class Known:
     watched: Mapping[str, Watched] = field(default_factory=lambda: NOTHING)
     moments: Mapping[Key, Scene] = field(default_factory=lambda: NOTHING)
     elsewhere: tuple[str, ...] = ()
-    emergency: Any = None
+    emergency: KnownStops = field(default_factory=KnownStops)
+    stopped_at: float = 0.0
     recording: str = ""
     recorded: int = 0
     robots: Robots | None = None
@@ -100,7 +102,7 @@ class Known:
     @property
     def is_stopped(self) -> bool:
         """Whether an emergency stop of all robots is engaged."""
-        return self.emergency is not None and bool(self.emergency.engaged)
+        return bool(self.emergency)
 
     @property
     def shown(self) -> Scene | None:

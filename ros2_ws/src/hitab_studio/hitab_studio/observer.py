@@ -93,9 +93,7 @@ class Observer:
         assert known.target is not None  # what is connected to
         target = known.target
         # It hands on what it hears, as long as it is there: those who stop all may end at once.
-        self._switch = EmergencySwitch(link.node, hands_on=True)
-        if known.emergency is not None:
-            self._switch.take(known.emergency)
+        self._switch = EmergencySwitch(link.node, hands_on=True, known=known.emergency)
         self._stops = Stops(link, switch=self._switch)
         self._next_stops = 0.0
         self._signs = SignsOfLife(
@@ -134,9 +132,8 @@ class Observer:
 
     def look(self) -> None:
         """Update what has changed about the agents."""
+        self._look_at_stops()
         known = self.known
-        if self._switch.state is not known.emergency:
-            self._know(emergency=self._switch.state)
         if (now := time.monotonic()) >= self._next_stops:
             self._next_stops = now + STOPS_S
             self._stops.look()
@@ -257,8 +254,15 @@ class Observer:
 
     def stop_robots(self, engaged: bool, by: str, reason: str) -> list[str]:
         """Stop all robots and worlds, or release them; return who is there."""
-        self._know(emergency=self._switch.set(engaged, by, reason))
+        self._switch.set(engaged, by, reason)
+        self._look_at_stops()
         return self._stops.names()
+
+    def _look_at_stops(self) -> None:
+        known, stops = self.known, self._switch.known
+        if stops is not known.emergency:
+            at = known.stopped_at if known.emergency else time.time()
+            self._know(emergency=stops, stopped_at=at)
 
     def arm(self, agent: str) -> None:
         """Let an agent's robot act again; to be called as a job.

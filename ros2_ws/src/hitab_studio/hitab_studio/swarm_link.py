@@ -276,7 +276,11 @@ class SwarmLink:
         self._why_not = target.problem
         before = self._known  # an emergency stop is not the swarm's: it outlasts it
         self._known = Known(
-            target, before.revision + 1, emergency=before.emergency, joined=time.monotonic()
+            target,
+            before.revision + 1,
+            emergency=before.emergency,
+            stopped_at=before.stopped_at,
+            joined=time.monotonic(),
         )
         self._tell(self._known)
 

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from builtin_interfaces.msg import Time
-from hitab_msgs.msg import AgentStatus, EmergencyStop, WorldStatus
+from hitab_msgs.msg import AgentStatus, WorldStatus
 
 from hitab_client import SwarmError
+from hitab_ros import KnownStops
 from hitab_studio.actions import ACTIONS
 from hitab_studio.known import JOINING_SECONDS, Known
 from hitab_studio.page import perform
@@ -145,12 +145,12 @@ def test_the_emergency_stop_is_large_where_robots_may_do_harm_and_when_it_is_eng
     assert "large" in shown(Known(UP, statuses=status), "emergency")
     assert "large" not in shown(Known(UP, statuses=status, world=WorldStatus()), "emergency")
     assert "large" not in shown(Known(UP), "emergency")
-    stop = EmergencyStop(stamp=Time(sec=5), engaged=True, by="Anna", reason="a dog")
+    stop = KnownStops().stopped("1", "Anna", "a dog")
     said = shown(Known(UP, world=WorldStatus(), emergency=stop), "emergency", "top")
     assert "large" in said
     assert 'data-test="release"' in said
-    assert "Anna has stopped them (a dog)" in said
-    released = EmergencyStop(stamp=Time(sec=6), engaged=False, by="Ben")
+    assert "stopped by Anna (a dog)" in said
+    released = stop.released_by("Ben")
     assert 'data-test="stop-robots"' in shown(Known(UP, emergency=released), "emergency")
 
 

@@ -16,6 +16,7 @@ from hitab_core import Do, HitabError, some
 from hitab_ros import (
     EmergencySwitch,
     GuardedNode,
+    KnownStops,
     Loop,
     Spinner,
     StopState,
@@ -100,9 +101,9 @@ class WorldNode(GuardedNode):
         self._switch = EmergencySwitch(self, self._emergency, hands_on=True)
         steady_timer(self, STOP_PERIOD_S, self._tell_of_stop)
 
-    def _emergency(self, state: msg.EmergencyStop) -> None:
+    def _emergency(self, known: KnownStops) -> None:
         """Hold the world as long as the robots are stopped; then it goes on as before."""
-        self.control.held = stopped_by(state)
+        self.control.held = stopped_by(known)
         self.course.disturbed = True
         held = self.control.held
         self.guard.faults.set("stop", held and f"{STOPPED}: {held}", Do.GO())

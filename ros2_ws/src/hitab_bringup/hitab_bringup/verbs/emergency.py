@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import getpass
+import math
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Annotated
@@ -10,30 +11,36 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_client import SwarmError, console
+from hitab_client.command_options import SwarmName
 from hitab_client.commands import as_command, called, with_commands
-from hitab_core import Do, some
+from hitab_core import Do, has, some
 
 if TYPE_CHECKING:
     from hitab_client import Stops
 
 CONFIRM_S = 10.0
-"""How long to repeat it until all have confirmed it, s."""
+"""How long all may take to confirm it, s."""
 
 LOOK_S = 3.0
 """How long to look for robots that wait to be re-armed, s."""
 
 
-def stop(context: typer.Context, reason: str = "") -> None:
+def stop(
+    context: typer.Context,
+    reason: str = "",
+    wait: Annotated[float, typer.Option(metavar="SECONDS", show_default=False)] = math.inf,
+) -> None:
     """Stop all robots and simulated worlds at once, of all swarms: an emergency stop.
 
     Each robot stands still, whatever its agent does, until `hitab go` and then `hitab arm`. Relays
     between agents and robots obey it even if an agent has died; goals of actions are cancelled;
     simulated worlds pause. The command repeats it until each of them has confirmed that it stands
-    still, and fails, naming the others, if not all have within ten seconds. It takes no names:
-    `hitab perform ROBOT` stops one robot.
+    still, so that a robot that is out of reach obeys when it is back; after ten seconds it names
+    those that have not. It takes no names: `hitab perform ROBOT` stops one robot.
 
     Args:
         reason: Why, for those who read the status.
+        wait: Fail if not all have confirmed it after so long. Default: go on.
 
     Examples:
       hitab stop
@@ -45,13 +52,14 @@ def stop(context: typer.Context, reason: str = "") -> None:
             + as_command(Do.IDLE(agent=context.args[0]))
         )
     unsure = "assume that they move, use their own switches, and try again"
-    console.say(f"stand still: {_switch(True, reason, 'stand still', unsure)}")
+    console.say(f"stand still: {_switch(True, reason, 'stand still', unsure, wait)}")
 
 
 def go(context: typer.Context, reason: str = "") -> None:
-    """Release all robots and simulated worlds after `hitab stop`.
+    """Release all robots and simulated worlds after `hitab stop`, of all swarms.
 
-    Worlds go on. Robots go on standing still: `hitab arm` lets them act again.
+    Worlds go on. Robots go on standing still: `hitab arm` lets them act again. A stop that comes
+    meanwhile holds.
 
     Args:
         reason: Why, for those who read the status.
@@ -65,19 +73,21 @@ def go(context: typer.Context, reason: str = "") -> None:
             + as_command(Do.ARM(robot=context.args[0]))
         )
     unsure = "they may still be stopped; try again"
-    heard = _switch(False, reason, "released", unsure)
+    heard = _switch(False, reason, "released", unsure, CONFIRM_S)
     console.say(f"released: {heard}; robots wait for `{called()} arm`")
 
 
 def arm(
     robots: Annotated[list[str] | None, typer.Argument()] = None,
     all_robots: Annotated[bool, typer.Option("--all")] = False,
+    swarm: SwarmName = None,
 ) -> None:
     """Let robots act again that were stopped, whatever stopped them; without names, list them.
 
     A robot waits for this after each start of its relay, an emergency stop, a sensor or an agent
     that fell silent. It is refused while that lasts, and while the robot moves. What the agent
-    performs then drives the robot at once: look at the robot first.
+    performs then drives the robot at once: look at the robot first. Only robots of the swarm that
+    is up are meant; if none is, those in ROS_DOMAIN_ID.
 
     Args:
         robots: Names of robots.
@@ -93,28 +103,34 @@ def arm(
     if robots and all_robots:
         raise typer.BadParameter("give names of robots or --all, not both")
     refused = []
-    with _everywhere() as ends:
-        Stops.listen(ends, LOOK_S)
-        waiting = {robot: why for end in ends for robot, why in end.waiting().items()}
-        if not (robots or all_robots):
-            for robot, why in waiting.items():
-                console.say(with_commands(f"{robot}: {why}", [Do.GO(), Do.ARM(robot=robot)]))
-            if not waiting:
-                console.say("no robot waits")
-            return
-        for robot in robots or waiting:
+    with _meant(swarm) as (end, prefix, own):
+        where = f"in ROS domain {end.domain_id}"
+        Stops.listen([end], LOOK_S)
+        waiting = {
+            name: it
+            for name, it in end.waiting().items()
+            if name.startswith(prefix) and (not own or name in own)
+        }
+        for name, (why, is_held) in ({} if robots or all_robots else waiting).items():
+            ways = [Do.GO(), Do.ARM(robot=name)] if is_held else [Do.ARM(robot=name)]
+            console.say(with_commands(f"{name}: {why}", ways))
+        if not (robots or waiting):
+            console.say(f"no robot waits {where}")
+        for robot in robots or (waiting if all_robots else ()):
             name = robot.strip("/")
-            end = next((end for end in ends if name in end.names()), ends[0])
+            name = name if name.startswith(prefix) else f"{prefix}{name}"
             try:
+                if own and name not in own:
+                    raise SwarmError(f"{robot} is not in this swarm {has(own, name)}")
                 end.arm(name, LOOK_S)
-                console.say(f"{robot} may act")
+                console.say(f"{robot} may act {where}")
             except SwarmError as error:
                 refused.append(str(error))
     if refused:
         raise SwarmError("; ".join(refused))
 
 
-def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
+def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) -> str:
     """Stop or release everything; return what has confirmed it.
 
     Args:
@@ -122,20 +138,34 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
         reason: that the user gives.
         done: what has been done to it then.
         unsure: what follows if not all confirm it.
+        seconds: how long to repeat it until all have confirmed it.
 
     Raises:
         SwarmError: if nobody heard it, or not all confirm it.
     """
     from hitab_client import Stops
 
-    def tell(who: dict[str, str]) -> None:
-        console.note(f"waiting for {_listed(who)}")
+    told: list[object] = []
+
+    def tell(who: dict[str, str], after: float) -> None:
+        is_late = after > CONFIRM_S and seconds > CONFIRM_S
+        if [who, is_late] == told or not (who or is_late):
+            return
+        told[:] = who, is_late
+        if is_late:
+            whom = _listed(who) or f"nobody answers in ROS domain {where}"
+            console.note(
+                f"not confirmed: {whom}; {unsure}; the command goes on, so that they obey when "
+                "they are back, until all confirm it or Ctrl-C"
+            )
+        else:
+            console.note(f"waiting for {_listed(who)}")
 
     with _everywhere() as ends:
-        by = getpass.getuser()
-        lacking = Stops.switch_all(ends, by, reason, engaged=engaged, seconds=CONFIRM_S, tell=tell)
-        there = [name for end in ends for name in end.names()]
         where = " or ".join(str(end.domain_id) for end in ends)
+        by = getpass.getuser()
+        lacking = Stops.switch_all(ends, by, reason, engaged=engaged, seconds=seconds, tell=tell)
+        there = [end.label(name, ends) for end in ends for name in end.names()]
     if not there:
         raise SwarmError(
             f"nobody heard it: no robot and no simulated world answers in ROS domain {where}; "
@@ -165,10 +195,42 @@ def _everywhere() -> Iterator[list[Stops]]:
     for _, record in running_swarms():
         # Without a simulated world, agents that command no others drive robots.
         robots = () if record.world else set(record.agents) - set(record.commanders)
-        prefix = f"{record.namespace.strip('/')}/".lstrip("/")
-        expected.setdefault(record.domain_id, set()).update(f"{prefix}{name}" for name in robots)
+        names = {f"{_prefix(record.namespace)}{name}" for name in robots}
+        expected.setdefault(record.domain_id, set()).update(names)
     with ExitStack() as stack:
         yield [
             Stops(stack.enter_context(RosLink(number)), robots)
             for number, robots in sorted(expected.items())
         ]
+
+
+@contextmanager
+def _meant(swarm: str | None) -> Iterator[tuple[Stops, str, set[str]]]:
+    """Yield the ROS domain of a swarm, the start of its robots' names, and these; empty: any.
+
+    Args:
+        swarm: which; None: the only one that is up, or what was started by hand.
+
+    Raises:
+        SwarmError: if several are up and none is named, or the named one is not.
+    """
+    from hitab_client import RosLink, Stops
+    from hitab_client.domain_ids import chosen_by_user
+    from hitab_client.swarm_choice import find_meant, is_namespace, look_elsewhere
+
+    chosen = chosen_by_user()
+    found = find_meant(swarm, chosen)
+    record = found[1] if found else None
+    with RosLink(record.domain_id if record else chosen or 0) as link:
+        if record:
+            prefix = _prefix(record.namespace)
+        elif swarm and not is_namespace(swarm):
+            prefix = _prefix(look_elsewhere(link, identity=swarm))
+        else:
+            prefix = _prefix(swarm or "")
+        own = {f"{prefix}{name}" for name in record.agents} if record else set()
+        yield Stops(link, own), prefix, own
+
+
+def _prefix(namespace: str) -> str:
+    return f"{namespace.strip('/')}/".lstrip("/")

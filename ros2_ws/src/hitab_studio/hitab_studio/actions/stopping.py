@@ -37,7 +37,7 @@ async def release_dialog(session: Session, data: Data) -> None:
     known = session.shared.store.known
     if known.is_stopped:
         session.close_dialog()
-        session.dialog = {"kind": "release", "by": known.emergency.by or "somebody"}
+        session.dialog = {"kind": "release", "by": known.emergency.who}
 
 
 @action("release-robots", urgent=True)

@@ -47,10 +47,9 @@ def context(session: Session) -> dict[str, Any]:
 def emergency(session: Session) -> dict[str, Any]:
     """Return what the button of the emergency stop and the band below the header show."""
     known = session.shared.store.known
-    stop = known.emergency if known.is_stopped else None
     return {
-        "stop": stop,
-        "since": time.strftime("%H:%M:%S", time.localtime(stop.stamp.sec)) if stop else "",
+        "stop": known.emergency.who,
+        "since": time.strftime("%H:%M:%S", time.localtime(known.stopped_at)),
         # Agents in no simulated world drive robots that can do harm.
         "robots": bool(known.statuses) and known.world is None,
     }

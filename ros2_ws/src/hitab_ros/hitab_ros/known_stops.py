@@ -1,0 +1,91 @@
+"""Which emergency stops somebody has heard of, and which of them are released. No ROS here.
+
+A stop is an event with an identity. It counts once, whenever it arrives, so clocks do not matter.
+A release names the stops that it ends. Stops and releases are only ever added, so all who have
+heard of the same ones agree, in whatever order and however often they heard of each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Self
+
+from hitab_ros.plain_text import plain
+
+KEPT_MAX = 100
+"""How many stops, and how many releases, are kept. An older stop that is delivered again after its
+release was forgotten stops the robots again."""
+
+WORDS_MAX = 200
+"""Maximum characters of who stopped or released the robots, and why."""
+
+SHOWN_MAX = 3
+"""How many stops the text for people names."""
+
+
+@dataclass(frozen=True)
+class KnownStops:
+    """What one participant knows; true if the robots have to stand still.
+
+    Attributes:
+        stops: who stopped the robots and why, for each stop that is not released, by identity.
+        released: who released the other stops, by identity; the last one last.
+    """
+
+    stops: Mapping[str, str] = field(default_factory=dict)
+    released: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of_texts(cls, stops: Iterable[str], released: Iterable[str]) -> Self:
+        """Return what has these `texts`."""
+        return cls(_of_texts(stops), _of_texts(released))
+
+    def texts(self) -> dict[str, list[str]]:
+        """Return both fields, by name, as texts: an identity, a blank, and words."""
+        return {
+            name: [f"{i} {words}" for i, words in of.items()] for name, of in vars(self).items()
+        }
+
+    def __bool__(self) -> bool:
+        return bool(self.stops)
+
+    @property
+    def who(self) -> str:
+        """Who has stopped the robots, and why; empty: nobody."""
+        return ", ".join([*dict.fromkeys(self.stops.values())][-SHOWN_MAX:])
+
+    def joined(self, other: KnownStops) -> KnownStops:
+        """Return what is known to somebody who knows both."""
+        # What is new comes last, and words stay as they were first heard.
+        released = {**self.released, **other.released, **self.released}
+        stops = {**self.stops, **other.stops, **self.stops}
+        left = {identity: stops[identity] for identity in stops if identity not in released}
+        return KnownStops(_newest(left), _newest(released))
+
+    def stopped(self, identity: str, by: str, reason: str = "") -> KnownStops:
+        """Return what is known after a stop; one that is known already makes no difference."""
+        words = f"{by or 'somebody'} ({reason})" if reason else by or "somebody"
+        return self.joined(KnownStops({identity: plain(words, WORDS_MAX, lines=False)}))
+
+    def released_by(self, by: str) -> KnownStops:
+        """Return what is known after a release of all stops that are known."""
+        who = plain(by or "somebody", WORDS_MAX, lines=False)
+        return self.joined(KnownStops({}, dict.fromkeys(self.stops, who)))
+
+
+def must_tell(before: KnownStops, known: KnownStops, heard: KnownStops) -> bool:
+    """Whether who has learned something has to tell the others what it knows.
+
+    It has to if that stops or releases it, and if the sender of what it heard does not know what
+    holds it, or what has released it.
+    """
+    return not bool(before) == bool(known) == bool(heard)
+
+
+def _of_texts(texts: Iterable[str]) -> dict[str, str]:
+    return {identity: words for identity, _, words in (text.partition(" ") for text in texts)}
+
+
+def _newest(known: Mapping[str, str]) -> dict[str, str]:
+    return dict([*known.items()][-KEPT_MAX:])
