@@ -10,10 +10,10 @@ from rclpy.node import Node
 
 from hitab_ros import names, qos
 from hitab_ros.emergency_stop import EmergencySwitch, stopped_by
-from hitab_ros.fault_texts import STOPPED
+from hitab_ros.fault_texts import STOPPED, WAITS
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
-from hitab_ros.stop_machine import StopMachine, StopState
+from hitab_ros.stop_machine import JUST_STARTED, StopMachine, StopState
 
 PERIOD_S = 0.1
 """Between two reports, s, by the machine's clock. They are signs of life as well."""
@@ -57,7 +57,7 @@ class Stop:
         self._rearms = rearms
         self._logged = ""
         self._publisher = node.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)
-        self.machine = StopMachine("it has just started", rearms=rearms, changed=self._changed)
+        self.machine = StopMachine(rearms=rearms, changed=self._changed)
         self.switch = EmergencySwitch(node, self._emergency, hands_on=True)
         if state is not None:
             self.switch.take(state)
@@ -89,7 +89,7 @@ class Stop:
         why, before = self.machine.why, self._logged
         self._logged = why
         if why and why != before:
-            self._log(f"{STOPPED}: {why}")
+            self._log(f"{WAITS if why == JUST_STARTED else STOPPED}: {why}")
         elif before and not why:
             self._log("re-armed by itself" if self._rearms else "re-armed")
         self.publish()
@@ -146,4 +146,6 @@ def why_stopped(why: str, causes: Iterable[str]) -> str:
     """
     if not why:
         return ""
-    return f"{STOPPED}: {'; '.join(causes) or f'{why}; that is over'}"
+    if told := "; ".join(causes):
+        return f"{STOPPED}: {told}"
+    return f"{WAITS}: {why if why == JUST_STARTED else f'{why}; that is over'}"
