@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
-from hitab_core import VocabularyError, quantity, unknown
+from hitab_core import FeatureValueError, VocabularyError, quantity, some, unknown
 from hitab_robots.sensors import Sensor
-from hitab_robots.velocity import STILL, Drive, Velocity
+from hitab_robots.velocity import STILL, Drive, Velocity, is_velocity
 
 MEMORY_S = 10.0
 """How far back a body remembers how it moved, s."""
@@ -140,8 +140,19 @@ class RobotBody:
             ahead: m/s, negative backwards.
             turn: rad/s, counter-clockwise.
             left: m/s, of robots that can move sideways.
+
+        Raises:
+            FeatureValueError: if one is NaN or infinite, such as what is made of a silent sensor's
+                values. The robot stops until it is re-armed.
         """
-        self.velocity = self.robot.drive.clipped((ahead, left, turn))
+        velocity = (ahead, left, turn)
+        if not is_velocity(velocity):
+            missing = [name for name in self.robot.values if math.isnan(self[name])]
+            raise FeatureValueError(
+                "its behavior commands a velocity that is no number; without a value now: "
+                f"{some(missing) or 'nothing'}"
+            )
+        self.velocity = self.robot.drive.clipped(velocity)
 
     @property
     def place(self) -> tuple[float, float, float]:
