@@ -15,6 +15,9 @@ class LeftGoals:
     """The goals that the servers of actions have of one agent, as the agent said last.
 
     Goals of others on the same servers are not touched.
+
+    Attributes:
+        closed: whether the agent is gone for good: then another one may tell of goals of its own.
     """
 
     def __init__(self, node: GuardedNode) -> None:
@@ -23,13 +26,15 @@ class LeftGoals:
         Args:
             node: in the agent's namespace.
         """
+        self.closed = False
         self._node = node
         self._goals: dict[tuple[str, str], CancelGoal.Request] = {}
-        self._asked: set[tuple[str, str]] = set()
         self._servers: dict[str, Any] = {}
         node.create_subscription(DiagnosticStatus, names.GOALS, self._hear, qos.LATCHED)
 
     def _hear(self, agent: DiagnosticStatus) -> None:
+        if self.closed:
+            return
         self._goals = {}
         for goal in agent.values:
             if goal.key not in self._servers:
@@ -42,15 +47,14 @@ class LeftGoals:
 
     def cancel(self) -> None:
         """Ask the servers to cancel what is left; call this again until nothing is."""
-        for goal, request in self._goals.items():
+        for goal in list(self._goals):
             server = self._servers[goal[0]]
-            if goal not in self._asked and server.service_is_ready():
-                self._asked.add(goal)
-                server.call_async(request).add_done_callback(partial(self._answered, goal))
+            if server.service_is_ready():
+                request = self._goals.pop(goal)
+                answer = partial(self._answered, goal, request)
+                server.call_async(request).add_done_callback(answer)
 
-    def _answered(self, goal: tuple[str, str], future: Any) -> None:
-        self._asked.discard(goal)
+    def _answered(self, goal: tuple[str, str], request: Any, future: Any) -> None:
         if future.result().return_code == CancelGoal.Response.ERROR_REJECTED:
             self._node.guard.log(f"{goal[0]} refuses to cancel a goal that its agent has left")
-        else:
-            self._goals.pop(goal, None)
+            self._goals[goal] = request

@@ -43,12 +43,6 @@ FILE = "emergency_stop.json"
 SILENCE = "silence"
 """The cause of that name: the agent's."""
 
-INTERRUPTION = "interruption"
-"""The cause of that name: what is over as soon as it is noticed."""
-
-BASE = "base"
-"""The cause of that name: there is none."""
-
 MISSED_S = 0.3
 """An agent that gives no sign of life for so long, s, does not cancel its goals itself."""
 
@@ -165,30 +159,29 @@ class VelocityRelay(GuardedNode):
 
     def _interrupt(self, why: str) -> None:
         """Stop the robot for what may be over by now."""
-        self._cause(INTERRUPTION, why)
-        self._cause(INTERRUPTION, "")
+        for told in (why, ""):
+            self._cause("interruption", told)
 
     def _look_after_base(self, now: float) -> None:
         """Notice that the base is gone, or is back: it must not move before it is re-armed."""
         if self._base is None:
             return
         topic = self._base.topic_name
-        takers = self.get_subscriptions_info_by_topic(topic)
-        known = {bytes(info.endpoint_gid): name_of(info) for info in takers}
-        if back := self._bases.look(known, now):
+        infos = self.get_subscriptions_info_by_topic(topic)
+        if back := self._bases.look({bytes(i.endpoint_gid): name_of(i) for i in infos}, now):
             self._interrupt(f"{some(sorted(back))}, which takes {topic}, was started again")
         before, self._matched = self._matched, self._base.get_subscription_count()
         if self._matched > before:
             self._gate.rest(now)  # it may hold what it was told by somebody else
             self._still_since = now
-        self._cause(BASE, "" if self._matched else f"no base takes {topic}")
+        self._cause("base", "" if self._matched else f"no base takes {topic}")
 
     def _look_after_agent(self, now: float) -> None:
         """Notice that the agent is dead, or gives no sign of life."""
         self._unheard_s += min(now - self._looked, NOTICED_S)
         self._looked = now
         if self._agent_pid and os.getppid() != self._agent_pid:
-            self._gate.closed = True
+            self._gate.closed = self._goals.closed = True
         is_near = self._agent_pid and not is_held_up(self._agent_pid)
         if self._unheard_s >= (HUNG_S if is_near else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import subprocess
 import sys
 import time
@@ -293,22 +294,27 @@ class Server:
 
 
 @pytest.mark.parametrize("stop", ["silence", "emergency", "death"])
-def test_goals_of_an_agent_that_cannot_cancel_them_are_canceled(bench, stop):
+def test_goals_of_an_agent_that_cannot_cancel_them_are_canceled(bench, stop, monkeypatch):
     bench.end_relay()
-    has_no_base = {"max_velocity": [0.0, 0.0, 0.0]}
-    bench.start(**has_no_base, **({"agent_pid": 1 << 30} if stop == "death" else {}))
+    bench.start(max_velocity=[0.0, 0.0, 0.0], agent_pid=os.getppid())
     server = Server(bench)
     others, agents = server.fly(), server.fly()
-    if stop != "death":
-        assert bench.arm() == ""
-    assert bench.relay.count_publishers(COMMANDS) == 0
+    bench.until(server.agent.get_subscription_count)
     server.tell_of(agents)
+    assert bench.arm() == "", "it has no base, and needs none"
+    assert bench.relay.count_publishers(COMMANDS) == 0
     if stop == "emergency":
         bench.switch.set(True, "ann")
         bench.until(lambda: bench.has(StopState.STOPPED, "ann"))
-        assert not agents.is_cancel_requested, "it is for the agent, as long as it lives"
-    bench.lives = False
+        assert not agents.is_cancel_requested, "that is the agent's, as long as it lives"
+    if stop == "death":
+        monkeypatch.setattr(os, "getppid", lambda: 1)
+    else:
+        bench.lives = False
     bench.until(lambda: agents.is_cancel_requested)
+    if stop == "death":
+        server.tell_of(others)  # they are of an agent that was started since
+        bench.until(lambda: bench.finished)
     assert not others.is_cancel_requested
 
 

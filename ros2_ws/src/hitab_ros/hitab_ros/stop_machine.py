@@ -22,7 +22,6 @@ import time
 from collections.abc import Callable
 from enum import StrEnum
 
-
 JUST_STARTED = "it has just started"
 """Why a robot does not act that never did: causes that pass meanwhile are not why it waits."""
 
