@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -35,10 +34,11 @@ def stopped_clock(node: AgentNode, reach: Reach) -> str:
 
 
 def deaf_base(node: AgentNode, reach: Reach) -> str:
-    """Say that the base takes another type than it is sent, or is not there."""
+    """Say that the base takes another type or QoS than it is sent, or is not there."""
     topic = node.resolve_topic_name(COMMANDS)
     publishers = node.get_publishers_info_by_topic(topic)
-    sent = {info.topic_type for info in publishers if _is_own(node, info)}
+    own = [info for info in publishers if _is_own(node, info)]
+    sent = {info.topic_type for info in own}
     if not sent:
         return ""  # whoever misses the relay says so
     takers = node.get_subscriptions_info_by_topic(topic)
@@ -47,28 +47,22 @@ def deaf_base(node: AgentNode, reach: Reach) -> str:
             f"nobody subscribes to {topic}, so the robot cannot move; start the driver of its "
             f"base, or remap {COMMANDS} to the topic that it subscribes to"
         )
+    for taker in takers:
+        fits, why = qos_check_compatible(own[0].qos_profile, taker.qos_profile)
+        if fits == QoSCompatibility.ERROR:
+            return (
+                f"{name_of(taker)} gets nothing of {topic}, since its QoS does not fit: "
+                f"{why.strip(';')}; have it subscribe as volatile, with QoSProfile(depth=10)"
+            )
     deaf = [info for info in takers if info.topic_type not in sent]
     if not deaf:
-        return _latched_base(node, topic)
+        return ""
     taken = sorted({f"{name_of(info)} takes {info.topic_type}" for info in deaf})
     other = "false" if any(kind.endswith("Stamped") for kind in sent) else "true"
     return (
         f"{topic} is sent as {some(sorted(sent))}, but {some(taken)}; set the parameter "
         f"enable_stamped_cmd_vel to {other}"
     )
-
-
-def _latched_base(node: AgentNode, topic: str) -> str:
-    """Say who asks for a QoS, such as latched messages, that no velocity is published with."""
-    for taker in node.get_subscriptions_info_by_topic(topic):
-        for own in filter(partial(_is_own, node), node.get_publishers_info_by_topic(topic)):
-            fits, why = qos_check_compatible(own.qos_profile, taker.qos_profile)
-            if fits == QoSCompatibility.ERROR:
-                return (
-                    f"{name_of(taker)} gets nothing of {topic}, since its QoS does not fit: "
-                    f"{why.strip(';')}; have it subscribe as volatile, with QoSProfile(depth=10)"
-                )
-    return ""
 
 
 def second_driver(node: AgentNode, reach: Reach) -> str:

@@ -5,9 +5,6 @@ from __future__ import annotations
 STOPPED = "stopped"
 """Begins the fault of a robot that has to stand still."""
 
-WAITS = "waits to be armed"
-"""Begins that of a robot that has to stand still only until a person lets it act."""
-
 NOT_PUBLISHED = "nobody publishes it"
 """There is no publisher: the driver is not running, or cannot be reached."""
 

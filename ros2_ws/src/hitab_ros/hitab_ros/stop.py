@@ -10,7 +10,7 @@ from rclpy.node import Node
 
 from hitab_ros import names, qos
 from hitab_ros.emergency_stop import EmergencySwitch, stopped_by
-from hitab_ros.fault_texts import STOPPED, WAITS
+from hitab_ros.fault_texts import STOPPED
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import JUST_STARTED, StopMachine, StopState
@@ -89,7 +89,7 @@ class Stop:
         why, before = self.machine.why, self._logged
         self._logged = why
         if why and why != before:
-            self._log(f"{WAITS if why == JUST_STARTED else STOPPED}: {why}")
+            self._log(f"{STOPPED}: {why}")
         elif before and not why:
             self._log("re-armed by itself" if self._rearms else "re-armed")
         self.publish()
@@ -148,4 +148,4 @@ def why_stopped(why: str, causes: Iterable[str]) -> str:
         return ""
     if told := "; ".join(causes):
         return f"{STOPPED}: {told}"
-    return f"{WAITS}: {why if why == JUST_STARTED else f'{why}; that is over'}"
+    return f"waits to be armed: {why if why == JUST_STARTED else f'{why}; that is over'}"
