@@ -180,8 +180,9 @@ class VelocityRelay(GuardedNode):
         """Notice that the agent is dead, or gives no sign of life."""
         self._unheard_s += min(now - self._looked, NOTICED_S)
         self._looked = now
-        if self._agent_pid and os.getppid() != self._agent_pid:
+        if self._agent_pid and os.getppid() != self._agent_pid and not self._gate.closed:
             self._gate.closed = self._goals.closed = True
+            self._gate.rest(now)  # also if it stands still: its goals are to be canceled
         is_near = self._agent_pid and not is_held_up(self._agent_pid)
         if self._unheard_s >= (HUNG_S if is_near else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")

@@ -313,6 +313,7 @@ def test_goals_of_an_agent_that_cannot_cancel_them_are_canceled(bench, stop, mon
         bench.lives = False
     bench.until(lambda: agents.is_cancel_requested)
     if stop == "death":
+        assert not bench.finished
         server.tell_of(others)  # they are of an agent that was started since
         bench.until(lambda: bench.finished)
     assert not others.is_cancel_requested
