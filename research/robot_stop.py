@@ -1,11 +1,14 @@
-"""Measures how soon a base that holds its last Twist stands still, for each cause of a stop.
+"""Measures how soon a robot stands still, for each cause of a stop.
 
-An agent turns a robot, and at a random moment it, or its relay, is killed (SIGKILL) or hangs
-(SIGSTOP); its scanner falls silent; or somebody who is connected already engages the emergency
-stop, with a publisher that latches or with one that does not. The time runs until the base has
-zero for good. Then the cause is ended and nothing may move until the robot is re-armed; a robot
-that does is counted. The base is a subscription in this process, which remembers when each Twist
-came.
+An agent turns a robot whose base holds its last Twist, and at a random moment it, or its relay, is
+killed (SIGKILL) or hangs (SIGSTOP); its sensors fall silent; or somebody who is connected already
+engages the emergency stop, with a publisher that latches or with one that does not. The time runs
+until the base has zero for good. The base is a subscription in this process, which remembers when
+each Twist came. Another agent has but an action: its robot flies until the server, in this
+process, is asked to cancel the goal.
+
+Then the cause is ended and nothing may move until the robot is re-armed; a robot that does is
+counted. All is measured on a machine that does nothing else, and beside a busy loop per core.
 
     scripts/python research/robot_stop.py --trials 20
 """
@@ -18,15 +21,19 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from statistics import mean, stdev
+from statistics import median
 from typing import Annotated, Any
 
 import psutil  # type: ignore[import-untyped]
 import typer
 from geometry_msgs.msg import Twist
+from hitab_msgs.action import Perform
 from hitab_msgs.msg import EmergencyStop
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.task import Future
 from rich.console import Console
 from rich.table import Table
 
@@ -41,10 +48,26 @@ CAUSES = (
     "agent hangs",
     "relay killed",
     "relay hangs",
-    "scanner silent",
+    "sensors silent, in training",
+    "sensors silent, on its way to a place",
     "emergency stop, latched",
     "emergency stop, volatile",
+    "flies, agent killed",
+    "flies, agent hangs",
+    "flies, agent hangs in an emergency",
 )
+FLIES = "flies, "
+BUSY = "while True: pass"
+FLYING = """
+from hitab_core import ActionBehavior, Domain
+from hitab_robots import Drive, Robot
+
+FLY = ActionBehavior("Fly", action_type="hitab_msgs/action/Perform", action="fly")
+DRONE = Robot((), Drive(max_velocity=(0.0, 0.0, 0.0)))
+DOMAIN = Domain.of(
+    "drone", "1", DRONE, behaviors=[FLY], features=[], link="hitab_robots:RobotLink"
+)
+"""
 START_S = 60.0
 HELD_S = 1.5
 """How long the base must have had zero since, s."""
@@ -87,6 +110,25 @@ class Base:
         return began
 
 
+class Drone(Base):
+    """A robot that flies as long as the server of its action has a goal."""
+
+    def __init__(self, link: RosLink) -> None:
+        self.link = link
+        self.told = []
+        self._server = ActionServer(
+            link.node, Perform, f"/{ROBOT}/fly", self._fly, cancel_callback=self._cancel
+        )
+
+    async def _fly(self, goal: Any) -> None:
+        self.told.append((time.monotonic(), True))
+        await Future()
+
+    def _cancel(self, goal: Any) -> CancelResponse:
+        self.told.append((time.monotonic(), False))
+        return CancelResponse.ACCEPT
+
+
 def trial(
     link: RosLink, how: str, random_number: random.Random, environment: Any
 ) -> tuple[float, bool]:
@@ -102,20 +144,27 @@ def trial(
             return process
 
         def start_agent() -> psutil.Process:
+            domain = "flying:DOMAIN" if flies else "diff_drive.domain:DOMAIN"
             return start(
                 "hitab_agent.agent_main",
-                *("domain:=diff_drive.domain:DOMAIN", f"state_dir:={state}", "swarm:=benchmark"),
+                *(f"domain:={domain}", f"state_dir:={state}", "swarm:=benchmark"),
             )
 
-        scanner = start("diff_drive.simulated_robot")
+        flies = how.startswith(FLIES)
+        sensors = start("diff_drive.simulated_robot")
         agent = start_agent()
-        base, agents = Base(link), SwarmClient(link, [ROBOT])
+        base, agents = Drone(link) if flies else Base(link), SwarmClient(link, [ROBOT])
         stops = Stops(link)
         plain = link.node.create_publisher(EmergencyStop, names.EMERGENCY_STOP, 10)
         agents.await_agent(ROBOT, START_S)
         arm(stops, link)
-        agents.begin(ROBOT, "Turn", features=["RangeAhead"])
-        until_obeyed(agents, link)
+        if flies:
+            agents.perform(ROBOT, "Fly")
+        elif how == "sensors silent, on its way to a place":
+            agents.perform(ROBOT, "DriveTo(goal)")
+        else:
+            agents.begin(ROBOT, "Turn", features=["RangeAhead"])
+            until_obeyed(agents, link)
         deadline = time.monotonic() + START_S
         while not base.moves and time.monotonic() < deadline:
             link.spin_until(lambda: base.moves, 2.0)
@@ -123,32 +172,35 @@ def trial(
         link.spin_until(lambda: False, 0.5 + random_number.random())
         relay = next(iter(agent.children()), agent)
         began = time.monotonic()
-        match how:
+        match how.removeprefix(FLIES):
             case "agent killed":
                 agent.kill()
             case "agent hangs":
                 agent.suspend()
+            case "agent hangs in an emergency":
+                agent.suspend()
+                stops.switch.set(True, "benchmark")
             case "relay killed":
                 relay.kill()
             case "relay hangs":
                 relay.suspend()
-            case "scanner silent":
-                scanner.suspend()
+            case "sensors silent, in training" | "sensors silent, on its way to a place":
+                sensors.suspend()
             case "emergency stop, latched":
                 stops.switch.set(True, "benchmark")
             case "emergency stop, volatile":
                 plain.publish(EmergencyStop(engaged=True, by="benchmark"))
         base.until(moves=False)
         stopped = base.last_change()
-        match how:
+        match how.removeprefix(FLIES):
             case "agent killed":
                 with suppress(psutil.NoSuchProcess):
                     relay.wait()
                 start_agent()
-            case "agent hangs":
+            case "agent hangs" | "agent hangs in an emergency":
                 agent.resume()
-            case "scanner silent":
-                scanner.resume()
+            case "sensors silent, in training" | "sensors silent, on its way to a place":
+                sensors.resume()
         stops.switch.set(False, "benchmark")
         link.spin_until(lambda: False, 3.0)
         return stopped - began, base.last_change() != stopped or base.moves
@@ -157,7 +209,7 @@ def trial(
 def end(process: psutil.Process) -> None:
     """End a process and its relay, which would outlive it, if they still are there."""
     with suppress(psutil.NoSuchProcess):
-        for one in (*process.children(), process):
+        for one in (process, *process.children()):  # it would start its relay again
             one.kill()
             one.wait()
 
@@ -188,31 +240,50 @@ def arm(stops: Stops, link: RosLink) -> None:
 
 
 def main(
-    trials: Annotated[int, typer.Option(help="Trials of each kind.", min=2)] = 10,
+    trials: Annotated[int, typer.Option(help="Trials of each kind.", min=1)] = 20,
     seed: Annotated[int, typer.Option(help="For the moments of the stops.")] = 1,
+    only: Annotated[str, typer.Option(help="Only causes that contain this.")] = "",
+    idle: Annotated[bool, typer.Option(help="Measure on a machine that is idle.")] = True,
+    busy: Annotated[bool, typer.Option(help="Measure beside a busy loop per core.")] = True,
 ) -> None:
-    """Measure how soon a base that holds its last Twist stands still."""
+    """Measure how soon a robot stands still."""
     console = Console()
-    table = Table("stopped by", "trials", "mean ± s.e., s", "longest, s", "moved again")
-    with reserved() as domain_id:
+    table = Table("stopped by", "machine", "trials", "median, s", "worst, s", "moved again")
+    with reserved() as domain_id, tempfile.TemporaryDirectory() as modules:
+        (Path(modules) / "flying.py").write_text(FLYING, encoding="utf-8")
         environment = {
             **os.environ,
             "ROS_DOMAIN_ID": str(domain_id),
-            "PYTHONPATH": os.pathsep.join([str(EXAMPLE), os.environ.get("PYTHONPATH", "")]),
+            "PYTHONPATH": os.pathsep.join(
+                [str(EXAMPLE), modules, os.environ.get("PYTHONPATH", "")]
+            ),
         }
-        for how in CAUSES:
-            random_number = random.Random(seed)
-            took, again = [], 0
-            for number in range(trials):
-                with RosLink(domain_id) as link:
-                    seconds, moved_again = trial(link, how, random_number, environment)
-                took.append(seconds)
-                again += moved_again
-                console.print(f"{how}, trial {number + 1} of {trials}: {seconds:.3f} s")
-            error = stdev(took) / len(took) ** 0.5
-            row = (f"{mean(took):.3f} ± {error:.3f}", f"{max(took):.3f}", str(again))
-            table.add_row(how, str(trials), *row)
+        for how in filter(lambda how: only in how, CAUSES):
+            for machine in ["idle"] * idle + ["busy"] * busy:
+                random_number = random.Random(seed)
+                took, again = [], 0
+                for number in range(trials):
+                    with beside_loops(machine == "busy"), RosLink(domain_id) as link:
+                        seconds, moved_again = trial(link, how, random_number, environment)
+                    took.append(seconds)
+                    again += moved_again
+                    told = f"{how}, {machine}, trial {number + 1} of {trials}"
+                    console.print(f"{told}: {seconds:.3f} s")
+                figures = (f"{median(took):.3f}", f"{max(took):.3f}", str(again))
+                table.add_row(how, machine, str(trials), *figures)
     console.print(table)
+
+
+@contextmanager
+def beside_loops(busy: bool) -> Iterator[None]:
+    """Keep each core busy meanwhile, if asked to."""
+    count = len(os.sched_getaffinity(0)) if busy else 0
+    loops = [psutil.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for loop in loops:
+            end(loop)
 
 
 if __name__ == "__main__":

@@ -127,7 +127,7 @@ def test_the_emergency_stop_holds_the_robot_until_it_is_released_and_re_armed(de
     assert f"released: {ROBOT}; robots wait for `hitab arm`" in desk.hitab("go")
     assert desk.stays_where_it_is()
     waits = desk.hitab("arm")
-    assert f"{ROBOT}: stopped: emergency stop by" in waits
+    assert f"{ROBOT}: waits to be armed: emergency stop by" in waits
     assert "hitab go" not in waits + desk.hitab("status")
     assert (
         desk.hitab("arm", "--all")
@@ -149,7 +149,19 @@ def test_when_its_agent_or_relay_hangs_the_robot_stops_and_goes_on_only_once_re_
         process.resume()
     else:
         desk.until(lambda: not process.is_running())  # it was replaced
-    desk.until(lambda: desk.has_fault("that is over"))
+    desk.until(lambda: desk.has_fault("waits to be armed"))
+    assert desk.stays_where_it_is()
+    desk.arm()
+    desk.until(lambda: not desk.moves())
+
+
+def test_a_robot_that_lost_its_odometry_on_its_way_goes_on_only_once_re_armed(desk):
+    desk.perform("DriveTo(goal)")
+    desk.robot.send_signal(signal.SIGSTOP)  # all of its sensors fall silent
+    desk.until(lambda: desk.has_fault("without a value now: odom.x"))
+    desk.until(desk.moves)
+    desk.robot.send_signal(signal.SIGCONT)
+    desk.until(lambda: desk.has_fault("waits to be armed: its behavior commands"))
     assert desk.stays_where_it_is()
     desk.arm()
     desk.until(lambda: not desk.moves())
@@ -203,7 +215,7 @@ def test_the_robot_stands_still_when_its_agent_is_killed_but_not_for_lost_datagr
         desk.until(desk.moves)
         # Its relay ends too, and sends nothing but zeros until then.
         before = len(desk.velocities)
-        desk.until(lambda: desk.link.node.count_publishers(f"/{ROBOT}/cmd_vel") == 0)
+        desk.until(lambda: not relay.is_running())
         assert all(map(is_still, desk.velocities[before:]))
 
 

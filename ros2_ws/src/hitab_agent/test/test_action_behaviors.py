@@ -12,6 +12,7 @@ from threading import Thread
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
 from hitab_msgs.action import Perform
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.executors import SingleThreadedExecutor
@@ -34,7 +35,7 @@ from hitab_core import (
     calls_of,
     feedback_feature,
 )
-from hitab_ros import GuardedNode
+from hitab_ros import GuardedNode, qos
 from hitab_ros.testing import NumberBody, wait_until
 
 KIND = "hitab_msgs/action/Perform"
@@ -333,6 +334,20 @@ def hold(one: Any, why: str) -> None:
         one.node.stop = Held()
     one.node.stop.why = why
     one.node.stop_changed()
+
+
+def test_which_goals_the_servers_have_is_told_for_the_relay_until_they_are_done(going):
+    one, server = going(HOME)
+    told: list[Any] = []
+
+    def hear(message: DiagnosticStatus) -> None:
+        told.append([(goal.key, goal.value) for goal in message.values])
+
+    one.process.node.create_subscription(DiagnosticStatus, "/one/agent_goals", hear, qos.LATCHED)
+    identity = bytes(server.goals[0].goal_id.uuid).hex()
+    one.process.until(lambda: told and told[-1] == [("/one/drive", identity)])
+    server.end(0, "succeed")
+    one.process.until(lambda: told[-1] == [])
 
 
 def test_a_stop_cancels_the_goal_and_it_is_sent_anew_once_the_robot_is_re_armed(going):

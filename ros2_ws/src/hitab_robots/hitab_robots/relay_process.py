@@ -6,6 +6,9 @@ import os
 import subprocess
 import sys
 
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.qos import QoSProfile
+
 from hitab_agent import AgentNode
 from hitab_robots.held_up import is_held_up
 from hitab_robots.settings import COMMANDS, ODOMETRY, VELOCITY, RelaySettings
@@ -46,6 +49,10 @@ class RelayProcess:
             *_simulated_clock(node),
             *settings.arguments(),
         ]
+        self._still = TwistStamped() if settings.drive.enable_stamped_cmd_vel else Twist()
+        self._base = None
+        if settings.drive.moves:
+            self._base = node.create_publisher(type(self._still), COMMANDS, QoSProfile(depth=10))
         self.start()
 
     def start(self) -> None:
@@ -67,6 +74,11 @@ class RelayProcess:
             self._process.wait()
         what = "hung" if status is None else f"has ended (exit status {status})"
         return f"the robot's {names.VELOCITY_RELAY} {what}; it is started again"
+
+    def stand_in(self) -> None:
+        """Have the base stand still, which the relay cannot do while it starts."""
+        if self._base is not None:
+            self._base.publish(self._still)
 
     def end(self) -> None:
         """End the relay, which stops the robot."""

@@ -22,7 +22,8 @@ AGAIN_S = 1.0
 class RelayWatch:
     """Gives the relay signs of life, and has the agent stand still while the relay does.
 
-    A relay that has ended or hangs is started again.
+    A relay that has ended or hangs is started again. Until it gives a sign of life, the base is
+    told to stand still in its stead, since it may hold what it was told before.
 
     Attributes:
         why: why the robot may not act, and the way out; empty: it may.
@@ -69,6 +70,8 @@ class RelayWatch:
                 self._unheard_s = -STARTING_S
         elif self._unheard_s > HUNG_S:
             self._tell(f"its {names.VELOCITY_RELAY} gives no sign of life")
+        if self._process is not None and self._unheard_s < 0.0:
+            self._process.stand_in()
 
     def _give_sign(self) -> None:
         stopped = StopState.STOPPED if self._node.stands() else StopState.STOPPING

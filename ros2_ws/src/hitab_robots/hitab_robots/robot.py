@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
-from hitab_core import FeatureValueError, VocabularyError, quantity, unknown
+from hitab_core import FeatureValueError, VocabularyError, quantity, some, unknown
 from hitab_robots.sensors import Sensor
-from hitab_robots.velocity import STILL, Drive, Velocity
+from hitab_robots.velocity import STILL, Drive, Velocity, is_velocity
 
 MEMORY_S = 10.0
 """How far back a body remembers how it moved, s."""
@@ -157,9 +157,17 @@ class RobotBody:
             left: m/s, of robots that can move sideways.
 
         Raises:
-            FeatureValueError: if the robot must not move, since it lacks what it needs for that.
+            FeatureValueError: if one is NaN or infinite, such as what is made of a silent sensor's
+                values, or if the robot lacks what it needs to move. It stops until it is re-armed.
         """
-        velocity = self.robot.drive.clipped((ahead, left, turn))
+        velocity = (ahead, left, turn)
+        if not is_velocity(velocity):
+            missing = [name for name in self.robot.values if math.isnan(self[name])]
+            raise FeatureValueError(
+                "its behavior commands a velocity that is no number; without a value now: "
+                f"{some(missing) or 'nothing'}"
+            )
+        velocity = self.robot.drive.clipped(velocity)
         for name, places in self.robot.needed.items() if velocity != STILL else ():
             if all(math.isnan(self._values[i]) for i in places):
                 raise FeatureValueError(f"{name} has no value, and it must not drive without it")

@@ -18,6 +18,9 @@ STILL: Velocity = (0.0, 0.0, 0.0)
 REST_S = 1.0
 """How long a robot that has to stand still is sent zeros, s; then others may drive it."""
 
+BREAK_S = 3.0
+"""An agent that falls silent for so long, s, while it moves does not drive again by itself."""
+
 STEP_MAX_S = 0.25
 """The longest time between two velocities, s, for which a base may gain speed."""
 
@@ -40,6 +43,11 @@ class Drive:
     max_accel: Velocity = (2.5, 0.0, 3.2)
     max_decel: Velocity = (2.5, 0.0, 3.2)
     enable_stamped_cmd_vel: bool = False
+
+    @property
+    def moves(self) -> bool:
+        """Whether there is a base at all; one that may not move at any speed is none."""
+        return any(self.max_velocity)
 
     def __post_init__(self) -> None:
         for name in ("max_velocity", "max_accel", "max_decel"):
@@ -97,10 +105,12 @@ class _Commanded:
     Attributes:
         velocity: within the limits.
         since: s; when it was commanded.
+        moved: whether it was a motion.
     """
 
     def __init__(self) -> None:
         self.velocity = STILL
+        self.moved = False
         self.since = -math.inf
 
 
@@ -133,10 +143,10 @@ class Gate:
         self._before = now
         self.rest(now)
 
-    def command(self, velocity: Sequence[float], now: float, *, by_hand: bool = False) -> bool:
-        """Take a command; return whether it is one: numbers, none of them infinite or NaN.
+    def command(self, velocity: Sequence[float], now: float, *, by_hand: bool = False) -> str:
+        """Take a command; return why the robot must not obey unasked, or an empty text.
 
-        One that is not has the robot stand still.
+        One that is no number, infinite or NaN has the robot stand still.
 
         Args:
             velocity: that is wanted.
@@ -144,13 +154,15 @@ class Gate:
             by_hand: whether a person commands it, and not the agent.
         """
         commanded = self._person if by_hand else self._agent
+        broke_off = commanded.moved and not by_hand and now - commanded.since > BREAK_S
         commanded.velocity = self._drive.clipped(velocity)
+        commanded.moved = commanded.velocity != STILL
         commanded.since = now
         if is_velocity(velocity):
-            return True
+            return f"fell silent for over {BREAK_S:g} s while it moved" if broke_off else ""
         if commanded is self._counting(now):
             self._velocity = STILL
-        return False
+        return f"commands {velocity}, which is no velocity"
 
     def velocity(self, now: float) -> Velocity | None:
         """Return what to send to the base now; None: nothing, so that others can drive it."""
@@ -160,6 +172,7 @@ class Gate:
         if self.held or commanded is None:
             moved = self._velocity != STILL
             self._velocity = self._agent.velocity = self._person.velocity = STILL
+            self._agent.moved &= not self.held  # a person has it move again
             if moved or (self.held and self.insists and not self.closed):
                 self.rest(now)
             return STILL if now <= self._rest_until else None

@@ -29,8 +29,11 @@ from nav_msgs.msg import Odometry
 from rclpy.duration import Duration
 from rclpy.qos import QoSProfile, qos_profile_sensor_data
 
+from hitab_core import some
 from hitab_core.library.durable_files import write_durably
+from hitab_robots.bases import Bases, name_of
 from hitab_robots.held_up import is_held_up
+from hitab_robots.left_goals import LeftGoals
 from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY, RelaySettings, declare
 from hitab_robots.velocity import STILL, Drive, Gate, Velocity
 from hitab_ros import GuardedNode, KnownStops, Spinner, Stop, names, qos, run, steady_timer
@@ -39,6 +42,9 @@ FILE = "emergency_stop.json"
 
 SILENCE = "silence"
 """The cause of that name: the agent's."""
+
+MISSED_S = 0.3
+"""An agent that gives no sign of life for so long, s, does not cancel its goals itself."""
 
 HUNG_S = 1.0
 """An agent on this machine that waits or is suspended, and gives no sign of life for so long, s,
@@ -69,9 +75,12 @@ class VelocityRelay(GuardedNode):
     What a person sends on ``cmd_vel_teleop`` counts instead of the agent's. The relay stops the
     robot when both have been silent for `cmd_vel_timeout`, whatever the reason, and until it is
     re-armed (`hitab_ros.stop_machine`) after an emergency stop, a sign of life of its agent that
-    was missed, whatever keeps the agent from acting, and its own start. Then it sends zeros for a
-    second and, unless it is an emergency, nothing more, so that others can drive. What is not a
-    finite number never passes.
+    was missed, whatever keeps the agent from acting, the loss of its base, a command that is no
+    velocity, and its own start. Then it sends zeros for a second and, unless it is an emergency,
+    nothing more, so that others can drive. What is not a finite number never passes.
+
+    The goals that its agent has at servers of actions are canceled by the agent when the robot has
+    to stop, and by the relay when the agent is silent. A robot that has but actions has no base.
     """
 
     def __init__(self, finished: Callable[[], None] = lambda: None, **options: Any) -> None:
@@ -94,14 +103,18 @@ class VelocityRelay(GuardedNode):
         self._gate = Gate(settings.drive, settings.cmd_vel_timeout, time.monotonic())
         self._gate.held = True
         self._file = self._file_in(state_dir)
-        self._bases = 0
+        self._bases = Bases()
+        self._matched = 0
+        self._goals = LeftGoals(self)
         self._still_since = time.monotonic()  # when the first of the last zeros was sent
         self._looked = time.monotonic()
         self._unheard_s = SILENT_S  # until it is heard for the first time
         self._agent_stands = True
         self._measured: tuple[float, Velocity] = (-MEASURED_S, STILL)
         kind = TwistStamped if self._stamped else Twist
-        self._base = self.create_publisher(kind, COMMANDS, QoSProfile(depth=10))
+        self._base = None
+        if settings.drive.moves:
+            self._base = self.create_publisher(kind, COMMANDS, QoSProfile(depth=10))
         self._stop: Stop | None = None
         self._stop = Stop(
             self,
@@ -124,9 +137,8 @@ class VelocityRelay(GuardedNode):
         twist = command.twist
         velocity = (twist.linear.x, twist.linear.y, twist.angular.z)
         was_silent = self._gate.silent
-        if not self._gate.command(velocity, time.monotonic(), by_hand=by_hand):
-            who = "the person who drives by hand" if by_hand else "the agent"
-            self.guard.log(f"{who} commands {velocity}, which is no velocity: stopping")
+        if why := self._gate.command(velocity, time.monotonic(), by_hand=by_hand):
+            self._interrupt(f"{'the person who drives by hand' if by_hand else 'the agent'} {why}")
         if was_silent:
             self._tick()  # do not have the robot wait when it starts
 
@@ -145,12 +157,32 @@ class VelocityRelay(GuardedNode):
         if self._stop is not None:
             self._stop.machine.cause(name, why)
 
+    def _interrupt(self, why: str) -> None:
+        """Stop the robot for what may be over by now."""
+        for told in (why, ""):
+            self._cause("interruption", told)
+
+    def _look_after_base(self, now: float) -> None:
+        """Notice that the base is gone, or is back: it must not move before it is re-armed."""
+        if self._base is None:
+            return
+        topic = self._base.topic_name
+        infos = self.get_subscriptions_info_by_topic(topic)
+        if back := self._bases.look({bytes(i.endpoint_gid): name_of(i) for i in infos}, now):
+            self._interrupt(f"{some(sorted(back))}, which takes {topic}, was started again")
+        before, self._matched = self._matched, self._base.get_subscription_count()
+        if self._matched > before:
+            self._gate.rest(now)  # it may hold what it was told by somebody else
+            self._still_since = now
+        self._cause("base", "" if self._matched else f"no base takes {topic}")
+
     def _look_after_agent(self, now: float) -> None:
         """Notice that the agent is dead, or gives no sign of life."""
         self._unheard_s += min(now - self._looked, NOTICED_S)
         self._looked = now
-        if self._agent_pid and os.getppid() != self._agent_pid:
-            self._gate.closed = True
+        if self._agent_pid and os.getppid() != self._agent_pid and not self._gate.closed:
+            self._gate.closed = self._goals.closed = True
+            self._gate.rest(now)  # also if it stands still: its goals are to be canceled
         is_near = self._agent_pid and not is_held_up(self._agent_pid)
         if self._unheard_s >= (HUNG_S if is_near else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")
@@ -172,16 +204,16 @@ class VelocityRelay(GuardedNode):
     def _tick(self) -> None:
         now = time.monotonic()
         self._look_after_agent(now)
-        bases = self._base.get_subscription_count()
-        if bases > self._bases:
-            self._gate.rest(now)  # it may hold what it was told by somebody else
-            self._still_since = now
-        self._bases = bases
+        self._look_after_base(now)
+        stopped = self._stop is None or bool(self._stop.machine.why)
+        self._gate.held = stopped or self._bases.unnamed
         velocity = self._gate.velocity(now)
         if velocity is not None:
             self._send(velocity)
         elif self._gate.closed:
             self.finished()
+        if self._gate.closed or (stopped and self._unheard_s >= MISSED_S):
+            self._goals.cancel()
 
     def _send(self, velocity: Velocity) -> None:
         message = TwistStamped() if self._stamped else Twist()
@@ -195,16 +227,15 @@ class VelocityRelay(GuardedNode):
             self._still_since = math.inf
         elif self._still_since == math.inf:
             self._still_since = time.monotonic()
-        self._base.publish(message)
+        if self._base is not None:
+            self._base.publish(message)
 
     # -- stop ---------------------------------------------------------------------------------
 
     def _stop_changed(self) -> None:
         if self._stop is None:
             return  # it is being made, and the robot is held
-        machine = self._stop.machine
-        self._gate.held = bool(machine.why)
-        self._gate.insists = Stop.EMERGENCY in machine.causes
+        self._gate.insists = Stop.EMERGENCY in self._stop.machine.causes
         self._tick()
 
     def _file_in(self, state_dir: str) -> Path | None:
@@ -231,7 +262,8 @@ class VelocityRelay(GuardedNode):
         """Stop the robot, then destroy the node."""
         with suppress(Exception):  # nothing may keep the process from ending
             self._send(STILL)
-            self._base.wait_for_all_acked(Duration(seconds=0.5))
+            if self._base is not None:
+                self._base.wait_for_all_acked(Duration(seconds=0.5))
         super().destroy_node()
 
 

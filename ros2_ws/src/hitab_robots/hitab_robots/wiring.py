@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.node import Node
+from rclpy.qos import QoSCompatibility, qos_check_compatible
 
 from hitab_agent import AgentNode
 from hitab_core import some
+from hitab_robots.bases import name_of
 from hitab_robots.settings import COMMANDS, VELOCITY
 from hitab_robots.words import ValueOf
 from hitab_ros import fault_texts, names
@@ -32,10 +34,11 @@ def stopped_clock(node: AgentNode, reach: Reach) -> str:
 
 
 def deaf_base(node: AgentNode, reach: Reach) -> str:
-    """Say that the base takes another type than it is sent, or is not there."""
+    """Say that the base takes another type or QoS than it is sent, or is not there."""
     topic = node.resolve_topic_name(COMMANDS)
     publishers = node.get_publishers_info_by_topic(topic)
-    sent = {info.topic_type for info in publishers if _is_own(node, info)}
+    own = [info for info in publishers if _is_own(node, info)]
+    sent = {info.topic_type for info in own}
     if not sent:
         return ""  # whoever misses the relay says so
     takers = node.get_subscriptions_info_by_topic(topic)
@@ -44,10 +47,17 @@ def deaf_base(node: AgentNode, reach: Reach) -> str:
             f"nobody subscribes to {topic}, so the robot cannot move; start the driver of its "
             f"base, or remap {COMMANDS} to the topic that it subscribes to"
         )
+    for taker in takers:
+        fits, why = qos_check_compatible(own[0].qos_profile, taker.qos_profile)
+        if fits == QoSCompatibility.ERROR:
+            return (
+                f"{name_of(taker)} gets nothing of {topic}, since its QoS does not fit: "
+                f"{why.strip(';')}; have it subscribe as volatile, with QoSProfile(depth=10)"
+            )
     deaf = [info for info in takers if info.topic_type not in sent]
     if not deaf:
         return ""
-    taken = sorted({f"{_name_of(info)} takes {info.topic_type}" for info in deaf})
+    taken = sorted({f"{name_of(info)} takes {info.topic_type}" for info in deaf})
     other = "false" if any(kind.endswith("Stamped") for kind in sent) else "true"
     return (
         f"{topic} is sent as {some(sorted(sent))}, but {some(taken)}; set the parameter "
@@ -59,8 +69,7 @@ def second_driver(node: AgentNode, reach: Reach) -> str:
     """Say who sends velocities to the base past the relay."""
     topic = node.resolve_topic_name(COMMANDS)
     publishers = node.get_publishers_info_by_topic(topic)
-    others = sorted({_name_of(info) for info in publishers if not _is_own(node, info)})
-    others = [name for name in others if "_UNKNOWN_" not in name]  # discovered in a moment
+    others = sorted({name_of(info) for info in publishers if not _is_own(node, info)} - {""})
     if not others:
         return ""
     return (
@@ -115,7 +124,3 @@ def _is_own(node: Node, info: Any) -> bool:
     """Whether a publisher is that of the relay, or of an agent that needs none in a simulation."""
     own = (names.VELOCITY_RELAY, node.get_name())
     return info.node_namespace == node.get_namespace() and info.node_name in own
-
-
-def _name_of(info: Any) -> str:
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

@@ -111,12 +111,12 @@ def drive_to(
 
     def pulse(body: RobotBody, point: Point) -> None:
         distance, bearing = _distance(body, point), _bearing(body, point)
-        if not distance > ARRIVED_M or math.isnan(bearing):
+        if distance <= ARRIVED_M:
             body.drive(0.0)
         elif abs(bearing) > FULL_TURN:
             body.drive(0.0, _turning(bearing, turn))
-        else:
-            body.drive(ahead * min(1.0, distance / SLOW_M), _turning(bearing, turn))
+        else:  # also if there is no value: min and max return their first argument then
+            body.drive(ahead * min(distance / SLOW_M, 1.0), _turning(bearing, turn))
 
     return BasicBehavior(
         name, pulse, parameters=("X",), description=description or "drive straight to the target"
@@ -137,10 +137,8 @@ def _bearing(body: RobotBody, point: Point) -> float:
 
 
 def _turning(bearing: float, turn: float) -> float:
-    """Return how fast to turn, rad/s: the slower, the less there is to turn."""
-    if math.isnan(bearing):
-        return 0.0
-    return turn * max(-1.0, min(1.0, bearing / FULL_TURN))
+    """Return how fast to turn, rad/s: the slower, the less there is to turn; NaN stays NaN."""
+    return turn * max(min(bearing / FULL_TURN, 1.0), -1.0)
 
 
 def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Feature:

@@ -2,17 +2,22 @@
 
 import json
 import math
+import os
 import subprocess
 import sys
 import time
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Twist, TwistStamped
+from hitab_msgs.action import Perform
 from hitab_msgs.msg import EmergencyStop, StopState
 from hitab_msgs.srv import Arm
 from nav_msgs.msg import Odometry
+from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
+from rclpy.task import Future
 
 from hitab_core import HitabError, VocabularyError
 from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY
@@ -32,8 +37,7 @@ class Bench:
         self.sent, self.finished = [], []
         self.stamped = parameters.get("enable_stamped_cmd_vel", False)
         self.peer = self.add(make_node("peer", namespace=ROBOT, context=context))
-        kind = TwistStamped if self.stamped else Twist
-        self.peer.create_subscription(kind, COMMANDS, self._hear, 100)
+        self.start_base()
         self.commands = self.peer.create_publisher(TwistStamped, VELOCITY, 1)
         self.by_hand = self.peer.create_publisher(TwistStamped, names.TELEOP, 1)
         self.heartbeats = self.peer.create_publisher(StopState, HEARTBEAT, qos.STREAM)
@@ -44,6 +48,10 @@ class Bench:
         self.switch = EmergencySwitch(self.peer)
         self.start(**parameters)
         self.arm()
+
+    def start_base(self):
+        kind = TwistStamped if self.stamped else Twist
+        self.base = self.peer.create_subscription(kind, COMMANDS, self._hear, 100, temporary=True)
 
     def start(self, **parameters):
         given = [Parameter(name, value=value) for name, value in parameters.items()]
@@ -161,10 +169,11 @@ def test_limits_are_parameters(bench):
             VelocityRelay(context=bench.context, parameter_overrides=given)
 
 
-def test_nothing_that_is_no_number_passes(bench):
+def test_nothing_that_is_no_number_passes_and_the_robot_waits_to_be_re_armed(bench):
     bench.until_it_moves()
     bench.until_it_stands(lambda: bench.drive(math.nan, math.inf))
-    bench.until_it_moves()
+    assert "the agent commands (nan, 0.0, inf)" in bench.state.why
+    bench.stands_until_armed()
     assert all(map(math.isfinite, (number for velocity in bench.sent for number in velocity)))
 
 
@@ -220,6 +229,98 @@ def test_a_robot_whose_agent_cannot_act_waits_to_be_re_armed(bench):
     bench.causes = []
     bench.until(lambda: not bench.state.causes)
     bench.stands_until_armed()
+
+
+def test_a_robot_whose_base_was_started_again_waits_to_be_re_armed(bench):
+    def start_base():
+        base = bench.add(make_node("base", namespace=ROBOT, context=bench.context))
+        base.create_subscription(Twist, COMMANDS, ignore, 10)
+        return base
+
+    base = start_base()
+    bench.until(lambda: bench.relay.count_subscribers(COMMANDS) == 2)
+    bench.until_it_moves()
+    bench.executor.remove_node(base)
+    base.destroy_node()
+    bench.until(lambda: bench.relay.count_subscribers(COMMANDS) == 1)
+    bench.until_it_moves()
+    start_base()
+    bench.until(lambda: "/robot_1/base, which takes" in bench.state.why, lambda: bench.drive(0.2))
+    bench.stands_until_armed()
+
+
+def test_a_robot_that_lost_its_base_waits_to_be_re_armed(bench):
+    bench.until_it_moves()
+    bench.peer.destroy_subscription(bench.base)
+    missing = "no base takes /robot_1/cmd_vel"
+    bench.until(lambda: bench.has(StopState.STOPPED, missing), lambda: bench.drive(0.2))
+    assert missing in bench.arm(lambda: bench.drive(0.2))
+    bench.start_base()
+    bench.until(lambda: not bench.state.causes)
+    bench.stands_until_armed()
+
+
+class Server:
+    """An action server that carries out each goal until it is canceled."""
+
+    def __init__(self, bench):
+        self.running = []
+        self.bench = bench
+        self.server = ActionServer(
+            bench.peer,
+            Perform,
+            "fly",
+            self.execute,
+            cancel_callback=lambda goal: CancelResponse.ACCEPT,
+        )
+        self.client = ActionClient(bench.peer, Perform, "fly")
+        self.agent = bench.peer.create_publisher(DiagnosticStatus, names.GOALS, qos.LATCHED)
+
+    async def execute(self, goal):
+        self.running.append(goal)
+        await Future(executor=self.bench.executor)
+
+    def fly(self):
+        """Have it take a goal; return the goal."""
+        before = len(self.running)
+        self.client.send_goal_async(Perform.Goal())
+        self.bench.until(lambda: len(self.running) > before)
+        return self.running[-1]
+
+    def tell_of(self, goal):
+        """Say that a goal is the agent's."""
+        told = [KeyValue(key="/robot_1/fly", value=bytes(goal.goal_id.uuid).hex())]
+        self.agent.publish(DiagnosticStatus(values=[*told, KeyValue(key="/x", value="ab")]))
+
+
+@pytest.mark.parametrize("stop", ["silence", "emergency", "death"])
+def test_goals_of_an_agent_that_cannot_cancel_them_are_canceled(bench, stop, monkeypatch):
+    bench.end_relay()
+    bench.start(max_velocity=[0.0, 0.0, 0.0], agent_pid=os.getppid())
+    server = Server(bench)
+    others, agents = server.fly(), server.fly()
+    bench.until(server.agent.get_subscription_count)
+    server.tell_of(agents)
+    assert bench.arm() == "", "it has no base, and needs none"
+    assert bench.relay.count_publishers(COMMANDS) == 0
+    if stop == "emergency":
+        bench.switch.set(True, "ann")
+        bench.until(lambda: bench.has(StopState.STOPPED, "ann"))
+        assert not agents.is_cancel_requested, "that is the agent's, as long as it lives"
+    if stop == "death":
+        monkeypatch.setattr(os, "getppid", lambda: 1)
+    else:
+        bench.lives = False
+    bench.until(lambda: agents.is_cancel_requested)
+    if stop == "death":
+        assert not bench.finished
+        server.tell_of(others)  # they are of an agent that was started since
+        bench.until(lambda: bench.finished)
+    assert not others.is_cancel_requested
+
+
+def ignore(message):
+    """Be subscribed."""
 
 
 def test_a_robot_that_moves_has_not_stopped_whatever_it_was_told(bench):

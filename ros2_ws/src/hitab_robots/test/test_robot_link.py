@@ -9,12 +9,12 @@ from geometry_msgs.msg import PointStamped, Twist, TwistStamped
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
-from rclpy.qos import qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import LaserScan
 
 from hitab_core import Domain, Repertoire
-from hitab_robots import Robot, RobotLink, Scan, Sector, motion, nearest_range
+from hitab_robots import Robot, RobotLink, Scan, Sector, motion, nearest_range, relay_process
 from hitab_robots.settings import COMMANDS, VELOCITY
 from hitab_robots.velocity_relay import VelocityRelay
 from hitab_ros import GuardedNode, make_node
@@ -45,6 +45,7 @@ class Desk:
             features=(nearest_range("RangeAhead", "scan.ahead"),),
         )
         self.node.agent = SimpleNamespace(domain=domain, repertoire=Repertoire(domain))
+        self.node.settings = SimpleNamespace(state_dir="", swarm="")
         self.node.stands, self.node.stop_changed = lambda: True, lambda: None
         self.robot = make_node("robot", namespace="/robot_1", context=context)
         for node in (self.node, self.robot):
@@ -197,6 +198,36 @@ def test_a_base_that_does_not_take_what_the_relay_sends_is_named(desk, driver):
     driver.destroy_subscription(base)
     driver.create_subscription(Twist, COMMANDS, ignore, 10)
     desk.until(lambda: not desk.has_fault(BASE))
+
+
+def test_a_base_that_wants_its_velocity_latched_is_named(desk, driver):
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    base = driver.create_subscription(Twist, COMMANDS, ignore, latched)
+    desk.start_relay()
+    desk.until(lambda: desk.has_fault(f"/robot_1/driver gets nothing of {BASE}, since its QoS"))
+    assert desk.has_fault("Volatile publisher and transient local subscription; have it subscribe")
+    driver.destroy_subscription(base)
+    driver.create_subscription(Twist, COMMANDS, ignore, 10)
+    desk.until(lambda: not desk.has_fault(BASE))
+
+
+def test_a_robot_that_has_only_actions_misses_no_base(desk):
+    desk.start_relay(max_velocity=[0.0, 0.0, 0.0])
+    desk.until(lambda: desk.has_fault("sensor scan"))
+    assert not desk.has_fault(BASE)
+
+
+def test_the_base_is_told_to_stand_still_until_a_new_relay_gives_a_sign_of_life(monkeypatch):
+    monkeypatch.setattr(relay_process, "MODULE", "no_such_relay")
+    with context_of_its_own() as context:
+        desk, told = Desk(context, relay=True), []
+        desk.robot.create_subscription(Twist, COMMANDS, told.append, 10)
+        desk.until(lambda: len(told) > 3)
+        assert all(velocity == Twist() for velocity in told)
+        for node in (desk.node, desk.robot):
+            desk.executor.remove_node(node)
+            node.destroy_node()
+        desk.executor.shutdown()
 
 
 def test_who_drives_the_base_past_the_relay_is_named(desk, driver):

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_robots import Drive
-from hitab_robots.velocity import REST_S, STEP_MAX_S, STILL, Gate
+from hitab_robots.velocity import BREAK_S, REST_S, STEP_MAX_S, STILL, Gate
 
 DRIVE = Drive((0.5, 0.2, 1.0), (1.0, 1.0, 2.0), (2.0, 2.0, 4.0))
 TIMEOUT = 0.3
@@ -111,9 +111,9 @@ def test_a_person_who_drives_by_hand_counts_until_they_are_silent():
         gate.command((0.5, 0.0, 0.0), now)
         last = gate.velocity(now)
     assert last == (0.0, 0.0, 1.0)
-    assert not gate.command((math.nan, 0.0, 0.0), now), "the agent's nonsense"
+    assert gate.command((math.nan, 0.0, 0.0), now), "the agent's nonsense"
     assert gate.velocity(now) == (0.0, 0.0, 1.0), "does not disturb the person"
-    assert not gate.command((math.nan, 0.0, 0.0), now, by_hand=True)
+    assert gate.command((math.nan, 0.0, 0.0), now, by_hand=True)
     assert gate.velocity(now) == STILL
     now, sent = driven(gate, now, (0.5, 0.0, 0.0), TIMEOUT)
     assert {*sent[:-1]} == {STILL}
@@ -131,6 +131,29 @@ def test_a_person_who_drives_by_hand_and_falls_silent_stops_the_robot():
     assert gate.velocity(1.0) == STILL
     gate.held = gate.insists = False
     assert gate.velocity(1.1) == STILL, "it is commanded anew after an emergency"
+
+
+def test_an_agent_that_falls_silent_while_it_moves_must_not_drive_again_unasked():
+    gate = Gate(DRIVE, TIMEOUT, 0.0)
+    now = 0.0
+    for velocity, pause, by_hand, may in (
+        ((0.5, 0.0, 0.0), BREAK_S, False, True),
+        ((0.5, 0.0, 0.0), BREAK_S + 0.1, False, False),
+        ((0.0, 0.0, 0.0), BREAK_S + 0.1, False, True),
+        ((0.5, 0.0, 0.0), BREAK_S + 0.1, True, True),
+    ):
+        now += 100.0
+        gate.command((0.0, 0.0, 0.0), now, by_hand=by_hand)
+        gate.command(velocity, now, by_hand=by_hand)
+        assert gate.velocity(now + pause) is None
+        why = gate.command((0.5, 0.0, 0.0), now + pause, by_hand=by_hand)
+        assert (why == "") is may, (velocity, pause, by_hand)
+        gate.command((0.0, 0.0, 0.0), now + pause, by_hand=by_hand)
+    gate.command((0.5, 0.0, 0.0), now)
+    gate.held = True
+    gate.velocity(now)
+    gate.held = False
+    assert not gate.command((0.5, 0.0, 0.0), now + 100.0), "it was held and re-armed meanwhile"
 
 
 def test_once_its_agent_is_gone_nothing_passes():

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_core import Domain, FeatureValueError, VocabularyError
+from hitab_core import Domain, FeatureValueError, HitabError, VocabularyError
 from hitab_robots import (
     Battery,
     Drive,
@@ -226,12 +226,21 @@ def test_a_robot_turns_to_a_place_on_the_spot(distance, angle, heading):
     assert abs(there[2] - heading) < math.pi + 0.1, "the shorter way"
 
 
-def test_without_odometry_a_robot_drives_nowhere():
+def test_without_odometry_a_robot_cannot_act():
+    for known in ({}, {"odom__x": 1.0, "odom__y": 1.0}, {"odom__heading": 0.0}):
+        body = DOMAIN.body("robot_1")
+        sense(body, time=1.0, **known)
+        for behavior in ("DriveTo", "TurnTo"):
+            with pytest.raises(HitabError, match=r"now: odom\."):
+                DOMAIN.behaviors[behavior].pulse(body, (0.0, 0.0))
+
+
+def test_no_behavior_drives_at_what_is_no_number():
     body = DOMAIN.body("robot_1")
-    sense(body, time=1.0)
-    for behavior in ("DriveTo", "TurnTo"):
-        DOMAIN.behaviors[behavior].pulse(body, (0.0, 0.0))
-        assert list(body.act()[0]) == [0.0, 0.0, 0.0]
+    sense(body, **{name.replace(".", "__"): 1.0 for name in ROBOT.values if name != "odom.vx"})
+    for velocity in ((math.nan,), (0.1, math.inf), (0.1, 0.0, -math.inf)):
+        with pytest.raises(HitabError, match=r"now: odom\.vx$"):
+            body.drive(*velocity)
 
 
 def test_what_a_robot_faces():

@@ -76,6 +76,9 @@ STOP_STATE = "stop_state"
 ARM = "arm"
 """Service of a robot's relay, or of an agent with a link of its own, to let it act again."""
 
+GOALS = "agent_goals"
+"""Topic of an agent on which goals the servers of actions have of it, in the agent's namespace."""
+
 TELEOP = "cmd_vel_teleop"
 """Topic of a person who drives a robot by hand, to its relay; in the agent's namespace."""
 

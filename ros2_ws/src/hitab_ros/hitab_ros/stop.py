@@ -15,7 +15,7 @@ from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.known_stops import KnownStops
 from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
-from hitab_ros.stop_machine import StopMachine, StopState
+from hitab_ros.stop_machine import JUST_STARTED, StopMachine, StopState
 
 PERIOD_S = 0.1
 """Between two reports, s, by the machine's clock. They are signs of life as well."""
@@ -59,7 +59,7 @@ class Stop:
         self._rearms = rearms
         self._logged = ""
         self._publisher = node.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)
-        self.machine = StopMachine("it has just started", rearms=rearms, changed=self._changed)
+        self.machine = StopMachine(rearms=rearms, changed=self._changed)
         self.switch = EmergencySwitch(node, self._emergency, hands_on=True, known=known)
         self._emergency(self.switch.known)
         node.create_service(srv.Arm, names.ARM, self._arm)
@@ -147,4 +147,6 @@ def why_stopped(why: str, causes: Iterable[str]) -> str:
     """
     if not why:
         return ""
-    return f"{STOPPED}: {'; '.join(causes) or f'{why}; that is over'}"
+    if told := "; ".join(causes):
+        return f"{STOPPED}: {told}"
+    return f"waits to be armed: {why if why == JUST_STARTED else f'{why}; that is over'}"

@@ -22,6 +22,9 @@ import time
 from collections.abc import Callable
 from enum import StrEnum
 
+JUST_STARTED = "it has just started"
+"""Why a robot does not act that never did: causes that pass meanwhile are not why it waits."""
+
 
 class StopState(StrEnum):
     """The values are those of `hitab_msgs.msg.StopState`."""
@@ -36,14 +39,13 @@ class StopMachine:
 
     Attributes:
         causes: why it has to stand still as yet, by name.
-        why: why it was stopped; empty: it is armed.
+        why: why it was stopped, or `JUST_STARTED`; empty: it is armed.
         stop: number of this stop, later than those of earlier stops, also of other processes.
         stands: whether it was last seen to stand still.
     """
 
     def __init__(
         self,
-        why: str,
         *,
         rearms: bool = False,
         changed: Callable[[], None] = lambda: None,
@@ -52,13 +54,12 @@ class StopMachine:
         """Begin stopped, since the process before this one may have been.
 
         Args:
-            why: it begins so.
             rearms: whether it re-arms itself when no cause is left.
             changed: called after each change.
             number: returns a number for a stop, larger each time.
         """
         self.causes: dict[str, str] = {}
-        self.why = why
+        self.why = self._last = JUST_STARTED
         self.stop = number()
         self.stands = False
         self._rearms = rearms
@@ -81,7 +82,8 @@ class StopMachine:
         else:
             if name not in self.causes:
                 self.stop = max(self._number(), self.stop + 1)
-            if not self.causes:
+                self._last = why
+            if not self.causes and self.why != JUST_STARTED:
                 self.why = why
             self.causes[name] = why
         self._changed()
@@ -106,7 +108,7 @@ class StopMachine:
         if self.causes:
             return "; ".join(self.causes.values())
         if stop not in (0, self.stop):
-            return f"it has stopped once more meanwhile: {self.why}"
+            return f"it has stopped once more meanwhile: {self._last}"
         if not self.stands:
             return "it still moves"
         self.why = ""

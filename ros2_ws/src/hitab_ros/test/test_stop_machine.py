@@ -6,7 +6,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, invariant, rule
 
-from hitab_ros import StopMachine, StopState
+from hitab_ros import StopMachine, StopState, why_stopped
 
 CAUSES = ("emergency stop", "silence", "agent")
 
@@ -26,7 +26,7 @@ class Robot(RuleBasedStateMachine):
         self.start()
 
     def start(self):
-        self.machine = StopMachine("it has just started", number=lambda: next(self.numbers))
+        self.machine = StopMachine(number=lambda: next(self.numbers))
         self.causes = {}
 
     @rule()
@@ -78,7 +78,7 @@ test_a_robot_that_stopped_acts_only_once_re_armed = Robot.TestCase
 
 def test_one_that_re_arms_itself_waits_until_it_stands_and_all_causes_are_over():
     told = []
-    machine = StopMachine("it has just started", rearms=True, changed=lambda: told.append(1))
+    machine = StopMachine(rearms=True, changed=lambda: told.append(1))
     machine.cause("agent", "no scan")
     machine.look(stands=True)
     assert machine.state is StopState.STOPPED
@@ -91,7 +91,7 @@ def test_one_that_re_arms_itself_waits_until_it_stands_and_all_causes_are_over()
 
 
 def test_a_refusal_to_re_arm_says_why():
-    machine = StopMachine("it has just started")
+    machine = StopMachine()
     assert machine.arm() == "it still moves"
     machine.look(stands=True)
     seen = machine.stop
@@ -100,3 +100,17 @@ def test_a_refusal_to_re_arm_says_why():
     machine.cause("agent", "")
     assert machine.arm(seen) == "it has stopped once more meanwhile: no scan"
     assert machine.arm() == ""
+
+
+def test_a_robot_that_never_acted_waits_to_be_armed_whatever_has_passed():
+    machine = StopMachine()
+    for cause in ("silence", "agent"):
+        machine.cause(cause, "no sign of life")
+        assert why_stopped(machine.why, machine.causes.values()) == "stopped: no sign of life"
+        machine.cause(cause, "")
+        machine.look(stands=True)
+        assert why_stopped(machine.why, ()) == "waits to be armed: it has just started"
+    assert machine.arm() == ""
+    machine.cause("agent", "no scan")
+    machine.cause("agent", "")
+    assert why_stopped(machine.why, ()) == "waits to be armed: no scan; that is over"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from functools import partial
 
+from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from rclpy.action import ActionClient
 
 from hitab_agent.actions.fields import FieldError, action_type, is_number, put, slot_of
@@ -24,7 +25,7 @@ from hitab_core import (
     calls_of,
     unknown,
 )
-from hitab_ros import GuardedNode
+from hitab_ros import GuardedNode, names, qos
 
 LOOK_PERIOD_S = 0.1
 """How often the goals are looked after, s."""
@@ -62,6 +63,8 @@ class ActionClients:
         self._servers: dict[tuple[str, str], Server] = {}
         self._failed_in: dict[str, tuple[str, ...]] = {}
         self._held = False
+        self._told: list[KeyValue] = []
+        self._publisher = node.create_publisher(DiagnosticStatus, names.GOALS, qos.LATCHED)
         for behavior in action_behaviors(agent.domain):
             key = _key(behavior)
             if key in self._servers:
@@ -169,10 +172,14 @@ class ActionClients:
         return [goal for server in self._servers.values() for goal in server.goals]
 
     def _remember(self) -> None:
-        """Note which goals servers have, for a restart."""
+        """Note which goals servers have, for a restart, and tell the robot's relay."""
         goals = [[g.call.behavior.action, g.identity.hex()] for g in self._goals if g.identity]
         noted = {"goals": goals}
         self._node.guard.run("noting goals for a restart", self._memory.keep, noted)
+        told = [KeyValue(key=self._node.resolve_service_name(a), value=i) for a, i in goals]
+        if told != self._told:
+            self._told = told
+            self._publisher.publish(DiagnosticStatus(name=self._agent.name, values=told))
 
     @property
     def _doing(self) -> tuple[str, ...]:

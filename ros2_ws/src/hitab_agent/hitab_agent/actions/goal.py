@@ -7,10 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
+from uuid import uuid4
 
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy.action.client import ClientGoalHandle
+from unique_identifier_msgs.msg import UUID
 
 from hitab_core import ActionCall
 from hitab_ros import Guard
@@ -92,18 +94,13 @@ class Goal:
         self._stage = _Stage.ORPHANED if identity else _Stage.WAITING
         self._since = self._heard = self._pulsed = time.monotonic()
         self._pulses = call.pulses
-        self._handle: Any = None
-        if identity:
-            goal_id = CancelGoal.Request().goal_info.goal_id
-            goal_id.uuid = list(identity)
-            self._handle = ClientGoalHandle(server.client, goal_id, None)
+        self._id = UUID(uuid=list(identity or uuid4().bytes))
+        self._handle = ClientGoalHandle(server.client, self._id, None)
 
     @property
     def identity(self) -> bytes:
-        """What the server knows the goal by; empty: it has not taken it, or is done with it."""
-        if self._handle is None or self.is_ended:
-            return b""
-        return bytes(self._handle.goal_id.uuid)
+        """What the server knows the goal by; empty: it was not sent, or the server is done."""
+        return b"" if self._stage in (_Stage.WAITING, _Stage.ENDED) else bytes(self._id.uuid)
 
     @property
     def is_sent(self) -> bool:
@@ -162,7 +159,7 @@ class Goal:
             feedback = self._server.guard.wrap(
                 f"feedback of {self._server.label}", self._on_feedback
             )
-            future = self._server.client.send_goal_async(self._message, feedback)
+            future = self._server.client.send_goal_async(self._message, feedback, self._id)
             future.add_done_callback(
                 self._server.guard.wrap(f"answer of {self._server.label}", self._on_answer)
             )

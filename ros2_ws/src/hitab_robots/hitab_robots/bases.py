@@ -1,0 +1,52 @@
+"""Which of the programs that take a robot's velocity have come back. No ROS here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+NAMED_S = 0.5
+"""How long to wait for the name of a program that is new in the ROS graph, s."""
+
+RECORDERS = frozenset(("/rosbag2_recorder", "/foxglove_bridge"))
+"""Programs that only listen, however often they are started."""
+
+
+class Bases:
+    """The programs that take a robot's velocity: its base, and others that only listen.
+
+    A base that was started again has the name of the one before, and another subscription.
+
+    Attributes:
+        unnamed: whether a new one has no name yet, so that it may be a base that came back.
+    """
+
+    def __init__(self) -> None:
+        self.unnamed = False
+        self._known: set[bytes] = set()
+        self._names: set[str] = set()
+        self._settled = 0.0
+
+    def look(self, takers: Mapping[bytes, str], now: float) -> set[str]:
+        """Return the names of those that came back since the last look; call this often.
+
+        Args:
+            takers: names by identity of the subscription; empty: the name is not known yet.
+            now: s; any steady clock.
+        """
+        new = {name for identity, name in takers.items() if identity not in self._known}
+        self.unnamed = "" in new and now - self._settled < NAMED_S
+        if self.unnamed:
+            return set()
+        back = (new & self._names) - RECORDERS
+        self._settled = now
+        self._known = set(takers)
+        self._names |= new
+        return back
+
+
+def name_of(info: Any) -> str:
+    """Return the full name of an endpoint's node; empty: the graph does not know it yet."""
+    if "_UNKNOWN_" in info.node_name:
+        return ""
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

@@ -1,0 +1,44 @@
+"""A base that was started again is told from programs that only listen."""
+
+from hitab_robots.bases import NAMED_S, Bases
+
+DRIVER, ECHO, RECORDER = "/robot_1/driver", "/_ros2cli_7", "/rosbag2_recorder"
+
+
+def test_only_a_program_that_was_there_before_has_come_back():
+    bases = Bases()
+    for takers, back in (
+        ({b"1": DRIVER, b"2": RECORDER}, set()),
+        ({b"1": DRIVER, b"2": RECORDER, b"3": ECHO}, set()),
+        ({b"1": DRIVER}, set()),
+        ({b"1": DRIVER, b"4": RECORDER, b"5": "/_ros2cli_8"}, set()),
+        ({b"4": RECORDER}, set()),
+        ({b"4": RECORDER, b"6": DRIVER}, {DRIVER}),
+        ({b"4": RECORDER, b"6": DRIVER}, set()),
+        # The old one was killed, and is forgotten only later.
+        ({b"6": DRIVER, b"7": DRIVER}, {DRIVER}),
+        ({b"7": DRIVER}, set()),
+    ):
+        assert bases.look(takers, 1.0) == back, takers
+        assert not bases.unnamed
+
+
+def test_one_whose_name_is_not_known_yet_may_be_the_base_and_does_not_move_meanwhile():
+    bases = Bases()
+    bases.look({b"1": DRIVER}, 0.0)
+    bases.look({}, 10.0)
+    assert bases.look({b"2": ""}, 10.1) == set()
+    assert bases.unnamed
+    assert bases.look({b"2": DRIVER}, 10.2) == {DRIVER}
+    assert not bases.unnamed
+
+
+def test_one_that_the_graph_never_names_moves_and_has_come_back_when_it_is_new_again():
+    bases = Bases()
+    for identity, back in ((b"1", set()), (b"2", {""})):
+        assert bases.look({}, 0.0) == set()
+        assert bases.look({identity: ""}, NAMED_S / 2) == set()
+        assert bases.unnamed
+        assert bases.look({identity: ""}, 2 * NAMED_S) == back
+        assert not bases.unnamed
+        bases.look({}, 0.0)
