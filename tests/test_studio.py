@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import getpass
 import json
 import urllib.error
 import urllib.request
@@ -11,6 +10,8 @@ from typing import Any
 
 import pytest
 from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser, studio
+
+from hitab_client.users import user_name
 
 
 @needs_browser
@@ -156,7 +157,7 @@ def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, perso
     other.click("reaction-set")
     other.sees("who", "Ben")
     other.click(f"agent-{TWO}")
-    other.sees("banner", f"held by {getpass.getuser()}")
+    other.sees("banner", f"held by {user_name()}")
     assert page.is_disabled('[data-test="do-GoSlow"]')
     other.click("take")
     other.click("do-GoSlow")

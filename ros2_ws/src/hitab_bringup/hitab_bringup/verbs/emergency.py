@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import getpass
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hitab_client import SwarmError, console
+from hitab_client import SwarmError, console, user_name
 from hitab_client.commands import as_command, called, with_commands
 from hitab_core import Do, some
 
@@ -132,7 +131,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str) -> str:
         console.note(f"waiting for {_listed(who)}")
 
     with _everywhere() as ends:
-        by = getpass.getuser()
+        by = user_name()
         lacking = Stops.switch_all(ends, by, reason, engaged=engaged, seconds=CONFIRM_S, tell=tell)
         there = [name for end in ends for name in end.names()]
         where = " or ".join(str(end.domain_id) for end in ends)
