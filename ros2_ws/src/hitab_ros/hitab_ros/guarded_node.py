@@ -48,6 +48,18 @@ class GuardedNode(Node):
     def faults_changed(self) -> None:
         """React to a change of the faults, for example by publishing a status."""
 
+    def declare_parameter(self, name: str, value: Any = None, *args: Any, **options: Any) -> Any:
+        """Declare a parameter; see `rclpy.node.Node`. Whole numbers are taken for its floats."""
+        given = self._parameter_overrides.get(name)
+        default = value[0] if isinstance(value, list | tuple) and value else value
+        if given is not None and isinstance(default, float):
+            if given.type_ is Parameter.Type.INTEGER:
+                self._parameter_overrides[name] = Parameter(name, value=float(given.value))
+            elif given.type_ is Parameter.Type.INTEGER_ARRAY:
+                floats = [float(number) for number in given.value]
+                self._parameter_overrides[name] = Parameter(name, value=floats)
+        return super().declare_parameter(name, value, *args, **options)
+
     def create_subscription(
         self,
         msg_type: Any,
