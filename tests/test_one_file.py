@@ -20,6 +20,16 @@ def run(hitab):
     return do
 
 
+def test_a_file_without_a_world_is_refused_before_it_runs(hitab, apart):
+    path = written(apart, "import time\nwhile True:\n    time.sleep(1)\n")
+    for verb in ("up", "evaluate"):
+        done = hitab(verb, path)
+        assert done.returncode == 1
+        assert (
+            "imports nothing of HiTAB; a world is a class derived from hitab_world" in done.stderr
+        )
+
+
 def written(folder: Path, text: str) -> str:
     path = folder / "corridor.py"
     path.write_text(text)
