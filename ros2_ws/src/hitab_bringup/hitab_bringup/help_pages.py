@@ -33,6 +33,17 @@ class HelpfulCommand(TyperCommand):
                 parameter.help = told.get(parameter.name)
         return parameters
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Return the arguments that are left; a number below 0 is a value, not an option."""
+        try:
+            rest: list[str] = super().parse_args(ctx, [*args])
+        except Exception as error:
+            if not getattr(error, "option_name", "")[1:2].isdigit():
+                raise
+            ctx.ignore_unknown_options = True
+            rest = super().parse_args(ctx, args)
+        return rest
+
 
 class HelpfulGroup(TyperGroup):
     """Verbs that show their help if none of them is named: a question, not a mistake."""
