@@ -2,8 +2,10 @@
 
 import asyncio
 import json
+from pathlib import Path
 
 from hitab_client import reaction_time
+from hitab_client.run_folder import state_home
 from hitab_client.users import user_name
 from hitab_studio.page import perform
 from hitab_studio.studio import Studio
@@ -32,7 +34,11 @@ def test_a_user_without_a_name_as_in_a_container_gets_one_from_the_id(monkeypatc
 
     monkeypatch.setattr("getpass.getuser", nameless)
     monkeypatch.setattr("os.getuid", lambda: 12345)
+    monkeypatch.setattr("pwd.getpwuid", lambda _: nameless())
+    for name in ("HITAB_HOME", "XDG_STATE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
     assert user_name() == "user_12345"
+    assert state_home() == Path("/.local/state/hitab"), "it is looked for, though not there"
 
 
 def test_a_reaction_time_is_kept_for_whom_the_page_is_used_by(tmp_path, monkeypatch):
