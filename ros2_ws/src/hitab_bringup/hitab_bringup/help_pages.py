@@ -18,6 +18,7 @@ from typer.models import CommandInfo, DefaultPlaceholder
 
 _ARGS = re.compile(r"^Args:\n((?: +.*\n?)+)\n?", re.MULTILINE)
 _ARG = re.compile(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
+_BELOW_ZERO = re.compile(r"-\.?[0-9]")
 _EXAMPLE = re.compile(r"\n(?= +hitab )")
 
 
@@ -35,13 +36,8 @@ class HelpfulCommand(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Return the arguments that are left; a number below 0 is a value, not an option."""
-        try:
-            rest: list[str] = super().parse_args(ctx, [*args])
-        except Exception as error:
-            if not getattr(error, "option_name", "")[1:2].isdigit():
-                raise
-            ctx.ignore_unknown_options = True
-            rest = super().parse_args(ctx, args)
+        ctx.ignore_unknown_options |= any(map(_BELOW_ZERO.match, args))
+        rest: list[str] = super().parse_args(ctx, args)
         return rest
 
 
