@@ -94,6 +94,11 @@ def test_the_studio_talks_to_a_swarm_through_the_client_alone():
     assert packages_used("hitab_studio") == {"hitab_client", "hitab_core", "hitab_ros"}
 
 
+def test_a_user_may_have_no_name_so_one_function_alone_asks_for_it():
+    asking = {m for m, path in all_modules().items() for s, _ in imports(path) if s == "getpass"}
+    assert asking == {"hitab_client.users"}
+
+
 def test_nothing_of_the_product_imports_research():
     root = SOURCES.parents[1]
     research = {path.stem for path in (root / "research").glob("*.py")}

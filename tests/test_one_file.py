@@ -21,6 +21,16 @@ def run(hitab):
     return do
 
 
+def test_a_file_without_a_world_is_refused_before_it_runs(hitab, apart):
+    path = written(apart, "import time\nwhile True:\n    time.sleep(1)\n")
+    for verb in ("up", "evaluate"):
+        done = hitab(verb, path)
+        assert done.returncode == 1
+        assert (
+            "imports nothing of HiTAB; a world is a class derived from hitab_world" in done.stderr
+        )
+
+
 def written(folder: Path, text: str) -> str:
     path = folder / "corridor.py"
     path.write_text(text)
@@ -103,7 +113,11 @@ def test_a_step_that_raises_is_in_the_status_with_its_line_and_the_world_goes_on
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [("x = 1\n", "has no class derived from Simulation"), ("x = = 1\n", "corridor.py:1")],
+    [
+        ("import hitab_world\n", "has no class derived from Simulation"),
+        ("import hitab_world\nx = = 1\n", "corridor.py:2"),
+        ("import hitab_world\nraise SystemExit(0)\n", "corridor.py:2: SystemExit"),
+    ],
 )
 def test_a_file_that_is_no_world_does_not_start(hitab, apart, text, told):
     up = hitab("up", written(apart, text))

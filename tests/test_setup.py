@@ -281,7 +281,7 @@ def test_the_ament_index_leads_to_the_packages_as_they_are_in_the_checkout():
         check=True,
         capture_output=True,
         text=True,
-    ).stdout.split()
+    ).stdout.splitlines()
     assert len(shown) == len(PACKAGES)
     for package, folder in zip(PACKAGES, shown, strict=True):
         assert Path(folder, "package.xml").read_text() == (package / "package.xml").read_text()

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import getpass
 import json
 import urllib.error
 import urllib.request
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
-from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser, studio
+from browsing import ONE, TWO, Person, away_from_everybody, entity, needs_browser, studio, visitor
+from proxy import PATH, proxy
+
+from hitab_client.users import user_name
 
 
 @needs_browser
@@ -156,7 +159,7 @@ def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, perso
     other.click("reaction-set")
     other.sees("who", "Ben")
     other.click(f"agent-{TWO}")
-    other.sees("banner", f"held by {getpass.getuser()}")
+    other.sees("banner", f"held by {user_name()}")
     assert page.is_disabled('[data-test="do-GoSlow"]')
     other.click("take")
     other.click("do-GoSlow")
@@ -278,3 +281,26 @@ def test_another_address_needs_a_token(home, tmp_path, hitab):
     refused = hitab("studio", "--token", "short", "--no-browser")
     assert refused.returncode == 1
     assert "at least 8" in json.dumps(refused.stderr)
+
+
+@needs_browser
+def test_behind_a_proxy_it_is_used_as_without_one_by_names_that_are_allowed(
+    swarm, chrome, home, tmp_path, url
+):
+    allowed = ("--allow-host", "localhost", "--root-path", PATH)
+    with (
+        studio(tmp_path / "log", "--token", "a-good-token", *allowed) as address,
+        proxy(urlsplit(address).port) as shown,
+        visitor(chrome, f"{shown}?token=a-good-token") as person,
+    ):
+        assert person.page.url == shown
+        person.click(f"agent-{ONE}")
+        person.sees("perceives", "DistanceTo(ball)")
+        person.drags("ball", 2.0, 2.0)
+        person.waits_until(lambda: abs(entity(swarm, "ball").x - 2.0) < 0.2, "it is there")
+    with proxy(urlsplit(url).port) as shown:
+        page = chrome.new_page()
+        page.goto(shown.removesuffix(PATH[1:] + "/"))
+        why = "start the studio with --allow-host localhost"
+        page.wait_for_function(f"document.body.textContent.includes('{why}')")
+        page.close()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import getpass
 from typing import Any
 
 import pytest
@@ -11,6 +10,7 @@ from browsing import ONE, TWO, Person, away_from_everybody, begin, needs_browser
 
 from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
+from hitab_client.users import user_name
 
 
 @pytest.fixture(autouse=True)
@@ -146,7 +146,7 @@ def late(swarm: Any, person: Person) -> tuple[Person, int]:
     finally:
         swarm.world.control("pause")
         swarm.world.control("pace", pace="realtime", factor=1.0)
-        reaction_time.keep(getpass.getuser(), None)
+        reaction_time.keep(user_name(), None)
     person.sees("pause", "Resume")
     speed = '[data-change="pace"] option[value="1"][selected]'
     person.page.wait_for_selector(speed, state="attached")
@@ -228,7 +228,7 @@ def test_who_is_faster_than_the_page_may_undo_the_first_command(swarm, person):
 def test_a_game_measures_the_reaction_time(swarm, person):
     begin(person, "Game")
     person.page.evaluate("Math.random = () => 0")  # the discs come as soon as they may
-    keys, user = person.page.keyboard, getpass.getuser()
+    keys, user = person.page.keyboard, user_name()
     person.click("reaction-change")
     person.click("reaction-game")
     person.sees("reaction-board", "1 of 6")

@@ -34,8 +34,11 @@ def described(folder: Path, text: str) -> str:
     return str(path)
 
 
-def test_a_swarm_comes_up_answers_and_goes_down(hitab, apart):
-    up = hitab("up", described(apart, SOCCER))
+def test_a_swarm_comes_up_answers_and_goes_down_in_any_folder(hitab, apart, monkeypatch):
+    lab = apart / "Robot #2 ; 100% of O'Hara's %(here)s"
+    lab.mkdir()
+    monkeypatch.setenv("HITAB_HOME", str(lab))
+    up = hitab("up", described(lab, SOCCER))
     assert up.returncode == 0, up.stderr
     assert "soccer is up: 3 agents and a world" in up.stdout
     ((folder, record),) = running_swarms()

@@ -245,7 +245,8 @@ def _answering(
             lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))
             raise SwarmError(
                 f"{some(names)} did not answer within {allowed:g} s; the end of "
-                f"{folder.log(names[0])}:\n{lines}"
+                f"{folder.log(names[0])}:\n{lines}",
+                Do.DOCTOR(),
             )
         yield RunningSwarm(folder, record, link, agents, world)
 

@@ -24,6 +24,10 @@ def main() -> None:
         from hitab_bringup.main import main as run
 
         run()
+    except KeyboardInterrupt:  # while it was being imported; later it is handled there
+        exec("")  # see hitab_client.interruptions.forget_handled
+        print("interrupted", file=sys.stderr)
+        sys.exit(130)
     except ModuleNotFoundError as missing:
         module = (missing.name or "").partition(".")[0]
         if module.startswith("hitab_") and module != "hitab_msgs":

@@ -18,6 +18,7 @@ from typer.models import CommandInfo, DefaultPlaceholder
 
 _ARGS = re.compile(r"^Args:\n((?: +.*\n?)+)\n?", re.MULTILINE)
 _ARG = re.compile(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
+_BELOW_ZERO = re.compile(r"-\.?[0-9]")
 _EXAMPLE = re.compile(r"\n(?= +hitab )")
 
 
@@ -32,6 +33,12 @@ class HelpfulCommand(TyperCommand):
             if getattr(parameter, "help", "") is None:
                 parameter.help = told.get(parameter.name)
         return parameters
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Return the arguments that are left; a number below 0 is a value, not an option."""
+        ctx.ignore_unknown_options |= any(map(_BELOW_ZERO.match, args))
+        rest: list[str] = super().parse_args(ctx, args)
+        return rest
 
 
 class HelpfulGroup(TyperGroup):

@@ -19,7 +19,7 @@ from collections.abc import Mapping
 import psutil  # type: ignore[import-untyped]
 
 from hitab_bringup.libraries import prepare
-from hitab_bringup.supervisor_config import supervisor_config
+from hitab_bringup.supervisor_config import SOCKET_VARIABLE, supervisor_config, write_commands
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_processes import processes
 from hitab_client import RunFolder, RunRecord, SwarmError
@@ -83,9 +83,10 @@ def launch(
     started = processes(swarm, folder.path, identity)
     for process in started:
         folder.log(process.name).unlink(missing_ok=True)
-    text = supervisor_config(started, folder.path, socket)
-    folder.configuration.write_text(text, encoding="utf-8")
+    write_commands(started, folder.path)
+    folder.configuration.write_text(supervisor_config(started), encoding="utf-8")
     variables = environment(folder, domain_id, len(started))
+    variables[SOCKET_VARIABLE] = str(socket)
     supervisor = _spawn(variables, folder, temporary)
     record = RunRecord(
         swarm.name,

@@ -1,4 +1,8 @@
-"""The configuration of supervisord for a swarm."""
+"""The configuration of supervisord for a swarm.
+
+It contains no path and no text of a user: supervisord expands and cuts off parts of what it reads.
+Each command is in a file of its own, which a shell runs; the path of the socket is a variable.
+"""
 
 from __future__ import annotations
 
@@ -9,32 +13,47 @@ from pathlib import Path
 from hitab_bringup.swarm_description import Process
 from hitab_ros.exit_codes import FINAL, FINAL_AFTER
 
+SOCKET_VARIABLE = "HITAB_SUPERVISOR_SOCKET"
+"""Environment variable of supervisord with the path of the socket where it listens."""
+
+COMMANDS = "commands"
+"""Folder in the run folder, which is where supervisord runs, with the command of each process."""
+
 START_SECONDS = 3
 
 
-def supervisor_config(processes: Sequence[Process], folder: Path, socket: Path) -> str:
+def write_commands(processes: Sequence[Process], folder: Path) -> None:
+    """Write the command of each process, for a shell, to a file of its name."""
+    commands = folder / COMMANDS
+    commands.mkdir(exist_ok=True)
+    for process in processes:
+        line = f"exec {shlex.join(process.command)}\n"
+        (commands / process.name).write_text(line, encoding="utf-8")
+
+
+def supervisor_config(processes: Sequence[Process]) -> str:
     """Return the text of ``supervisord.conf``."""
-    programs = "".join(_program(process, _plain(folder)) for process in processes)
+    names = [process.name for process in processes]
     # One group, since groups are stopped one after the other.
     return f"""\
 [unix_http_server]
-file={_plain(socket)}
+file=%(ENV_{SOCKET_VARIABLE})s
 chmod=0700
 
 [supervisord]
 nodaemon=true
-logfile={_plain(folder)}/supervisord.log
+logfile=supervisord.log
 logfile_maxbytes=1MB
 
 [rpcinterface:supervisor]
 supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
-{programs}
+{"".join(map(_program, names))}
 [group:swarm]
-programs={",".join(process.name for process in processes)}
+programs={",".join(names)}
 """
 
 
-def _program(process: Process, folder: str) -> str:
+def _program(name: str) -> str:
     """Return the section of a process.
 
     It counts as started after startsecs. If it dies earlier, it is retried startretries times,
@@ -42,9 +61,8 @@ def _program(process: Process, folder: str) -> str:
     code says that a restart would not help; such a process stays up for startsecs before it exits.
     """
     return f"""
-[program:{process.name}]
-command={_plain(shlex.join(process.command))}
-directory={folder}
+[program:{name}]
+command=/bin/sh {COMMANDS}/{name}
 environment={FINAL_AFTER}="{START_SECONDS}"
 startsecs={START_SECONDS}
 startretries=12
@@ -53,12 +71,7 @@ stopwaitsecs=5
 stopasgroup=true
 killasgroup=true
 redirect_stderr=true
-stdout_logfile={folder}/logs/{process.name}.log
+stdout_logfile=logs/{name}.log
 stdout_logfile_maxbytes=1MB
 stdout_logfile_backups=2
 """
-
-
-def _plain(text: object) -> str:
-    """Escape characters that supervisord would expand."""
-    return str(text).replace("%", "%%")

@@ -28,5 +28,10 @@ def test_the_error_names_the_argument_and_what_it_may_be():
         ("pause", 'No such command "pause". Did you mean `hitab world pause`?'),
         ("world place keeper_1 z=1", "such as keeper_1 x=1; the fields are x (m), y (m), "),
         ("world place keeper_1 x=far", '"x=far": write a name, then its fields, each with a'),
+        (
+            "world step -5",
+            "Invalid value for 'cycles': Input should be greater than or equal to 1",
+        ),
+        ("world step --five", "No such option: --five"),
     ]:
         assert expected in told(*call.split())

@@ -70,13 +70,23 @@ def test_discovery_is_explained(variables, level, text, monkeypatch):
     [
         ("RMW_IMPLEMENTATION", "rmw_none_cpp", "RMW_IMPLEMENTATION=rmw_none_cpp is not installed"),
         ("ROS_SECURITY_ENABLE", "true", "but ROS from wheels has no DDS security"),
+        ("ROS_DISCOVERY_SERVER", "127.0.0.1:9;", "there is no server (Connection refused)"),
+        ("ROS_DISCOVERY_SERVER", ";192.0.2.1:11811", "is on another machine, but HiTAB stays on"),
+        ("PYTHONPATH", "{foreign}", "rclpy is loaded from {foreign}/rclpy/__init__.py instead of"),
     ],
 )
 def test_with_variables_that_ros_cannot_start_with_doctor_goes_on_and_others_refuse(
-    name, value, text, monkeypatch
+    name, value, text, monkeypatch, tmp_path
 ):
-    if name == "ROS_SECURITY_ENABLE" and not ros_environment.is_from_wheels():
-        pytest.skip("an installed ROS has DDS security")
+    foreign = tmp_path / "humble"
+    (foreign / "rclpy").mkdir(parents=True)
+    (foreign / "rclpy/__init__.py").write_text("raise ImportError('of another Python')")
+    value, text = value.format(foreign=foreign), text.format(foreign=foreign)
+    if name in ("ROS_SECURITY_ENABLE", "PYTHONPATH") and not ros_environment.is_from_wheels():
+        pytest.skip("with an installed ROS")
+    monkeypatch.delenv(RANGE, raising=False)
+    for variable in VARIABLES:
+        monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv(name, value)
 
     def hitab(*arguments: str) -> tuple[str, str]:
@@ -92,6 +102,18 @@ def test_with_variables_that_ros_cannot_start_with_doctor_goes_on_and_others_ref
     assert found[-1]["about"] == "limits"
     (told,) = hitab("status")[1].splitlines()
     assert told == f"error: {error['text']}; {error['way_out']}"
+
+
+@pytest.mark.skipif(
+    subprocess.run(["unshare", "-rn", "true"], check=False).returncode != 0,
+    reason="no network of its own can be made here",
+)
+def test_a_machine_that_does_not_reach_itself_is_told_how_it_does():
+    command = ["unshare", "-rn", sys.executable, "-m", "hitab_bringup.main", "status"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "cannot reach itself at 127.0.0.1: Network is unreachable" in done.stderr
+    assert "sudo ip link set lo up" in done.stderr
 
 
 def test_a_suspended_process_of_a_swarm_is_warned_of_with_the_remedy(monkeypatch):

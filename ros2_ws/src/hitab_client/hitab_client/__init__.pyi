@@ -33,6 +33,7 @@ from .stops import Stops as Stops
 from .swarm_client import ACKNOWLEDGE_SECONDS as ACKNOWLEDGE_SECONDS
 from .swarm_client import SwarmClient as SwarmClient
 from .swarm_client import is_answered as is_answered
+from .users import user_name as user_name
 from .world_client import WorldClient as WorldClient
 from .world_view import Thing as Thing
 from .world_view import WorldView as WorldView

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,10 +15,12 @@ from hitab_core import HitabError
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.live import Live
     from rich.table import Table
     from rich.text import Text
 
+
+SECONDS_BELOW = 2.0
+"""Between two states that are shown one below the other."""
 
 PIPED_WIDTH = 10_000
 """Columns, if the output is no terminal: then nothing has to fit."""
@@ -33,11 +36,30 @@ def out() -> Console:
     return Console(highlight=False, emoji=False, width=PIPED_WIDTH)
 
 
-def live(shown: Any) -> Live:
-    """Return a context whose `update` keeps it up to date; a pipe gets its last state."""
+@contextmanager
+def live(shown: Any) -> Iterator[Callable[[Any], None]]:
+    """Show something, and yield what brings it up to date; a pipe gets its last state.
+
+    A terminal that cannot go back, as its TERM says, gets a new state below the one before.
+    """
     from rich.live import Live
 
-    return Live(shown, console=out())
+    screen, last, due = out(), "", 0.0
+
+    def show_below(state: Any) -> None:
+        nonlocal last, due
+        with screen.capture() as captured:
+            screen.print(state)
+        if captured.get() != last and time.monotonic() >= due:
+            last, due = captured.get(), time.monotonic() + SECONDS_BELOW
+            say(last.rstrip("\n"))
+
+    if screen.is_dumb_terminal:
+        show_below(shown)
+        yield show_below
+    else:
+        with Live(shown, console=screen) as kept:
+            yield kept.update
 
 
 def line(text: str, style: str = "") -> Text:
@@ -165,7 +187,7 @@ def progress(description: str, unit: str = "", *, line_every: int = 0) -> Iterat
         console=console,
         transient=True,
         redirect_stdout=sys.stdout.isatty(),  # what is said meanwhile stands above the bar
-        disable=not console.is_terminal,
+        disable=not console.is_terminal or console.is_dumb_terminal,
     )
     with bar:
         task = bar.add_task(description, total=None, doing="")

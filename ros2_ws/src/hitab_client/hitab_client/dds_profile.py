@@ -7,7 +7,7 @@ Other ROS programs that use `LOCALHOST` in the same domain are discovered, and d
 
 from __future__ import annotations
 
-from collections.abc import MutableMapping
+from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import Any
 
@@ -47,13 +47,11 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
         environment: variables; the profile and the discovery range are set here.
         loopback: the profile for this machine only.
     """
-    chosen = {Path(environment[name]).name for name in VARIABLES if environment.get(name)}
-    if chosen - {LOOPBACK.name, NETWORK.name}:
+    if _chosen(environment) - {LOOPBACK.name, NETWORK.name}:
         environment.setdefault(RANGE, HERE)
         return
-    ours = LOOPBACK.name in chosen
     said = environment.get(RANGE) or HERE
-    stays = said == HERE or (said == BY_PROFILE and ours)
+    stays = is_of_this_machine(environment)
     if stays and environment.get("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp").startswith("rmw_fast"):
         profile, environment[RANGE] = loopback, BY_PROFILE
     else:
@@ -62,6 +60,22 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
     for name in VARIABLES:
         environment[name] = str(profile)
     environment.update(GIVES_BACK)
+
+
+def is_of_this_machine(environment: Mapping[str, str]) -> bool:
+    """Whether processes are to find only those of this machine, by the variables and our profiles.
+
+    False if the user has a profile: it decides.
+    """
+    chosen, said = _chosen(environment), environment.get(RANGE) or HERE
+    if chosen - {LOOPBACK.name, NETWORK.name}:
+        return False
+    return said == HERE or (said == BY_PROFILE and LOOPBACK.name in chosen)
+
+
+def _chosen(environment: Mapping[str, str]) -> set[str]:
+    """Return the names of the profiles in the variables."""
+    return {Path(environment[name]).name for name in VARIABLES if environment.get(name)}
 
 
 def profile_for(folder: Path, processes: int) -> Path:

@@ -5,17 +5,26 @@ With a middleware that is not installed, ROS ends the process that loads it.
 
 from __future__ import annotations
 
+import errno
 import os
+import re
+import socket
 import sys
+import sysconfig
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
-from hitab_client.dds_profile import RANGE
+from hitab_client.dds_profile import RANGE, is_of_this_machine
 from hitab_client.errors import SwarmError
 
 DOMAINS = 233
 """Number of ROS domains; ports for more would be above 65535."""
+
+SERVER = "ROS_DISCOVERY_SERVER"
+SERVERS = re.compile(r"(?:^|;) *(?:UDPv4:\[)?([\w.-]+)\]?(?::(\d+))? *(?=;|$)")
+SERVER_PORT, DISCARD = 11811, 9
+REFUSED_SECONDS = 0.2  # in which a machine says that nobody listens at a port of it
 
 RANGES = ("LOCALHOST", "SUBNET", "SYSTEM_DEFAULT", "OFF")
 
@@ -29,6 +38,11 @@ def problems() -> Iterator[Problem]:
     if said and not (said.isdecimal() and int(said) < DOMAINS):
         told = f"ROS_DOMAIN_ID={said} is not a number from 0 to {DOMAINS - 1}"
         yield "ROS domain", told, "unset ROS_DOMAIN_ID, or choose a number up to 101"
+    found, installed = find_spec("rclpy"), Path(sysconfig.get_path("purelib")) / "rclpy"
+    if found is not None and installed.exists() and not is_from_wheels():
+        told = f"rclpy is loaded from {found.origin} instead of {installed}"
+        way_out = "unset PYTHONPATH, or use a terminal without another ROS's set-up file"
+        yield "ROS", told, way_out
     chosen = os.environ.get("RMW_IMPLEMENTATION", "")
     folders = [Path(name) for name in os.environ.get("LD_LIBRARY_PATH", "").split(":") if name]
     if chosen and folders and not any((f / f"lib{chosen}.so").exists() for f in folders):
@@ -37,10 +51,43 @@ def problems() -> Iterator[Problem]:
     said = os.environ.get(RANGE, "")
     if said and said not in RANGES:
         yield "discovery", f"{RANGE}={said} is none of {', '.join(RANGES)}", f"unset {RANGE}"
+    here = is_of_this_machine(os.environ)
+    if here and (wrong := _no_answer("127.0.0.1", DISCARD)) == os.strerror(errno.ENETUNREACH):
+        told = f"this machine cannot reach itself at 127.0.0.1: {wrong}"
+        yield "network", told, "start its loopback interface with `sudo ip link set lo up`"
+    yield from _without_server(os.environ.get(SERVER, ""), here)
     if os.environ.get("ROS_SECURITY_ENABLE") == "true" and is_from_wheels():
         told = "ROS_SECURITY_ENABLE=true, but ROS from wheels has no DDS security"
         way_out = "unset ROS_SECURITY_ENABLE, or use HiTAB with an installed ROS 2 Jazzy"
         yield "security", told, way_out
+
+
+def _without_server(said: str, here: bool) -> Iterator[Problem]:
+    """Yield why nodes would not find each other by the discovery servers that are named."""
+    servers = [(host, int(port or SERVER_PORT)) for host, port in SERVERS.findall(said)]
+    away = [host != "localhost" and not host.startswith("127.") for host, _ in servers]
+    way_out = f"unset {SERVER} ROS_SUPER_CLIENT"
+    if here and servers and all(away):
+        told = f"{SERVER}={said} is on another machine, but HiTAB stays on this one"
+        yield "discovery", told, f"{way_out}, or set {RANGE}=SUBNET"
+    elif servers and all(why := [_no_answer(*server) for server in servers]):
+        told = f"{SERVER}={said}: there is no server ({', '.join(dict.fromkeys(why))})"
+        yield "discovery", told, f"start the server, or {way_out}"
+
+
+def _no_answer(host: str, port: int) -> str:
+    """Return why messages cannot be received at a port; "" if they may be."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.settimeout(REFUSED_SECONDS)
+        try:
+            probe.connect((host, port))
+            probe.send(b"")
+            probe.recv(1)
+        except TimeoutError:
+            return ""
+        except OSError as error:
+            return error.strerror or str(error)
+    return ""
 
 
 def is_from_wheels() -> bool:

@@ -27,6 +27,7 @@ from pathlib import Path
 import psutil  # type: ignore[import-untyped]
 
 from hitab_client.errors import SwarmError
+from hitab_client.users import user_home
 
 MARK = "HITAB_RUN_FOLDER"
 """Environment variable that marks the processes of a run folder."""
@@ -73,7 +74,7 @@ def state_home() -> Path:
     if home := os.environ.get("HITAB_HOME"):
         return Path(home)
     base = os.environ.get("XDG_STATE_HOME")
-    return (Path(base) if base else Path.home() / ".local" / "state") / "hitab"
+    return (Path(base) if base else user_home() / ".local" / "state") / "hitab"
 
 
 def libraries_of(folder: Path) -> dict[str, Path]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import getpass
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
@@ -30,6 +29,7 @@ from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
 from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
+from hitab_client.users import user_name
 from hitab_core import Do
 from hitab_ros import names, qos
 from hitab_ros.conversions import cost_of, remedies_of
@@ -83,7 +83,7 @@ class SwarmClient(AgentPresence):
         processes: RunProcesses | None = None,
     ) -> None:
         super().__init__(link, expected, prefix=prefix, identity=identity, processes=processes)
-        self.demonstrator = demonstrator or getpass.getuser()
+        self.demonstrator = demonstrator or user_name()
         self._publishers: dict[str, Any] = {}
         self._sequence = 0
         self.acknowledgements = Acknowledgements(link, prefix)

@@ -64,6 +64,24 @@ def test_a_process_that_was_started_to_ignore_ctrl_c_does_so():
     assert (done.returncode, done.stdout) == (0, "goes on\n"), done.stderr
 
 
+def test_ctrl_c_while_a_command_is_loaded_ends_it_with_the_usual_status_and_a_word():
+    code = """
+import builtins, os, signal
+load = builtins.__import__
+def interrupted(name, *more):
+    if name == "hitab_bringup.main":
+        os.kill(os.getpid(), signal.SIGINT)
+    return load(name, *more)
+builtins.__import__ = interrupted
+from hitab_bringup.command import main
+main()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "interrupted\n")
+
+
 def test_ctrl_c_in_a_function_that_is_called_from_c_is_not_lost():
     done = run(
         BEGIN

@@ -1,11 +1,12 @@
 """Run folders, supervisor configuration: what a swarm leaves behind is cleaned."""
 
 import configparser
+import subprocess
 from pathlib import Path
 
 import pytest
 
-from hitab_bringup.supervisor_config import supervisor_config
+from hitab_bringup.supervisor_config import supervisor_config, write_commands
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
 from hitab_client.errors import SwarmError
@@ -64,13 +65,18 @@ def test_what_a_supervisor_left_that_was_killed_while_it_started_is_removed(tmp_
 
 
 def test_the_supervisor_is_told_every_process_whatever_its_path_looks_like(tmp_path):
-    folder = tmp_path / "100% mine"
+    folder = tmp_path / "100% mine # ; 'and' \"yours\""
+    folder.mkdir()
     swarm = parse_swarm("domain: keepaway\nagents: {a: {}, b: {behavior: Stop}}\n", Path("x.yaml"))
     started = processes(swarm, folder)
-    text = supervisor_config(started, folder, folder / "sock")
+    write_commands(started, folder)
     parser = configparser.RawConfigParser()
-    parser.read_string(text)
-    assert {"program:a", "program:b"} <= set(parser.sections())
-    assert "100%% mine" in parser["program:a"]["command"]
+    parser.read_string(supervisor_config(started))
+    for process in started:
+        shell, file = parser[f"program:{process.name}"]["command"].split()
+        words = (folder / file).read_text().removeprefix("exec ")
+        show = [shell, "-c", f"set -- {words}\nprintf '%s\\n' \"$@\""]
+        told = subprocess.run(show, capture_output=True, text=True, check=True).stdout
+        assert told.splitlines() == process.command
     assert parser["unix_http_server"]["chmod"] == "0700"
     assert "inet_http_server" not in parser

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from traceback import extract_tb
@@ -12,6 +13,10 @@ from hitab_core.errors import VocabularyError
 from hitab_core.use import NAME, NAME_RULE
 
 PREFIX = "hitab_file_"
+
+
+LONG_SECONDS = 5.0
+"""After which it is said that a file still runs: one with only definitions takes less."""
 
 
 def loaded_file(name: str) -> ModuleType | None:
@@ -38,9 +43,16 @@ def load_file(path: Path) -> ModuleType:
     assert spec.loader is not None
     module = module_from_spec(spec)
     sys.modules[spec.name] = module
+    told = (
+        f"{path} still runs after {LONG_SECONDS:g} s; what a file does besides defining things "
+        'belongs below `if __name__ == "__main__":`. Ctrl-C ends this'
+    )
+    timer = threading.Timer(LONG_SECONDS, print, [told], {"file": sys.stderr})
+    timer.daemon = True
+    timer.start()
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         del sys.modules[spec.name]
         frames = extract_tb(error.__traceback__)
         lines = [frame.lineno for frame in frames if frame.filename == str(path)] or [1]
@@ -49,4 +61,6 @@ def load_file(path: Path) -> ModuleType:
         raise VocabularyError(
             f"{place}: {type(error).__name__}: {error}; correct the file"
         ) from error
+    finally:
+        timer.cancel()
     return module

@@ -49,7 +49,8 @@ class Scan(Sensor):
 
     What a ray means (REP 117): NaN and what is below ``range_min`` is no measurement; negative
     infinity is a thing that is too near to be measured, and counts as one at ``range_min``; at or
-    above the maximum there is nothing.
+    above the maximum there is nothing. Of a scan of several rays without an angle between them
+    nothing is known.
 
     Attributes:
         sectors: what is read; each has two values, such as ``scan.ahead.range``.
@@ -89,7 +90,8 @@ class Scan(Sensor):
             [1.5, 1.5707963267948966, 3.5, nan]
         """
         mount = mount or self.mount or Mount()
-        if not math.isfinite(message.angle_min + message.angle_increment):
+        step, many = message.angle_increment, len(message.ranges) > 1
+        if not math.isfinite(message.angle_min + step) or (many and not step):
             return [math.nan] * len(self.fields)
         ranges = np.asarray(message.ranges, dtype=np.float64)
         angles = message.angle_min + message.angle_increment * np.arange(len(ranges))

@@ -107,6 +107,11 @@ def test_a_ray_means_what_rep_117_says():
         assert math.isnan(found["around.bearing"]) is not near
 
 
+def test_rays_without_an_angle_between_them_say_nothing_but_a_single_one_does():
+    assert all(map(math.isnan, SCAN.read(scan([1.0, 2.0], step=0.0))))
+    assert SCAN.read(scan([2.0], step=0.0))[:2] == [2.0, 0.0]
+
+
 def test_zero_is_clear_for_scanners_whose_drivers_mean_it():
     sensor = Scan(sectors=(Sector("around"),), zero_is_clear=True)
     assert read(scan([0.0] * 4), sensor)["around.range"] == 8.0

@@ -13,6 +13,8 @@ from rclpy.parameter import Parameter
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.guard import Guard
 
+WHOLE = (Parameter.Type.INTEGER, Parameter.Type.INTEGER_ARRAY)
+
 NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
 """Turns off a service that every node has and nothing uses."""
 
@@ -47,6 +49,16 @@ class GuardedNode(Node):
 
     def faults_changed(self) -> None:
         """React to a change of the faults, for example by publishing a status."""
+
+    def declare_parameter(self, name: str, value: Any = None, *args: Any, **options: Any) -> Any:
+        """Declare a parameter; see `rclpy.node.Node`. Whole numbers are taken for its floats."""
+        given = self._parameter_overrides.get(name)
+        default = value[0] if isinstance(value, list | tuple) and value else value
+        if given is not None and isinstance(default, float) and given.type_ in WHOLE:
+            is_one = given.type_ is Parameter.Type.INTEGER
+            floats = float(given.value) if is_one else list(map(float, given.value))
+            self._parameter_overrides[name] = Parameter(name, value=floats)
+        return super().declare_parameter(name, value, *args, **options)
 
     def create_subscription(
         self,

@@ -14,6 +14,7 @@ import pytest
 from hitab_msgs import msg, srv
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
 
@@ -52,6 +53,17 @@ class Pair:
         future = client.call_async(request)
         self.until(future.done)
         return future.result()
+
+
+def test_whole_numbers_are_taken_for_the_floats_of_a_node():
+    given = {"rate": 20, "limits": [1, 2], "count": 3}
+    with context_of_its_own() as context:
+        overrides = [Parameter(name, value=value) for name, value in given.items()]
+        node = GuardedNode("node", context=context, parameter_overrides=overrides)
+        assert node.declare_parameter("rate", 5.0).value == 20.0
+        assert list(node.declare_parameter("limits", [0.5, 0.5]).value) == [1.0, 2.0]
+        assert type(node.declare_parameter("count", 1).value) is int
+        node.destroy_node()
 
 
 @pytest.fixture

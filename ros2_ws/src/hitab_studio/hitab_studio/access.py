@@ -6,7 +6,7 @@ import hmac
 import ipaddress
 import re
 import secrets
-from collections.abc import Awaitable, Callable, Mapping, MutableMapping
+from collections.abc import Awaitable, Callable, Collection, Mapping, MutableMapping
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -44,12 +44,23 @@ class AccessControl:
         app: the guarded application.
         host: the address that the server listens on.
         token: required once, in the address; "" if none is needed.
+        allowed: further names of this server, such as that of a proxy in front of it.
+        root_path: where that proxy shows the page.
     """
 
-    def __init__(self, app: App, host: str = "127.0.0.1", token: str = "") -> None:
+    def __init__(
+        self,
+        app: App,
+        host: str = "127.0.0.1",
+        token: str = "",
+        allowed: Collection[str] = (),
+        root_path: str = "",
+    ) -> None:
         self._app = app
         self._token = token
-        self._names = LOOPBACK_NAMES | {host}
+        self._allowed = frozenset(name.lower() for name in allowed)
+        self._root_path = root_path
+        self._names = LOOPBACK_NAMES | {host} | self._allowed
         self._any_name = bool(token) and host in ("0.0.0.0", "::", "")
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -57,6 +68,10 @@ class AccessControl:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
+        root = self._root_path
+        if root and not scope["path"].startswith(f"{root}/"):  # the proxy has cut it off
+            scope["path"] = f"{root}{scope['path']}"
+        scope["root_path"] = root
         asked = HTTPConnection(scope)
         answer: App = self._app
         if problem := self._foreign(asked.headers):
@@ -72,10 +87,14 @@ class AccessControl:
         host = headers.get("host", "")
         name = urlsplit(f"//{host}").hostname or ""
         if not self._any_name and name not in self._names:
-            return f"This page is not called {name}: open it by the address that was printed."
-        origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc != host:
-            return "Requests from other sites are refused."
+            way_out = f"start the studio with --allow-host {name}"
+            return f"This page is not called {name}: open it as was printed, or {way_out}."
+        origin = urlsplit(headers.get("origin", f"//{host}"))
+        if origin.netloc != host and origin.hostname not in self._allowed:
+            way_out = f"start the studio with --allow-host {origin.hostname}"
+            return (
+                f"Requests from other sites are refused. If this is a proxy of yours, {way_out}."
+            )
         return ""
 
     def _is_right(self, token: str) -> bool:
@@ -84,7 +103,7 @@ class AccessControl:
 
 def _welcome(token: str) -> App:
     """Keep the token in a cookie and open the page without it in the address."""
-    welcome = RedirectResponse("/", 303)
+    welcome = RedirectResponse("./", 303)
     welcome.set_cookie(COOKIE, token, httponly=True, samesite="strict")
     return welcome
 

@@ -22,6 +22,8 @@ def studio(
     port: Annotated[int, typer.Option(min=1, max=65535)] = 8080,
     host: str = "127.0.0.1",
     token: Annotated[str, typer.Option(show_default=False)] = "",
+    allow_host: Annotated[list[str] | None, typer.Option(metavar="NAME")] = None,
+    root_path: Annotated[str, typer.Option(show_default=False, metavar="PATH")] = "",
     browser: bool = True,
     run_dir: Path | None = None,
     map_topic: Annotated[str, typer.Option("--map", show_default=False, metavar="TOPIC")] = "",
@@ -37,6 +39,9 @@ def studio(
         port: Where to serve the page.
         host: Address to serve it at; only this machine reaches 127.0.0.1.
         token: Required to open the page from other machines; generated if not given.
+        allow_host: Another name by which the page may be opened, such as that of a proxy.
+            Repeatable.
+        root_path: Where a proxy shows the page, such as /hitab.
         browser: Open a browser.
         run_dir: The run folder of the swarm, instead of its name.
         map_topic: Of real robots: the topic of the map, if there are several.
@@ -47,6 +52,7 @@ def studio(
       hitab studio
       hitab studio keepaway --port 9000 --no-browser
       hitab studio --host 0.0.0.0     for other machines, with a token
+      hitab studio --allow-host lab.example.org --root-path /hitab     behind a proxy
       hitab studio --camera front/image/compressed --map /map     of real robots
     """
     from hitab_studio.access import new_token
@@ -55,7 +61,8 @@ def studio(
     from hitab_studio.server import Address, serve
     from hitab_studio.swarm_finder import Finder
 
-    address = Address(host, port, new_token(host, token))
+    root = f"/{root_path.strip('/')}" if root_path.strip("/") else ""
+    address = Address(host, port, new_token(host, token), tuple(allow_host or ()), root)
     address.check()
 
     def ready() -> None:

@@ -138,6 +138,13 @@ class Panel(Element, component="static/panel.js"):
             self.update()
 
 
+TELL_REFUSAL = (
+    'addEventListener("load", async () => { const it = await fetch("leave", {method: "POST"});'
+    " if (!it.ok) document.body.textContent = await it.text(); });"
+)
+"""Has an address that is refused, such as that of an unknown proxy, say so on the empty page."""
+
+
 class Page:
     """One page: shows a session, and passes on the person's actions."""
 
@@ -158,11 +165,11 @@ class Page:
     def _build(self) -> None:
         session = self._session
         ui.add_head_html(
-            f'<script>window.STUDIO_SESSION = "{session.id}";</script>'
-            '<link rel="stylesheet" href="/studio/studio.css">'
-            '<script type="module" src="/studio/studio.js"></script>'
-            '<script type="module" src="/studio/keys.js"></script>'
-            '<script type="module" src="/studio/field.js"></script>'
+            f'<script>window.STUDIO_SESSION = "{session.id}";{TELL_REFUSAL}</script>'
+            '<link rel="stylesheet" href="_studio/studio.css">'
+            '<script type="module" src="_studio/studio.js"></script>'
+            '<script type="module" src="_studio/keys.js"></script>'
+            '<script type="module" src="_studio/field.js"></script>'
         )
         ui.query(".nicegui-content").classes(remove="nicegui-content")
         with ui.element("div").props('id="studio"'):

@@ -39,11 +39,15 @@ class Address:
     Attributes:
         host, port: to listen on.
         token: required to open the page; "" if only this machine can reach it.
+        allowed: names by which the page may be opened, such as that of a proxy.
+        root_path: where a proxy shows the page, such as ``/hitab``; "": at its top.
     """
 
     host: str = "127.0.0.1"
     port: int = 8080
     token: str = ""
+    allowed: tuple[str, ...] = ()
+    root_path: str = ""
 
     @property
     def url(self) -> str:
@@ -107,8 +111,14 @@ def serve(
 
     logging.getLogger("nicegui").setLevel(logging.ERROR)
     studio = Studio(find, startable, find.choose, options)
-    app.add_static_files("/studio", STATIC, max_cache_age=0)
-    app.add_middleware(AccessControl, host=address.host, token=address.token)
+    app.add_static_files("/_studio", STATIC, max_cache_age=0)
+    app.add_middleware(
+        AccessControl,
+        host=address.host,
+        token=address.token,
+        allowed=address.allowed,
+        root_path=address.root_path,
+    )
 
     @app.websocket("/field")
     async def field(socket: WebSocket, session: str = "") -> None:

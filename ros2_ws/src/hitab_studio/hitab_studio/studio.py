@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import getpass
 import json
 import secrets
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from hitab_client import SwarmError
+from hitab_client import SwarmError, user_name
 from hitab_studio.known import Known
 from hitab_studio.launching import NONE
 from hitab_studio.people import checked
@@ -81,7 +80,7 @@ class Studio:
         try:
             name = checked(demonstrator)
         except SwarmError:
-            name = getpass.getuser()
+            name = user_name()
         session = Session(self.shared, secrets.token_urlsafe(16), name)
         self.sessions[session.id] = session
         return session

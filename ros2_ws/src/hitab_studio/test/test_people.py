@@ -1,10 +1,12 @@
 """People at the pages have names, under which their reaction times are kept."""
 
 import asyncio
-import getpass
 import json
+from pathlib import Path
 
 from hitab_client import reaction_time
+from hitab_client.run_folder import state_home
+from hitab_client.users import user_name
 from hitab_studio.page import perform
 from hitab_studio.studio import Studio
 
@@ -15,7 +17,7 @@ def test_people_of_one_name_are_told_apart_and_what_is_no_name_is_refused(tmp_pa
     async def run() -> None:
         studio = Studio(lambda: None)  # type: ignore[arg-type,return-value]
         one, two, three = studio.open("Anna"), studio.open("Anna"), studio.open("An\u202ena")
-        assert [one.name, two.name, three.name] == ["Anna", "Anna (2)", getpass.getuser()]
+        assert [one.name, two.name, three.name] == ["Anna", "Anna (2)", user_name()]
         assert two.demonstrator == "Anna", "commands carry the name that was entered"
         for name, why in (("", "Enter"), ("A" * 61, "at most 60"), ("A\0", "control characters")):
             await perform(three, {"do": "reaction-set", "values": {"demonstrator": name}})
@@ -24,6 +26,19 @@ def test_people_of_one_name_are_told_apart_and_what_is_no_name_is_refused(tmp_pa
         assert three.name == "Anna (2) (2)"
 
     asyncio.run(run())
+
+
+def test_a_user_without_a_name_as_in_a_container_gets_one_from_the_id(monkeypatch):
+    def nameless() -> str:
+        raise KeyError("getpwuid(): uid not found: 12345")
+
+    monkeypatch.setattr("getpass.getuser", nameless)
+    monkeypatch.setattr("os.getuid", lambda: 12345)
+    monkeypatch.setattr("pwd.getpwuid", lambda _: nameless())
+    for name in ("HITAB_HOME", "XDG_STATE_HOME", "HOME"):
+        monkeypatch.delenv(name, raising=False)
+    assert user_name() == "user_12345"
+    assert state_home() == Path("/.local/state/hitab"), "it is looked for, though not there"
 
 
 def test_a_reaction_time_is_kept_for_whom_the_page_is_used_by(tmp_path, monkeypatch):

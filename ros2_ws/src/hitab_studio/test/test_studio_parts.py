@@ -106,7 +106,7 @@ def answer_of(access: AccessControl, kind: str = "http", query: str = "", **head
         told.append(message)
 
     raw = [(k.encode(), v.encode()) for k, v in ({"host": "127.0.0.1:80"} | headers).items()]
-    scope = {"type": kind, "headers": raw, "query_string": query.encode()}
+    scope = {"type": kind, "path": "/", "headers": raw, "query_string": query.encode()}
     asyncio.run(access(scope, receive, send))
     return int(told[0].get("status") or told[0]["code"])
 
@@ -123,6 +123,31 @@ def test_only_this_page_talks_to_the_server():
         assert answer_of(access, kind, origin="http://127.0.0.1:81") == refused
         assert answer_of(access, kind, origin="null") == refused
         assert answer_of(access, kind, host="evil.example") == refused
+
+
+def test_behind_a_proxy_it_has_the_names_that_are_allowed():
+    origin = "https://lab.example.org"
+    for kind, refused in (("http", 403), ("websocket", 1008)):
+        access = AccessControl(page, allowed=["Lab.Example.org"])
+        for host in ("127.0.0.1:8080", "lab.example.org"):  # as nginx sends it, or handed on
+            assert answer_of(AccessControl(page), kind, host=host, origin=origin) == refused
+            assert answer_of(access, kind, host=host, origin=origin) == 200
+        assert answer_of(access, kind, origin="https://evil.example") == refused
+        assert answer_of(access, kind, origin="null") == refused
+        assert answer_of(access, kind, host="evil.example") == refused
+
+
+@pytest.mark.parametrize("path", ["/recordings/a", "/hitab/recordings/a"])
+def test_below_another_path_it_is_found_whether_the_proxy_cuts_that_off_or_not(path):
+    asked: list[tuple[str, str]] = []
+
+    async def note(scope: Any, receive: Any, send: Any) -> None:
+        asked.append((scope["root_path"], scope["path"]))
+
+    scope = {"type": "http", "path": path, "headers": [(b"host", b"localhost")]}
+    access = AccessControl(note, root_path="/hitab")
+    asyncio.run(access(scope | {"query_string": b""}, None, None))  # type: ignore[arg-type]
+    assert asked == [("/hitab", "/hitab/recordings/a")]
 
 
 def test_with_a_token_only_who_shows_it_is_let_in():

@@ -9,6 +9,7 @@ from typing import Any
 from hitab_msgs import msg
 from rclpy.qos import QoSProfile
 
+from hitab_core import some
 from hitab_ros import GuardedNode, names, qos
 from hitab_world.lockstep import Answer
 
@@ -59,7 +60,12 @@ class HostRegistry:
     """Knows the hosts that have announced themselves, and which agents they run."""
 
     def __init__(
-        self, node: GuardedNode, agents: Iterable[str], take: Callable[[str, int, Answer], None]
+        self,
+        node: GuardedNode,
+        agents: Iterable[str],
+        take: Callable[[str, int, Answer], None],
+        swarm: str = "",
+        report: Callable[[str], None] = lambda text: None,
     ) -> None:
         """Subscribe to announcements and actions.
 
@@ -67,8 +73,11 @@ class HostRegistry:
             node: of the world.
             agents: all agents of the world.
             take: receives each agent's answer, with the sequence of the percept.
+            swarm: identity of the world's swarm, whose hosts are taken; empty: any are.
+            report: called with why a host is not taken.
         """
         self._node, self._agents, self._take = node, frozenset(agents), take
+        self._swarm, self._report = swarm, report
         self._hosts: dict[str, _Host] = {}
         self._there: set[str] = set()
         self._listening: set[tuple[str, int]] = set()  # names and numbers of hosts
@@ -81,6 +90,13 @@ class HostRegistry:
     def _on_roster(self, roster: msg.HostRoster) -> None:
         if self._agents.isdisjoint(roster.agents):
             return  # none of them is an agent of this world
+        if self._swarm and roster.swarm != self._swarm:
+            self._report(
+                f"refused the host {roster.host}, which lists {some(roster.agents)}: it is of "
+                f"{f'the swarm {roster.swarm}' if roster.swarm else 'no swarm'}, not of "
+                f"{self._swarm}; end it, or start it with -p swarm:={self._swarm}"
+            )
+            return
         before = self._hosts.get(roster.host)
         if before is not None:
             if roster.number <= before.number:

@@ -27,15 +27,24 @@ class PerceptSender:
             for name in agents:
                 self._expect(name)
 
-    def join(self, take: Callable[[str, int, Answer], None]) -> None:
-        """Receive answers; pass each to ``take`` with the sequence of its percept."""
+    def join(
+        self,
+        take: Callable[[str, int, Answer], None],
+        swarm: str = "",
+        report: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        """Receive answers; pass each to ``take`` with the sequence of its percept.
+
+        Args:
+            take, swarm, report: see `HostRegistry`.
+        """
 
         def on_action(action: msg.Action) -> None:
             take(action.agent, action.sequence, (action.values, action.say))
 
         # All may answer before this process reads the first.
         self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.ROLL_CALL)
-        self._hosts = HostRegistry(self._node, self._agents, take)
+        self._hosts = HostRegistry(self._node, self._agents, take, swarm, report)
 
     def look(self) -> bool:
         """Update which hosts are present; return whether some receiver is a process just found.

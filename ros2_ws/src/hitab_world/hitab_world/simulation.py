@@ -102,6 +102,11 @@ def simulation_in(path: Path) -> type[Simulation]:
         VocabularyError: if the file cannot be run.
         WorldError: if it has none, or more than one.
     """
+    if path.is_file() and b"hitab" not in path.read_bytes():
+        raise WorldError(
+            f"{path}: imports nothing of HiTAB; a world is a class derived from "
+            "hitab_world.Simulation. The file was not run"
+        )
     file = load_file(path)
     found = [
         thing

@@ -38,7 +38,12 @@ class WorldMemory:
     """
 
     def __init__(
-        self, name: str, course: Course, settings: WorldSettings, warn: Callable[[str], None]
+        self,
+        name: str,
+        course: Course,
+        settings: WorldSettings,
+        warn: Callable[[str], None],
+        unsaved: Callable[[str], object],
     ) -> None:
         """Locate the files of the previous process, if there are any.
 
@@ -46,12 +51,12 @@ class WorldMemory:
             name: of the world and its folder, which is created with the first file.
             course: what to save.
             settings: where, how often, and for which swarm.
-            warn: called once per thing that cannot be saved or restored.
+            warn: called with what cannot be restored.
+            unsaved: called with why the state cannot be saved, and "" once it can be again.
         """
         self.named: dict[str, dict[str, Any]] = {}
-        self._course, self._warn = course, warn
+        self._course, self._warn, self._unsaved = course, warn, unsaved
         self._swarm, self._period = settings.swarm, settings.snapshot_period
-        self._warned: set[str] = set()
         self._kept: tuple[Any, ...] = ()
         self._next_s = self._earliest_s = 0.0
         self._folder: Path | None = None
@@ -84,7 +89,7 @@ class WorldMemory:
         except FileNotFoundError:
             return None
         except Exception as error:  # a world's restore may be third-party code
-            self._say(f"{path} is ignored because it cannot be restored: {error!r}")
+            self._warn(f"{path} is ignored because it cannot be restored: {error!r}")
             return None
 
     def save_if_due(self) -> None:
@@ -108,7 +113,7 @@ class WorldMemory:
         self._next_s = now + self._period
         if state == self._kept and not course.touched:
             return
-        self._kept, course.touched = state, False
+        course.touched = False
         path = self._folder / LATEST
         beside = path.with_suffix(UNFINISHED)
         try:
@@ -117,8 +122,15 @@ class WorldMemory:
             # Readers see it whole or not at all; it need not survive a power failure.
             beside.write_text(json.dumps(saved), encoding="utf-8")
             beside.replace(path)
+            self._kept = state
+            self._unsaved("")
         except Exception as error:  # a world's snapshot may be third-party code
-            self._say(f"a restarted world would start over, its state cannot be saved: {error!r}")
+            why = error.strerror if isinstance(error, OSError) else repr(error)
+            back = f"go back to cycle {self._kept[0]}" if self._kept else "start over"
+            self._unsaved(
+                f"its state cannot be saved to {path} ({why}): if its process restarts, it will "
+                f"{back}"
+            )
         self._earliest_s = now + LEISURE * (time.monotonic() - now)
 
     def save(self, name: str, state: dict[str, Any]) -> None:
@@ -149,8 +161,3 @@ class WorldMemory:
     @staticmethod
     def _file(folder: Path, name: str) -> Path:
         return folder / f"{NAMED}{hashlib.sha256(name.encode()).hexdigest()[:16]}.json"
-
-    def _say(self, text: str) -> None:
-        if text not in self._warned:
-            self._warned.add(text)
-            self._warn(text)

@@ -6,11 +6,14 @@ from collections.abc import Iterator
 
 import pytest
 from hitab_msgs import msg
+from rclpy.experimental import EventsExecutor
 
 from hitab_ros import qos
 from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.testing import context_of_its_own, wait_until
+from hitab_ros.testing import context_of_its_own, spin_until, wait_until
 from hitab_world.percept_sender import PerceptSender
+
+HOSTS = ("ours", "theirs", "nobodys")
 
 
 @pytest.fixture
@@ -58,3 +61,31 @@ def test_a_killed_process_that_is_given_up_after_another_took_its_place_changes_
     wait_until(lambda: world.count_subscribers("/a/percept") == 1)
     assert not sender.look()
     assert sender.has("a")
+
+
+def test_a_host_of_another_swarm_takes_no_agents_away_and_is_named(nodes):
+    world, agent = nodes
+    refused: list[str] = []
+    sender = PerceptSender(world, ("a", "b"))
+    sender.join(lambda *_: None, "pond-1", refused.append)
+    listening = [
+        agent.create_subscription(msg.PerceptBatch, f"/{host}/percepts", lambda _: None, qos.CYCLE)
+        for host in HOSTS
+    ]
+    rosters = agent.create_publisher(msg.HostRoster, "/hosts", qos.LATCHED)
+    executor = EventsExecutor(context=world.context)
+    executor.add_node(world)
+
+    def announce(host: str, number: int, swarm: str) -> None:
+        rosters.publish(msg.HostRoster(host=host, number=number, agents=["a"], swarm=swarm))
+
+    announce("ours", 1, "pond-1")
+    spin_until(executor, lambda: sender.look() or sender.has("a"))
+    for host, swarm in zip(HOSTS, ("pond-2", "pond-2", ""), strict=True):
+        announce(host, 2, swarm)
+    spin_until(executor, lambda: len(refused) == len(listening))
+    assert all(f"host {host}, which lists a:" in refused[i] for i, host in enumerate(HOSTS))
+    assert "it is of the swarm pond-2, not of pond-1; end it, or" in refused[0]
+    assert "it is of no swarm, not of pond-1" in refused[2]
+    assert sender.has("a")
+    executor.shutdown()

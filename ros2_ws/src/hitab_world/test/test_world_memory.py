@@ -1,6 +1,8 @@
 """What a world goes on from after a restart of its process, however soon it ends."""
 
+import errno
 import json
+from pathlib import Path
 
 import pytest
 from hitab_msgs.msg import WorldStatus
@@ -34,10 +36,10 @@ def memory_of(tmp_path):
         control = Control(WorldStatus.LOCKSTEP, 1.0, paused)
         made.course = Course(Pond(), control, RoundAnswers((), lambda _: True))
         settings = WorldSettings(swarm=swarm, state_dir=str(tmp_path), snapshot_period=60.0)
-        return WorldMemory("world", made.course, settings, made.warned.append)
+        return WorldMemory("world", made.course, settings, made.warned.append, made.unsaved.append)
 
     made = make
-    made.warned = []
+    made.warned, made.unsaved = [], []
     return make
 
 
@@ -58,7 +60,7 @@ def test_a_request_is_saved_before_it_is_acknowledged_also_right_after_another(
         memory.save_now()
         saved = json.loads((tmp_path / "world" / LATEST).read_bytes())
         assert saved["control"]["episodes_left"] == episodes
-    assert memory_of.warned == []
+    assert set(memory_of.unsaved) == {""}
 
 
 def test_the_last_state_is_there_for_the_same_swarm_only(memory_of):
@@ -107,13 +109,31 @@ def test_damaged_files_are_ignored_with_a_warning_that_names_them(memory_of, tmp
     ]
 
 
-def test_what_cannot_be_saved_is_told_once_and_holds_up_no_request(memory_of, tmp_path):
+def test_a_state_that_cannot_be_saved_is_a_fault_until_it_can_be(memory_of, monkeypatch):
+    memory = memory_of()
+    memory_of.course.world.cycle = 466
+    memory.save_latest()
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as on_disk:
+        on_disk.setattr(Path, "write_text", full)
+        memory_of.course.world.cycle = 543
+        memory.save_latest()
+    assert "(No space left on device)" in memory_of.unsaved[-1]
+    assert "if its process restarts, it will go back to cycle 466" in memory_of.unsaved[-1]
+    memory.save_latest()
+    assert memory_of.unsaved[-1] == "", "it is saved though nothing has changed"
+
+
+def test_what_cannot_be_saved_is_told_and_holds_up_no_request(memory_of, tmp_path):
     (tmp_path / "world").write_text("not a folder")
     memory = memory_of()
     for episodes in (1, 2):
         ask_for(memory_of, episodes)
         memory.save_now()
-    (told,) = memory_of.warned
+    (told,) = {*memory_of.unsaved}
     assert "its state cannot be saved" in told
     with pytest.raises(HitabError, match="cannot write"):
         memory.save("corner", {})

@@ -9,7 +9,7 @@ from pathlib import Path
 from hitab_bringup.doctor.finding import ERROR, WARNING, Finding, judged
 from hitab_client import domain_ids
 from hitab_client.dds_profile import LOOPBACK, NETWORK, RANGE, VARIABLES, choose_profile
-from hitab_client.ros_environment import is_from_wheels
+from hitab_client.ros_environment import SERVER, is_from_wheels
 from hitab_core import way_to_install
 
 DISTRO = "jazzy"
@@ -51,6 +51,8 @@ def middleware() -> Iterator[Finding]:
         way_out = f"unset {' '.join(VARIABLES)}"
     elif own:
         told = f"by your own DDS profile {own[0]}"
+    elif server := os.environ.get(SERVER):
+        told = f"by the server {server}, without which nobody finds anybody ({SERVER})"
     elif any(Path(name).name == LOOPBACK.name for name in profiles):
         told = "of processes on this computer only"
     elif environment[RANGE] == "OFF":

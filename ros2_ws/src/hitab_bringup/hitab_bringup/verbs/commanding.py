@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import getpass
 from typing import Annotated
 
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain, tell_faults
-from hitab_client import console
+from hitab_client import console, user_name
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_client.commands import called, with_commands
 from hitab_core import Do, FeatureKind, HitabError, Use, quantity
@@ -57,7 +56,7 @@ def demonstrate(
 
     use = Use.parse(behavior)
     if ago is None:
-        ago = reaction_time.of(getpass.getuser()) or None
+        ago = reaction_time.of(user_name()) or None
     else:
         reaction_time.check(ago)
     with connection(swarm) as swarm_up:

@@ -55,10 +55,10 @@ class Connection:
         """Show something and keep it up to date, until Ctrl-C."""
         from rich.console import Group
 
-        with console.live(Group(*shown())) as live:
+        with console.live(Group(*shown())) as update:
             while True:
                 self.link.spin_until(lambda: False, WATCH_SECONDS)
-                live.update(Group(*shown()))
+                update(Group(*shown()))
 
     @property
     def has_world(self) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import getpass
 import math
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hitab_client import SwarmError, console
+from hitab_client import SwarmError, console, user_name
 from hitab_client.command_options import SwarmName
 from hitab_client.commands import as_command, called, with_commands
 from hitab_core import Do, has, some
@@ -163,7 +162,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
 
     with _everywhere() as ends:
         where = " or ".join(str(end.domain_id) for end in ends)
-        by = getpass.getuser()
+        by = user_name()
         lacking = Stops.switch_all(ends, by, reason, engaged=engaged, seconds=seconds, tell=tell)
         there = [end.label(name, ends) for end in ends for name in end.names()]
     if not there:

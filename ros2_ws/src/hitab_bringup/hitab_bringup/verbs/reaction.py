@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import getpass
 from typing import Annotated
 
 import typer
 
-from hitab_client import SwarmError, console
+from hitab_client import SwarmError, console, user_name
 from hitab_core import Do
 
 
@@ -36,7 +35,7 @@ def reaction(
     """
     from hitab_client import reaction_time
 
-    who = demonstrator or getpass.getuser()
+    who = demonstrator or user_name()
     if sum((seconds is not None, measure, forget)) > 1:
         raise typer.BadParameter("give a time, --measure or --forget, but only one of them")
     if measure:

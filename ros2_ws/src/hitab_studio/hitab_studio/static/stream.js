@@ -8,8 +8,9 @@ export function openStream(session, take) {
   let socket;
   let wait = 250;
   function open() {
-    const scheme = location.protocol === "https:" ? "wss" : "ws";
-    socket = new WebSocket(`${scheme}://${location.host}/field?session=${session}`);
+    const address = new URL(`field?session=${session}`, document.baseURI);
+    address.protocol = address.protocol.replace("http", "ws");
+    socket = new WebSocket(address);
     socket.binaryType = "arraybuffer";
     socket.onopen = () => (wait = 250);
     socket.onmessage = ({ data }) => take(typeof data === "string" ? JSON.parse(data) : frame(data));

@@ -1,0 +1,24 @@
+"""The name and the home of the user of this process, who may be an id without either."""
+
+from __future__ import annotations
+
+import getpass
+import os
+import pwd
+from pathlib import Path
+
+
+def user_name() -> str:
+    """Return the user's name, or ``user_12345`` in a container where the user has only an id."""
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return f"user_{os.getuid()}"
+
+
+def user_home() -> Path:
+    """Return the user's home folder, or the root folder, as shells do where there is none."""
+    try:
+        return Path(os.environ.get("HOME") or pwd.getpwuid(os.getuid()).pw_dir)
+    except KeyError:
+        return Path("/")
