@@ -98,7 +98,7 @@ def test_what_a_keeper_does_becomes_a_behavior_that_it_performs(
 
     def heard() -> bool:
         recorder.look()
-        return f"/{ONE}" in recorder.sessions and not recorder.awaited
+        return f"/{ONE}" in recorder.perceiving and not recorder.awaited
 
     assert keepers.link.spin_until(heard, SECONDS)
     agents.perform(ONE, "ServoBall")

@@ -23,7 +23,7 @@ class AgentBase(GuardedNode):
         settings: its parameters.
         shared: what it shares with the other agents of its process, a `Shared`.
         status: its status, a `StatusPublisher`.
-        session_log: tells those who record, a `SessionLog`.
+        percept_log: publishes its percepts for recorders, a `PerceptLog`.
     """
 
     agent: Agent
@@ -31,7 +31,7 @@ class AgentBase(GuardedNode):
     settings: AgentSettings
     shared: Any
     status: Any
-    session_log: Any
+    percept_log: Any
 
     def take_in(self, percept: msg.Percept) -> None:
         """Perceive. The percept object may be reused: an agent must copy what it keeps."""

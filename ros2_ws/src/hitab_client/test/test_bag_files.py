@@ -7,22 +7,18 @@ from typing import Any
 
 import pytest
 from hitab_msgs import msg
-from hitab_msgs.srv import BeginTraining, EditExamples
 from mcap.writer import Writer
 from rclpy.serialization import serialize_message
-from std_msgs.msg import String
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording import (
     definition,
+    driving_of,
     message_class,
-    session_of,
     type_name,
 )
 from hitab_client.recording.bag_file import BagFile
-from hitab_ros import own_hash, qos, session_topics
-
-REQUEST = BeginTraining.Request(automaton="Near", features=["DistanceTo(ball)"], request=2**63)
+from hitab_ros import own_hash, qos
 
 
 def write(path: Path, messages: dict[str, Any]) -> None:
@@ -37,42 +33,25 @@ def write(path: Path, messages: dict[str, Any]) -> None:
 
 
 def session() -> dict[str, Any]:
-    request = session_topics.request_text("begin", REQUEST)
     return {
-        "/one/known": msg.Distribution(source="one", digest="d"),
+        "/world/status": msg.WorldStatus(world="keepaway"),
         "/one/status": msg.AgentStatus(agent="one", domain="keepaway"),
-        "/one/requested": String(data=request),
         "/one/perceived": msg.Percept(sequence=7, values=[1.5]),
+        "/world/actions": msg.Action(agent="one", sequence=7, values=[0.5]),
     }
 
 
-def test_a_request_is_read_as_it_was_written() -> None:
-    edit = EditExamples.Request(action=EditExamples.Request.RETIME, numbers=[1, 4], ago=0.1 + 0.2)
-    for service, request in (("begin", REQUEST), ("edit_examples", edit)):
-        text = session_topics.request_text(service, request)
-        assert session_topics.request_of(text) == (service, request)
-    other = '{"service": "reboot", "request": {}}'
-    for wrong in ("", "[]", other, text.replace("ago", "then"), text.replace("[1, 4]", "4")):
-        with pytest.raises(ValueError, match="is no request to an agent"):
-            session_topics.request_of(wrong)
-
-
-def test_a_session_is_read_in_the_order_in_which_it_was_sent(tmp_path: Path) -> None:
+def test_the_name_of_an_agent_may_have_its_namespace(tmp_path: Path) -> None:
     write(tmp_path / "a.mcap", session())
-    for name in ("one", "/one"):
-        found = session_of(tmp_path / "a.mcap", name)
-        assert (found.agent, found.domain, found.known.digest) == ("one", "keepaway", "d")
-        assert [name for _, name, _ in found.sent] == [
-            "known",
-            "status",
-            "requested",
-            "perceived",
-        ]
+    for name in ("one", "/one", ""):
+        found = driving_of(tmp_path / "a.mcap", name)
+        assert (found.agent, found.domain) == ("one", "keepaway")
+        assert [(list(m.values), list(m.did or ())) for m in found.moments] == [([1.5], [0.5])]
 
 
 def refusal(path: Path, agent: str = "one") -> str:
     with pytest.raises(SwarmError) as refused:
-        session_of(path, agent)
+        driving_of(path, agent)
     text = str(refused.value)
     assert "\n" not in text
     return text
@@ -99,7 +78,7 @@ def test_a_damaged_recording_is_refused(tmp_path: Path) -> None:
     assert "a.mcap cannot be read" in refusal(path)
 
 
-def test_messages_with_another_definition_are_not_trained_from(tmp_path: Path) -> None:
+def test_messages_with_another_definition_are_not_read(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:
         writer = Writer(file)

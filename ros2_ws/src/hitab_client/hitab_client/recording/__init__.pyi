@@ -8,5 +8,4 @@ from .driving import Driven as Driven
 from .driving import driving_of as driving_of
 from .reading import Received as Received
 from .reading import opened as opened
-from .reading import session_of as session_of
 from .recorder import Recorder as Recorder

@@ -11,14 +11,14 @@ from hitab_client.errors import SwarmError
 from hitab_client.recording.reading import agent_meant, opened
 from hitab_core import Do, quantity
 from hitab_core.showing import Moment
-from hitab_ros import names, session_topics
+from hitab_ros import names
 from hitab_ros.stamps import seconds_of
 
 VELOCITY = "cmd_vel"
 """Topic of the velocity that a robot was driven with, in the agent's namespace."""
 
 NANOSECONDS = 1e9
-_PERCEPTS = (session_topics.PERCEIVED, names.PERCEPT)
+_PERCEPTS = (names.PERCEIVED, names.PERCEPT)
 
 
 @dataclass(frozen=True)

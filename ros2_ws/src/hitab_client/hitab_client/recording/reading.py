@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from hitab_msgs.msg import Distribution
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap.records import Schema
@@ -17,9 +16,9 @@ from rclpy.serialization import deserialize_message
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import FORMAT, METADATA
-from hitab_client.recording.definitions import definition, message_class, type_name
-from hitab_core import Do, has, newer_format
-from hitab_ros import names, own_hash, session_topics
+from hitab_client.recording.definitions import definition, message_class
+from hitab_core import has, newer_format
+from hitab_ros import own_hash
 
 MAGIC = b"\x89MCAP0\r\n"
 
@@ -113,87 +112,6 @@ def _check_whole(name: str, stream: BinaryIO) -> None:
             "writing, or it is another bag, which `ros2 bag convert` converts"
         )
     stream.seek(0)
-
-
-Sent = tuple[int, str, Any]
-"""A message of an agent: when it was sent, ns; the last part of its topic; the message."""
-
-
-@dataclass(frozen=True)
-class Session:
-    """What a recording has of one agent, from when it began to tell what it took in.
-
-    Attributes:
-        agent: its name.
-        domain: the name of its domain.
-        known: what it knew at the beginning.
-        sent: its messages, in the order in which it sent them.
-    """
-
-    agent: str
-    domain: str
-    known: Distribution
-    sent: list[Sent]
-
-
-def trained_agents(path: Path) -> list[str]:
-    """Return the agents, with their namespaces, whose sessions a recording has.
-
-    Raises:
-        SwarmError: if it cannot be read.
-    """
-    ending = f"/{session_topics.KNOWN}"
-    kind = type_name(Distribution)
-    with opened(path) as messages:
-        topics = {m.topic for m in messages if m.schema.name == kind}
-    return sorted(t.removesuffix(ending) for t in topics if t.endswith(ending))
-
-
-def session_of(path: Path, agent: str) -> Session:
-    """Return what a recording has of one agent.
-
-    Args:
-        path: of the recording.
-        agent: its name, with its namespace if there are several of that name; empty: the only
-            one that the recording has.
-
-    Raises:
-        SwarmError: if it has nothing of it, or messages are defined differently here.
-    """
-    namespace = _namespace(path, agent)
-    told = (*session_topics.TOPICS, names.STATUS, names.TRANSITIONS)
-    wanted = {f"{namespace}/{name}": name for name in told}
-    sent: list[Sent] = []
-    with opened(path) as messages:
-        for message in messages:
-            if name := wanted.get(message.topic):
-                sent.append((message.sent, name, message.decoded()))
-    sent.sort(key=lambda one: one[0])
-    begun = next((s for s, name, _ in sent if name == session_topics.KNOWN), 0)
-    known = next(m for _, name, m in sent if name == session_topics.KNOWN)
-    domain = next((m.domain for _, name, m in sent if name == names.STATUS), "")
-    if not domain:
-        raise SwarmError(
-            f"{path.name} lacks the topic {namespace}/{names.STATUS}, which names the agent's "
-            "domain",
-            Do.RECORD(),
-        )
-    return Session(
-        namespace.rpartition("/")[2], domain, known, [one for one in sent if one[0] >= begun]
-    )
-
-
-def _namespace(path: Path, agent: str) -> str:
-    """Return the namespace of an agent in a recording; of the only one, if none is named."""
-    there = trained_agents(path)
-    if not there:
-        raise SwarmError(
-            f"no agent can be trained from {path.name}: it lacks the topic "
-            f"AGENT/{session_topics.KNOWN}, with which a session begins; agents with a process of "
-            "their own have it",
-            Do.RECORD(),
-        )
-    return agent_meant(path, there, agent)
 
 
 def agent_meant(path: Path, there: Sequence[str], agent: str) -> str:
