@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 import threading
@@ -10,33 +11,28 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from mcap.exceptions import EndOfFile
-from mcap.records import Channel, Message
-from mcap.stream_reader import StreamReader
+import pytest
 from sensor_msgs.msg import LaserScan
 from waiting import within
 
 from hitab_bringup.bringing_up import RunningSwarm
-from hitab_client.recording import opened
+from hitab_client import SwarmError
+from hitab_client.recording import Messages
+from hitab_client.recording.reading import MAGIC
 
 SECONDS = 60.0
 
 
-def test_what_was_recorded_is_on_disk_when_the_recorder_is_killed(
-    keepers: RunningSwarm, tmp_path: Path
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGHUP], ids=["kill", "hup"])
+def test_what_was_recorded_is_read_after_a_kill_or_a_closed_terminal(
+    keepers: RunningSwarm, tmp_path: Path, number: signal.Signals
 ) -> None:
     bag = tmp_path / "killed.mcap"
 
     def recorded() -> set[str]:
-        topics: dict[int, str] = {}
-        found = set()
-        with bag.open("rb") as file, suppress(EndOfFile):
-            for record in StreamReader(file).records:
-                if isinstance(record, Channel):
-                    topics[record.id] = record.topic
-                elif isinstance(record, Message):
-                    found.add(topics[record.channel_id])
-        return found
+        with suppress(SwarmError):  # nothing yet
+            return {message.topic for message in Messages(bag)}
+        return set()
 
     wanted = {"/world/status", *(f"/{agent}/status" for agent in keepers.record.agents)}
     command = [sys.executable, "-m", "hitab_bringup.main", "record", "-o", str(bag)]
@@ -44,8 +40,9 @@ def test_what_was_recorded_is_on_disk_when_the_recorder_is_killed(
         try:
             assert within(SECONDS, lambda: bag.exists() and wanted <= recorded())
         finally:
-            recorder.kill()
+            recorder.send_signal(number)
     assert wanted <= recorded()
+    assert bag.read_bytes().endswith(MAGIC) == (number == signal.SIGHUP)
 
 
 def test_the_command_records_chosen_topics_too(
@@ -72,7 +69,6 @@ def test_the_command_records_chosen_topics_too(
         in done[0].stderr
     )
     assert "/robot_1/odom is not in it: nobody has published it" in done[0].stderr
-    with opened(bag) as messages:
-        assert "/robot_1/scan" in {message.topic for message in messages}
+    assert "/robot_1/scan" in {message.topic for message in Messages(bag)}
     again = hitab("record", "-o", str(bag))
     assert f"{bag} exists already" in again.stderr

@@ -14,7 +14,7 @@ from sensor_msgs.msg import LaserScan
 
 from hitab_agent import AgentNode
 from hitab_client import RosLink
-from hitab_client.recording import Recorder, driving_of, opened
+from hitab_client.recording import Messages, Recorder, driving_of
 from hitab_core import Domain
 from hitab_core.showing import Strip
 from hitab_robots import Robot, Scan, Sector, motion, nearest_range
@@ -99,8 +99,8 @@ def test_a_driven_robot_is_labeled_from_its_recorded_percepts(
         stage.node.destroy_node()
         stage.executor.shutdown()
 
-    with opened(tmp_path / "bag.mcap") as messages:
-        assert "/robot_1/scan" in {message.topic for message in messages}
+    recorded = {message.topic for message in Messages(tmp_path / "bag.mcap")}
+    assert "/robot_1/scan" in recorded
     driven = driving_of(tmp_path / "bag.mcap", "robot_1")
     cycles = [moment.cycle for moment in driven.moments]
     assert cycles == list(range(cycles[0], cycles[0] + len(cycles)))
