@@ -216,6 +216,10 @@ def test_a_recording_without_the_agent_or_without_actions_is_refused(
     none = write(tmp_path / "none.mcap", ("/world/status", 0.0, WorldStatus()))
     with pytest.raises(SwarmError, match="no percepts of any agent"):
         driving_of(none)
+    look = Percept(sequence=1, look=True)
+    paused = write(tmp_path / "paused.mcap", ("/keeper_1/perceived", 0.0, look))
+    with pytest.raises(SwarmError, match="the world was paused while it was recorded"):
+        driving_of(paused)
 
 
 def test_a_robot_did_what_it_was_driven_with(tmp_path: Path) -> None:

@@ -94,6 +94,12 @@ def driving_of(path: Path, agent: str = "") -> Driven:
             domain = domain or content.world  # who answers in its place has no status
         elif topic == names.STATUS:
             domain = content.domain
+    if not seen:
+        raise SwarmError(
+            f"{path.name} has no cycle of {name}: the world was paused while it was recorded",
+            Do.RESUME_WORLD(),
+            Do.RECORD(),
+        )
     if not any(action is not None for action in did):
         raise SwarmError(
             f"{path.name} has {quantity(len(seen), 'percept')} of {name}, but not what was done: "
