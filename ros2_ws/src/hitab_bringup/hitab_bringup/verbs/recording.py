@@ -35,7 +35,7 @@ def record(
 ) -> None:
     """Record to a bag (MCAP) what a swarm perceives and does, until Ctrl-C.
 
-    The studio and Foxglove show it again; `hitab library label` trains from what was done.
+    The studio shows it again; `hitab library label` trains from what was done.
 
     Args:
         output: The file to write; .mcap is added. Default: one among the recordings that the
