@@ -222,6 +222,18 @@ def test_a_tree_consists_of_its_subtrees_what_its_head_lists_and_what_is_built_i
     assert not there & set(BUILT_IN.split())
 
 
+def test_a_tree_names_each_state_test_and_transition_for_groot():
+    root = ElementTree.fromstring(exported(library("keepaway"), "Keepaway", "bt.xml"))
+    (tree,) = (tree for tree in root if tree.get("ID") == "ApproachBall")
+    states = {each.get("name"): each for each in tree.iter("Sequence")}
+    assert {"in Start", "in GoFast", "in Stop"} <= set(states)
+    shown = [each.get("name", "") for each in states["in GoFast"].iter("Script")]
+    assert "GoFast stays" in shown
+    assert "GoFast -> GoMedium" in shown
+    assert any("DistanceTo(ball) <=" in name for name in shown)
+    assert all(shown)
+
+
 @pytest.mark.parametrize(("name", "behavior"), BEHAVIORS)
 def test_behavior_tree_cpp_decides_as_the_engine_does(name, behavior):
     library_of_trees = pytest.importorskip(

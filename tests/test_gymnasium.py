@@ -109,6 +109,37 @@ def test_an_agent_that_has_left_perceives_its_last_and_the_others_go_on(tmp_path
     assert (result.ended, result.measures) == ("terminated", {"reward": 6.0})
 
 
+def test_an_episode_ends_with_all_agents_though_the_environment_keeps_them(tmp_path):
+    kept = LEAVING.replace("self.agents = self.agents, [agent", "_ = self.agents, [agent")
+    assert kept != LEAVING
+    *_, result = played(world_of(tmp_path, kept), [1])
+    assert (result.ended, result.cycles, result.measures) == ("terminated", 4, {"reward": 8.0})
+
+
+OLD = """    def environment(self):
+        return Old()
+
+
+class Old:
+    observation_space = spaces.Box(-9.0, 9.0, (2,))
+    action_space = spaces.Discrete(2)
+
+    def reset(self, seed):
+        return [0.0, 0.0], {}
+
+    def step(self, action):
+        return [0.0, 0.0], 1.0, False, {}
+"""
+
+
+def test_an_environment_with_the_old_interface_is_refused_by_that_name(tmp_path):
+    with pytest.raises(WorldError, match=r"its step\(\) does not return 5 values, as since Gym"):
+        played(world_of(tmp_path, OLD), [1])
+    very_old = OLD.replace("[0.0, 0.0], {}\n", "spaces.Box(-9.0, 9.0, (2,)).sample()\n")
+    with pytest.raises(WorldError, match=r"its reset\(\) does not return 2 values"):
+        world_of(tmp_path, very_old)
+
+
 def test_an_agent_that_does_nothing_does_what_is_idle(tmp_path):
     body = CART.format("CartPole-v1")
     nothing = played(world_of(tmp_path, body), [])

@@ -98,7 +98,7 @@ def test_what_a_keeper_does_becomes_a_behavior_that_it_performs(
 
     def heard() -> bool:
         recorder.look()
-        return f"/{ONE}" in recorder.sessions and not recorder.awaited
+        return f"/{ONE}" in recorder.perceiving and not recorder.awaited
 
     assert keepers.link.spin_until(heard, SECONDS)
     agents.perform(ONE, "ServoBall")
@@ -216,6 +216,10 @@ def test_a_recording_without_the_agent_or_without_actions_is_refused(
     none = write(tmp_path / "none.mcap", ("/world/status", 0.0, WorldStatus()))
     with pytest.raises(SwarmError, match="no percepts of any agent"):
         driving_of(none)
+    look = Percept(sequence=1, look=True)
+    paused = write(tmp_path / "paused.mcap", ("/keeper_1/perceived", 0.0, look))
+    with pytest.raises(SwarmError, match="the world was paused while it was recorded"):
+        driving_of(paused)
 
 
 def test_a_robot_did_what_it_was_driven_with(tmp_path: Path) -> None:

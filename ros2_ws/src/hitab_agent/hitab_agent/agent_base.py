@@ -24,7 +24,7 @@ class AgentBase(GuardedNode):
         settings: its parameters.
         shared: what it shares with the other agents of its process, a `Shared`.
         status: its status, a `StatusPublisher`.
-        session_log: tells those who record, a `SessionLog`.
+        percept_log: publishes its percepts for recorders, a `PerceptLog`.
         stop: of its robot; None if it has none.
     """
 
@@ -33,7 +33,7 @@ class AgentBase(GuardedNode):
     settings: AgentSettings
     shared: Any
     status: Any
-    session_log: Any
+    percept_log: Any
     stop: RobotStop | None = None
 
     def take_in(self, percept: msg.Percept) -> None:

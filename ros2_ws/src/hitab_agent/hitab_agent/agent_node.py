@@ -16,10 +16,10 @@ from hitab_agent.command_receiver import CommandReceiver
 from hitab_agent.diagnosis import diagnosis_of_agent
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
 from hitab_agent.inspection_services import InspectionServices
+from hitab_agent.percept_log import PerceptLog
 from hitab_agent.reach import Reach
 from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.robot_link import OwnStop, link_class
-from hitab_agent.session_log import SessionLog
 from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
 from hitab_agent.status_publisher import StatusPublisher
@@ -40,7 +40,7 @@ from hitab_core import (
     uses_actions,
 )
 from hitab_core.commanding import Subordinate
-from hitab_ros import names, session_topics
+from hitab_ros import names
 from hitab_ros.conversions import use_of
 from hitab_ros.diagnostics import Diagnosis
 from hitab_ros.stamps import seconds_of
@@ -94,7 +94,7 @@ class AgentNode(AgentBase):
             most_probable=settings.most_probable,
             observe=self.guard.wrap("publishing a transition", self.transition_log.observe),
         )
-        self.session_log = SessionLog(self)
+        self.percept_log = PerceptLog(self)
         self._tick = GuardedTick(self.agent, self.guard)
         self.status = StatusPublisher(
             self,
@@ -157,7 +157,7 @@ class AgentNode(AgentBase):
         """Start to listen and answer; call this once the name is known to be free."""
         settings, shared = self.settings, self.shared
         self._joined = True
-        self.training.searched = self._searched
+        self.training.searched = self.status.publish_soon
         shared.nodes.append(self)
         CommandReceiver(self)
         if settings.services_on_demand:
@@ -223,13 +223,6 @@ class AgentNode(AgentBase):
         self.settle()
         self.status.publish_soon()
 
-    def create_service(
-        self, srv_type: Any, srv_name: str, callback: Any, *args: Any, **options: Any
-    ) -> Any:
-        """Create a service whose requests belong to the recorded session."""
-        callback = self.session_log.telling(srv_name, callback)
-        return super().create_service(srv_type, srv_name, callback, *args, **options)
-
     def _offer_services(self) -> None:
         self.training.offer()
         AgentServices(self, self.agent, self.shared.library, self.answered, self.training)
@@ -262,7 +255,7 @@ class AgentNode(AgentBase):
     def take_in(self, percept: msg.Percept) -> None:
         """Perceive."""
         log, agent = self.transition_log, self.agent
-        self.session_log.tell(session_topics.PERCEIVED, percept)
+        self.percept_log.tell(percept)
         log.cycle = percept.cycle
         log.stamp = percept.stamp
         self._sensed = False
@@ -383,11 +376,6 @@ class AgentNode(AgentBase):
     def diagnose(self) -> Diagnosis:
         """Return what is wrong with it."""
         return diagnosis_of_agent(self)
-
-    def _searched(self) -> None:
-        """Publish how many questions there are, once they have been looked for."""
-        self.session_log.searched()
-        self.status.publish_soon()
 
     def _prepare_status(self) -> None:
         self.remember()

@@ -8,7 +8,7 @@ from hitab_msgs import msg
 
 from hitab_agent.agent_base import AgentBase
 from hitab_core import Do, Request, TrainingError, some
-from hitab_ros import RecentRequests, names, qos, session_topics
+from hitab_ros import RecentRequests, names, qos
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
 from hitab_ros.plain_text import plain
@@ -53,7 +53,6 @@ class CommandReceiver:
         refusal = self._recent.came_of(status.demonstrator, command.sequence)
         try:
             if refusal is None:
-                node.session_log.tell(session_topics.COMMANDED, command)
                 refusal = ()
                 check(command)
                 use = use_of(command.behavior, command.targets)

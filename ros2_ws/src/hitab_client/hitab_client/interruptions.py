@@ -1,4 +1,4 @@
-"""Defers Ctrl-C and SIGTERM where half of something must not be left."""
+"""Defers Ctrl-C, SIGTERM and SIGHUP where half of something must not be left."""
 
 from __future__ import annotations
 
@@ -22,14 +22,15 @@ AGAIN_S = 0.01
 
 
 def handle_interruptions() -> None:
-    """Handle both signals in this process from now on, so that deferring them costs nothing.
+    """Handle these signals in this process from now on, so that deferring them costs nothing.
 
-    Ctrl-C raises KeyboardInterrupt, unless this process was started to ignore it; SIGTERM raises
-    SystemExit with the usual status.
+    Ctrl-C raises KeyboardInterrupt. SIGTERM, and SIGHUP of a terminal that is closed, raise
+    SystemExit with the usual status. What this process was started to ignore, as by ``nohup``,
+    stays ignored.
     """
-    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
-        signal.signal(signal.SIGINT, _interrupt)
-    signal.signal(signal.SIGTERM, _interrupt)
+    for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _interrupt)
 
 
 def forget_handled() -> None:

@@ -8,16 +8,14 @@ from hitab_msgs import msg
 from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import ConnectionExtRosbag2, QosDurability, QosReliability
-from std_msgs.msg import String
 
 from hitab_client.recording import type_name
 from hitab_client.recording.bag_file import BagFile
 from hitab_ros import own_hash, qos
 
 MESSAGES = {
-    "/one/known": (msg.Distribution(source="one", digest="d"), qos.EVENTS),
+    "/one/command": (msg.Command(behavior="Go"), qos.EVENTS),
     "/one/status": (msg.AgentStatus(agent="one", active_path=["Go", "Stop"]), qos.LATCHED),
-    "/one/requested": (String(data="{}"), qos.EVENTS),
     "/one/perceived": (msg.Percept(sequence=7, values=[0.1, 1.5]), qos.CYCLE),
 }
 
@@ -40,10 +38,10 @@ def test_a_bag_is_read_by_another_reader(tmp_path: Path) -> None:
             for connection in reader.connections
             if isinstance(connection.ext, ConnectionExtRosbag2)
         }
-    assert [at for at, _ in found.values()] == [2000, 2001, 2002, 2003]
+    assert [at for at, _ in found.values()] == [2000, 2001, 2002]
     assert list(found["/one/status"][1].active_path) == ["Go", "Stop"]
     assert list(found["/one/perceived"][1].values) == [0.1, 1.5]
     assert set(offered) == set(MESSAGES)
     assert offered["/one/status"].durability is QosDurability.TRANSIENT_LOCAL
-    assert offered["/one/known"].durability is QosDurability.VOLATILE
+    assert offered["/one/command"].durability is QosDurability.VOLATILE
     assert {one.reliability for one in offered.values()} == {QosReliability.RELIABLE}

@@ -1,8 +1,10 @@
-"""Ctrl-C and SIGTERM wait where half of something must not be left, and end the process then."""
+"""Ctrl-C, SIGTERM and SIGHUP wait where half of something must not be left, then end."""
 
 import signal
 import subprocess
 import sys
+
+import pytest
 
 BEGIN = """
 import signal
@@ -48,9 +50,10 @@ def test_ctrl_c_is_deferred_to_the_end_of_what_must_be_done_whole():
     assert (done.returncode, done.stdout) == (0, "done\ninterrupted\n"), done.stderr
 
 
-def test_sigterm_is_deferred_too_and_ends_with_its_status():
-    done = run(DEFERRED.format(number="signal.SIGTERM"))
-    assert (done.returncode, done.stdout) == (128 + signal.SIGTERM, "done\n"), done.stderr
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP], ids=["term", "hup"])
+def test_other_signals_are_deferred_too_and_end_with_their_status(number):
+    done = run(DEFERRED.format(number=int(number)))
+    assert (done.returncode, done.stdout) == (128 + number, "done\n"), done.stderr
 
 
 def test_the_second_ctrl_c_is_not_deferred():

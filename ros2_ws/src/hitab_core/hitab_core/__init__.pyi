@@ -37,6 +37,7 @@ from .errors import LostBehaviorError as LostBehaviorError
 from .errors import TrainingError as TrainingError
 from .errors import VocabularyError as VocabularyError
 from .errors import newer_format as newer_format
+from .example import CYCLE_MAX as CYCLE_MAX
 from .example import Example as Example
 from .example import ExampleKind as ExampleKind
 from .example import contradictions as contradictions

@@ -7,6 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
+CYCLE_MAX = 10**15
+"""Last cycle that a world may count to; JSON and YAML readers keep such a number whole."""
+
 Place = tuple[str, tuple[float | None, ...]]
 """A state and values in it; see `Example.place`."""
 

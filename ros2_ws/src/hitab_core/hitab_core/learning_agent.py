@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -15,10 +16,17 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, HitabError, TrainingError
 from hitab_core.example import Example
+from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.use import Use
 from hitab_core.wording import quantity
+
+MISSING = ("NAType", "NaTType")
+"""Types of what pandas writes for a missing value, known by name since it is not needed here."""
+
+MANY_RULES = 20
+"""An automaton with fewer is small enough to be read, however few its examples."""
 
 
 class LearningAgent:
@@ -137,8 +145,8 @@ class LearningAgent:
 
     def step(
         self,
-        percept: Sequence[float],
-        command: str | None = None,
+        percept: Sequence[Any],
+        command: Any = None,
         heard: Sequence[str] = (),
         *,
         ago: float = 0.0,
@@ -146,8 +154,10 @@ class LearningAgent:
         """Perform one timestep.
 
         Args:
-            percept: its values, in the layout of the domain.
-            command: the behavior to perform from now on, such as ``"GoTo(ball)"``, or a flag. It
+            percept: its values, in the layout of the domain; None, NaN or pandas' NA where there
+                is no value.
+            command: the behavior to perform from now on, such as ``"GoTo(ball)"``, or a flag;
+                None, an empty text or NaN: none. It
                 is recorded as an example; after `learn` as a correction, and the demonstrator
                 stays in control until `learn` is called again.
             heard: messages that it hears.
@@ -163,11 +173,11 @@ class LearningAgent:
                 feature has no value.
         """
         agent = self.agent
-        self._check(percept)
+        known, name = self._checked(percept), _name_of(command)
         self._cycle += 1
-        agent.sense(percept, heard, self._cycle, self._cycle * self._period)
-        if command is not None:
-            use = Use.parse(command)
+        agent.sense(known, heard, self._cycle, self._cycle * self._period)
+        if name is not None:
+            use = Use.parse(name)
             if agent.mode is not Mode.TRAINING and agent.session is not None:
                 agent.take_over()
             agent.command(use, ago=ago)
@@ -185,6 +195,8 @@ class LearningAgent:
     def learn(self) -> Automaton:
         """Learn from the examples; what was learned decides from now on, beginning at Start.
 
+        More rules than examples can support are a warning.
+
         Returns:
             The automaton, untrimmed; ``print(automaton_as_text(automaton))`` shows it.
 
@@ -193,9 +205,19 @@ class LearningAgent:
         """
         self.agent.test(restart=True)
         assert self.agent.session is not None
-        return self.agent.session.automaton()
+        automaton = self.agent.session.automaton()
+        names = [str(feature) for feature in automaton.features]
+        trees = [t for t in automaton.transitions.values() if isinstance(t, TransitionTree)]
+        rules = sum(len(tree.rules(names)) for tree in trees)
+        if rules > MANY_RULES and 3 * rules > len(automaton.examples):
+            warnings.warn(
+                f"it has {rules} rules for {len(automaton.examples)} examples: what was commanded "
+                f"hardly depends on {', '.join(names)}; choose other features",
+                stacklevel=2,
+            )
+        return automaton
 
-    def decide(self, percept: Sequence[float], heard: Sequence[str] = ()) -> str:
+    def decide(self, percept: Sequence[Any], heard: Sequence[str] = ()) -> str:
         """Perform one timestep and return the state that the automaton is in afterwards.
 
         Raises:
@@ -249,9 +271,12 @@ class LearningAgent:
         session = self.agent.session
         return () if session is None else session.examples
 
-    def _check(self, percept: Sequence[float]) -> None:
+    def _checked(self, percept: Sequence[Any]) -> list[float]:
+        """Return the percept with NaN for missing values."""
         try:
-            right = not any(isinstance(v, str) or np.ndim(v) for v in percept)
+            right = not isinstance(percept, str) and not any(
+                isinstance(v, str) or np.ndim(v) for v in percept
+            )
         except TypeError:  # it is one number
             right = False
         if not right:
@@ -264,3 +289,28 @@ class LearningAgent:
                 f"{self._size}; pass the same values in each step; if the first one was wrong, "
                 "begin again with train(name, discard=True)"
             )
+        return [_number(value, place) for place, value in enumerate(percept, 1)]
+
+
+def _number(value: Any, place: int) -> float:
+    """Return a value of a percept; NaN if it is missing."""
+    if value is None or type(value).__name__ in MISSING:
+        return math.nan
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise FeatureValueError(
+            f"value {place} of the percept is {value!r}, which is no number; give a number, or "
+            "None where there is none"
+        ) from None
+
+
+def _name_of(command: Any) -> str | None:
+    """Return the name of a command; None, an empty cell or NaN: there is none."""
+    if isinstance(command, str):
+        return command or None
+    if command is None or type(command).__name__ in MISSING or command != command:
+        return None
+    raise TrainingError(
+        f"the command is {command!r}; give the name of a behavior, or None if there is none"
+    )

@@ -41,6 +41,13 @@ def plain_domain(
     """
     if not isinstance(behaviors, Mapping):
         behaviors = dict.fromkeys(behaviors, ())
+    for word in (*behaviors, *features):
+        if isinstance(word, str) and any(mark in word for mark in ";\t\ufeff"):
+            raise VocabularyError(
+                f"{word!r} is not a name but the head of a file with other marks between its "
+                'columns: read it with csv.DictReader(open(path, encoding="utf-8-sig"), '
+                'delimiter=";")'
+            )
     made = [_behavior(word, action) for word, action in behaviors.items()]
     if isinstance(features, Mapping):
         read = [Feature(word, _reader(word, function)) for word, function in features.items()]

@@ -194,3 +194,35 @@ def test_cpp_decides_nothing_by_impossible_values(
     )
     subprocess.run(["g++", "-std=c++17", "main.cpp", "-o", "main"], cwd=tmp_path, check=True)
     assert subprocess.run([tmp_path / "main"], check=False).returncode == len(IMPOSSIBLE)
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="there is no g++")
+@pytest.mark.parametrize(
+    ("flags", "compiles"),
+    [
+        ("-ffast-math", False),
+        ("-Ofast", False),
+        ("-O2 -ffinite-math-only", False),
+        ("-O2 -ffast-math -fno-finite-math-only", True),
+    ],
+)
+def test_cpp_does_not_compile_where_a_missing_value_would_be_taken_for_a_number(
+    library: BehaviorLibrary, tmp_path: Path, flags: str, compiles: bool
+) -> None:
+    (tmp_path / "roam.hpp").write_text(exported(library, "Roam", "cpp"))
+    (tmp_path / "main.cpp").write_text("""
+        #include "roam.hpp"
+        int main() {
+          hitab_Roam::Behavior robot;
+          try { robot.tick({}, 0, [] { return 0.5; }); }
+          catch (const std::invalid_argument&) { return 0; }
+          return 1;
+        }
+    """)
+    command = ["g++", "-std=c++17", *flags.split(), "main.cpp", "-o", "main"]
+    done = subprocess.run(command, cwd=tmp_path, check=False, capture_output=True, text=True)
+    assert (done.returncode == 0) == compiles, done.stderr
+    if compiles:
+        subprocess.run([tmp_path / "main"], check=True)
+    else:
+        assert "add -fno-finite-math-only" in done.stderr

@@ -1,12 +1,18 @@
 """Training from a notebook: ten lines, and errors that show the way out."""
 
+from datetime import datetime
+from random import Random
+
+import numpy as np
 import pytest
 
 from hitab_core import (
     FeatureValueError,
     LearningAgent,
+    LibraryError,
     LostBehaviorError,
     TrainingError,
+    Use,
     VocabularyError,
     plain_domain,
 )
@@ -65,6 +71,15 @@ def test_saving_warns_of_what_does_not_play_with_what_would_mend_it():
         agent.step([3.0], command=command)
     with pytest.warns(UserWarning, match=r"it changes between .* forever; have example . of"):
         agent.save()
+
+
+def test_commands_that_do_not_depend_on_the_features_are_remarked_on():
+    agent = LearningAgent(plain_domain("dice", ["Left", "Right"], ["X"])).train("Guess")
+    random = Random(1)
+    for _ in range(100):
+        agent.step([random.random()], command=random.choice(["Left", "Right"]))
+    with pytest.warns(UserWarning, match=r"rules for \d+ examples: .* hardly depends on X"):
+        agent.learn()
 
 
 def test_a_damaged_library_is_a_warning_and_what_is_lost_is_refused_with_the_reason(tmp_path):
@@ -131,6 +146,59 @@ def test_a_first_percept_that_is_refused_does_not_stand_in_the_way_of_those_afte
         agent.step([5.0, 2.0], command="Wait")
         agent.learn()
         assert [agent.decide([x, 2.0]) for x in (1.0, 5.0)] == ["Go", "Wait"]
+
+
+class NAType:
+    """As pandas' NA: a value that cannot be compared or become a number."""
+
+    def __bool__(self):
+        raise TypeError("boolean value of NA is ambiguous")
+
+    __float__ = __bool__
+
+    def __eq__(self, other):
+        return self
+
+    __ne__, __hash__ = __eq__, None
+
+
+@pytest.mark.parametrize("missing", [None, float("nan"), np.float64("nan"), NAType()])
+def test_cells_without_a_value_are_no_command_and_no_value(missing):
+    agent = LearningAgent(plain_domain("pair", ["Go", "Wait"], ["X", "Y"])).train("It")
+    agent.step([1.0, missing], command=np.str_("Go"))
+    agent.step([2.0, 1.0], command=missing)
+    agent.step(np.array([5.0, 1.0]), command="Wait")
+    agent.step([6.0, 1.0], command="")
+    assert [example.next_state for example in agent.examples[::2]] == ["Go", "Wait"]
+    assert np.isnan(agent.examples[0].features[1])
+
+
+def test_what_is_neither_a_number_nor_missing_is_refused_by_its_place():
+    agent = LearningAgent(plain_domain("pair", ["Go", "Wait"], ["X", "Y"])).train("It")
+    for value in (datetime(2026, 1, 1), object(), 1j):
+        with pytest.raises(FeatureValueError, match=r"value 2 of the percept is .* no number"):
+            agent.step([1.0, value], command="Go")
+    for command in (1, np.int64(1), 2.5, b"Go"):
+        with pytest.raises(TrainingError, match=r"the command is .*; give the name of a"):
+            agent.step([1.0, 2.0], command=command)
+    assert agent.examples == ()
+
+
+def test_the_head_of_a_file_of_excel_is_told_from_a_name():
+    with pytest.raises(VocabularyError, match=r'encoding="utf-8-sig"\), delimiter=";"'):
+        plain_domain("robot", ["Go"], ["\ufeffcommand;Range;Battery"])
+
+
+def test_an_example_that_no_file_may_hold_is_named_with_the_way_out(tmp_path):
+    agent = shuttle(LearningAgent(cart(), tmp_path))
+    agent.agent.sense([3.0], (), 2**60, 9.0)
+    agent.agent.command(Use("Left"))
+    bad = agent.examples[-2].number
+    with pytest.raises(LibraryError, match=rf"example {bad} is of cycle 1152921504606846976"):
+        agent.save()
+    assert not list(tmp_path.glob("*.yaml"))
+    agent.agent.session.delete([bad, bad + 1])
+    assert agent.save().is_file()
 
 
 def test_a_domain_that_cannot_be_is_refused():

@@ -1,4 +1,4 @@
-"""A robot is trained from a recording: its percepts are recorded as its agent made them."""
+"""What a person did with a robot is labeled from a recording, which has the agent's percepts."""
 
 from __future__ import annotations
 
@@ -6,21 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hitab_msgs.msg import Command
-from hitab_msgs.srv import BeginTraining, SaveBehavior, SetMode
-from mcap.reader import make_reader
+from geometry_msgs.msg import Twist
 from rclpy.experimental import EventsExecutor
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import LaserScan
 
-from hitab_agent import AgentNode, OfflineAgent, Retracer, Step
+from hitab_agent import AgentNode
 from hitab_client import RosLink
-from hitab_client.recording import Recorder, session_of
-from hitab_client.swarm_client import is_answered
+from hitab_client.recording import Messages, Recorder, driving_of
 from hitab_core import Domain
+from hitab_core.showing import Strip
 from hitab_robots import Robot, Scan, Sector, motion, nearest_range
-from hitab_ros import qos
 from hitab_ros.stamps import as_time
 from hitab_ros.testing import context_of_its_own, spin_until
 
@@ -35,7 +32,7 @@ DOMAIN = Domain.of(
 
 
 class Stage:
-    """A robot's agent, its scanner, a person, and one who records."""
+    """A robot's agent, its scanner, a person who drives, and a recorder."""
 
     def __init__(self, context: Any, link: RosLink, folder: Path) -> None:
         settings = {
@@ -54,13 +51,14 @@ class Stage:
         self.executor.add_node(self.node)
         self.node.join()
         self.link = link
-        self.recorder = Recorder(link, folder / "bag.mcap", also=["/robot_1/scan"])
+        also = ["/robot_1/scan", "/robot_1/cmd_vel"]
+        self.recorder = Recorder(link, folder / "bag.mcap", also=also)
         self.scans = link.node.create_publisher(
             LaserScan, "/robot_1/scan", qos_profile_sensor_data
         )
-        self.commands = link.node.create_publisher(Command, "/robot_1/command", qos.EVENTS)
+        self.drive = link.node.create_publisher(Twist, "/robot_1/cmd_vel", 10)
+        self.velocity: Twist | None = None
         self.range = 3.0
-        self.sent = 0
 
     def each(self) -> None:
         self.range -= 0.001
@@ -69,65 +67,43 @@ class Stage:
         )
         message.header.stamp = as_time(self.link.node.get_clock().now().nanoseconds)
         self.scans.publish(message)
+        if self.velocity is not None:
+            self.drive.publish(self.velocity)
         self.recorder.look()
         self.link.spin(0.0)
 
     def until(self, condition: Any) -> None:
         spin_until(self.executor, condition, self.each)
 
-    def ask(self, kind: Any, name: str, **fields: Any) -> None:
-        client = self.link.node.create_client(kind, f"/robot_1/{name}")
-        self.until(client.service_is_ready)
-        answer = client.call_async(kind.Request(**fields))
-        self.until(answer.done)
-        assert answer.result().success, answer.result().message
-
-    def command(self, behavior: str, ago: float = 0.0) -> None:
-        self.sent += 1
-        command = Command(sequence=self.sent, behavior=behavior, ago=ago)
-        self.until(self.commands.get_subscription_count)
-        self.commands.publish(command)
-        self.until(lambda: is_answered(self.node.status.message, self.sent))
-        status = self.node.status.message
-        assert status.last_refused_sequence != self.sent, status.last_error
-
     def cycles(self, number: int) -> None:
         end = self.node.agent.cycle + number
         self.until(lambda: self.node.agent.cycle >= end)
 
 
-def test_a_robot_is_trained_from_a_recording_bit_for_bit(
+def test_a_driven_robot_is_labeled_from_its_recorded_percepts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("hitab_agent.shared.load_domain", lambda name: DOMAIN)
     with context_of_its_own() as context, RosLink(context.get_domain_id()) as link:
         stage = Stage(context, link, tmp_path)
-        stage.until(lambda: stage.recorder.sessions == ["/robot_1"])
-        stage.ask(BeginTraining, "begin", automaton="Roam", features=["RangeAhead"])
-        stage.cycles(3)
-        stage.command("Forward")
-        stage.cycles(10)
-        stage.command("Turn", ago=0.1)
-        stage.ask(SetMode, "set_mode", mode="testing", restart=True)
-        stage.cycles(5)
-        stage.ask(SaveBehavior, "save")
-        stage.cycles(3)
-        stage.until(lambda: stage.recorder.bag.count > 100)
+        stage.until(lambda: stage.recorder.perceiving == ["/robot_1"])
+        stage.until(lambda: not stage.recorder.missing)
+        stage.velocity = Twist()
+        stage.velocity.linear.x = 0.5
+        stage.cycles(20)
+        stage.velocity = Twist()
+        stage.velocity.angular.z = 1.0
+        stage.cycles(20)
         stage.recorder.close()
-        learned = stage.node.agent.edition.digest
         stage.executor.remove_node(stage.node)
         stage.node.destroy_node()
         stage.executor.shutdown()
 
-    with (tmp_path / "bag.mcap").open("rb") as file:
-        summary = make_reader(file).get_summary()
-    assert summary is not None
-    assert "/robot_1/scan" in {channel.topic for channel in summary.channels.values()}
-    session = session_of(tmp_path / "bag.mcap", "robot_1")
-    again, state = tmp_path / "again", tmp_path / "state"
-    with OfflineAgent("robot_1", session.domain, again, state, session.known) as offline:
-        done = Retracer(offline).take(Step(*one) for one in session.sent)
-        assert done.saved == ["Roam"]
-        assert done.commands == 2
-        assert done.compared > 3
-        assert offline.agent.edition.digest == learned
+    recorded = {message.topic for message in Messages(tmp_path / "bag.mcap")}
+    assert "/robot_1/scan" in recorded
+    driven = driving_of(tmp_path / "bag.mcap", "robot_1")
+    cycles = [moment.cycle for moment in driven.moments]
+    assert cycles == list(range(cycles[0], cycles[0] + len(cycles)))
+    moments = [moment for moment in driven.moments if moment.did is not None]
+    strip = Strip(moments, DOMAIN, driven.agent, ("Forward", "Turn"), ("RangeAhead",))
+    assert [span.behavior for span in strip.spans] == ["Forward", "Turn"]

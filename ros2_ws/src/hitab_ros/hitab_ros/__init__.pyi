@@ -10,7 +10,6 @@ from . import names as names
 from . import plain_text as plain_text
 from . import qos as qos
 from . import ros_domains as ros_domains
-from . import session_topics as session_topics
 from . import stamps as stamps
 from . import testing as testing
 from .alive import give_signs_of_life as give_signs_of_life

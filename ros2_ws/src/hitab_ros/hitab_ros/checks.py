@@ -17,7 +17,7 @@ from typing import Any
 
 from rosidl_parser.definition import AbstractNestedType, BasicType, NamespacedType
 
-from hitab_core import HitabError
+from hitab_core import CYCLE_MAX, HitabError
 from hitab_ros.plain_text import plain
 
 PACKAGE = "hitab_msgs"
@@ -52,6 +52,9 @@ MAY_BE_INFINITE = frozenset({"values", "measures", "position"}) | {
 }
 """Fields of any message with numbers that only a domain can check. A report is also a heartbeat,
 so it is not dropped because of them."""
+
+CYCLES = frozenset({"cycle", "episode_cycle", "seen"})
+"""Fields of any message with a world's cycle, which must fit into the files that keep it."""
 
 AHEAD_S = 3600.0
 """How far numbers made from the time of day may be ahead of this machine's clock."""
@@ -105,6 +108,8 @@ def _check_of(place: str, field: str, slot: Any) -> Check | None:
         return partial(_check_text, place, limit, field in SEVERAL_LINES)
     if slot.typename in ("double", "float") and field not in MAY_BE_INFINITE:
         return partial(_check_number, place)
+    if field in CYCLES:
+        return partial(_check_cycle, place)
     return partial(_check_time_of_day, place) if place in TIMES_OF_DAY else None
 
 
@@ -132,6 +137,11 @@ def _shown(value: str) -> str:
 def _check_number(place: str, value: float) -> None:
     if math.isinf(value):
         raise BadMessage(f"{place} is infinite; give a finite number, or NaN for a missing one")
+
+
+def _check_cycle(place: str, cycle: int) -> None:
+    if cycle > CYCLE_MAX:
+        raise BadMessage(f"{place} is {cycle}; no world counts beyond {CYCLE_MAX}")
 
 
 def _check_time_of_day(place: str, number: int) -> None:

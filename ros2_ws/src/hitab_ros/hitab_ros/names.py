@@ -29,6 +29,7 @@ STATUS = "status"
 TRANSITIONS = "transitions"
 TRAINING = "training"
 PERCEPT = "percept"
+PERCEIVED = "perceived"  # each percept that it has taken in, for recordings
 BEGIN = "begin"
 SET_MODE = "set_mode"
 GET_REPORT = "get_report"

@@ -38,6 +38,11 @@ STREAM = QoSProfile(
 )
 """Data for viewers, and heartbeats: what comes after a lost message does not wait for it."""
 
+PERCEIVED = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE
+)
+"""Percepts for a recorder, which may be behind in a fast lockstep."""
+
 SIGNS_OF_LIFE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT
 )

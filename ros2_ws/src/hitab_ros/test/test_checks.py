@@ -31,6 +31,9 @@ BAD = [
     (srv.Place.Request(entities=[msg.Entity(name="a\x00")]), "Entity.name"),
     (srv.LoadLibrary.Request(path="/" * 5000), "LoadLibrary_Request.path has 5000 characters"),
     (srv.SaveBehavior.Request(description="a\x00"), "SaveBehavior_Request.description"),
+    (msg.Percept(cycle=2**60), "Percept.cycle is 1152921504606846976; no world counts beyond"),
+    (msg.PerceptBatch(cycle=10**15 + 1), "PerceptBatch.cycle is 1000000000000001"),
+    (msg.Command(seen=2**64 - 1), "Command.seen"),
 ]
 
 
@@ -48,7 +51,7 @@ GOOD = [
     msg.HostRoster(host="host_1a2b", number=time.time_ns(), agents=["ant_1"] * 10_000),
     msg.Order(epoch=time.time_ns()),
     msg.Report(values=[float("nan"), float("inf")], position=[float("inf"), 0.0]),
-    msg.Percept(values=[float("inf")] * 1000, heard=["here!"]),
+    msg.Percept(values=[float("inf")] * 1000, heard=["here!"], cycle=10**15),
     msg.Distribution(files=[msg.BehaviorFile(name="A", text="format: 1\n" * 100_000)]),
     msg.AgentStatus(last_error="line 1\nline 2", faults=["a\nb"]),
     srv.Place.Request(entities=[msg.Entity(name="ball", x=1.0, y=float("nan"))]),

@@ -12,7 +12,7 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
 
 from hitab_client import SwarmError
-from hitab_client.recording import Received, opened, type_name
+from hitab_client.recording import Messages, Received, type_name
 from hitab_core.showing import Strip
 from hitab_studio.scene import Scene, scene_of, state_shown
 
@@ -55,7 +55,11 @@ class _Line:
 
 
 class Recording:
-    """One recording, in memory."""
+    """One recording, in memory.
+
+    Attributes:
+        missing: what an unfinished file lacks; "" if nothing.
+    """
 
     def __init__(self, path: Path) -> None:
         """Read a recording.
@@ -69,8 +73,9 @@ class Recording:
         self._statuses: dict[str, _Line] = {}
         self._events = _Line()
         self.episodes: list[tuple[float, str]] = []
-        with opened(path) as messages:
-            self._read(messages)
+        messages = Messages(path)
+        self._read(messages)
+        self.missing = messages.missing
         if not self._states.times:
             raise SwarmError(f"{path.name} shows no world: nothing to replay")
         self.start = self._states.times[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hitab_world.simulation import Simulation, Values
@@ -55,7 +55,8 @@ class GymnasiumWorld(Simulation):
                     f"{name} observes {space.shape[0]} numbers and {self.names[0]} {others}; wrap "
                     "the environment with pad_observations_v0 of SuperSuit"
                 )
-        return self._perceived(self._all.reset(seed=seed % 2**31)[0])
+        self._over: set[Any] = set()
+        return self._perceived(_parts(self._all.reset(seed=seed % 2**31), "reset", 2)[0])
 
     def step(self, actions: Mapping[str, Values]) -> Mapping[str, Values]:
         """Advance by one step; an action that is not in its space is a `ValueError`."""
@@ -64,9 +65,11 @@ class GymnasiumWorld(Simulation):
             for name, their in self._theirs.items()
             if their in self._all.agents
         }
-        observed, rewards, _, truncated, _ = self._all.step(given)
+        observed, rewards, terminated, truncated, _ = _parts(self._all.step(given), "step", 5)
         self.reward += float(sum(rewards.values()))
-        if not self._all.agents:
+        # Some environments leave those who have ended among their agents.
+        self._over |= {their for ends in (terminated, truncated) for their in ends if ends[their]}
+        if self._over.issuperset(self._all.agents):
             self.ended = "truncated" if any(truncated.values()) else "terminated"
         return self._perceived(observed)
 
@@ -97,6 +100,17 @@ class GymnasiumWorld(Simulation):
         return action
 
 
+def _parts(returned: Any, method: str, count: int) -> Sequence[Any]:
+    """Return what an environment returned; a `ValueError` if its interface is an old one."""
+    if isinstance(returned, tuple | list) and len(returned) == count:
+        return returned
+    raise ValueError(
+        f"its {method}() does not return {count} values, as since Gym 0.26 and PettingZoo 1.22: "
+        "reset: observation, info; step: observation, reward, terminated, truncated, info; change "
+        "it, or wrap it with Shimmy"
+    )
+
+
 class _Alone:
     """A Gymnasium environment as a parallel one, of one agent."""
 
@@ -109,10 +123,11 @@ class _Alone:
         self._env = env
 
     def reset(self, seed: int) -> list[dict[str, Any]]:
-        return [{"agent": given} for given in self._env.reset(seed=seed)]
+        return [{"agent": given} for given in _parts(self._env.reset(seed=seed), "reset", 2)]
 
     def step(self, actions: Mapping[str, Any]) -> list[dict[str, Any]]:
-        observed, reward, terminated, truncated, info = self._env.step(actions["agent"])
+        returned = _parts(self._env.step(actions["agent"]), "step", 5)
+        observed, reward, terminated, truncated, info = returned
         if terminated or truncated:
             self.agents = ()
         given = (observed, reward, terminated, truncated and not terminated, info)

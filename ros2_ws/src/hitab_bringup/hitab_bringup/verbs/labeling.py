@@ -60,6 +60,8 @@ def label(
     corrections = [_correction(text) for text in was or ()]
     console.note(f"reading {recording}")
     driven = driving_of(recording, agent)
+    if driven.missing:
+        console.note(driven.missing)
     domain = named_domain(driven.domain)
     asked = driven.moments, domain, driven.agent, behavior or [], feature, corrections
     with console.progress("labeling", line_every=10_000) as advance:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup.verbs import labeling, library_changes, recording
+from hitab_bringup.verbs import labeling, library_changes
 from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
 from hitab_client import console
 from hitab_client.command_options import JsonPath, SwarmName
@@ -236,5 +236,4 @@ for changes in (
     app.command()(changes)
 app.command("import")(library_changes.import_)
 app.command()(library_changes.reload)
-app.command("from-recording")(recording.from_recording)
 app.command()(labeling.label)

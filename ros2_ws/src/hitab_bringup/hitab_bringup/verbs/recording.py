@@ -1,4 +1,4 @@
-"""Verbs for recordings: making one, and training from one."""
+"""The verb that records a swarm."""
 
 from __future__ import annotations
 
@@ -35,8 +35,7 @@ def record(
 ) -> None:
     """Record to a bag (MCAP) what a swarm perceives and does, until Ctrl-C.
 
-    The studio, Foxglove and `ros2 bag play` show it again; `hitab library from-recording` trains
-    from it.
+    The studio shows it again; `hitab library label` trains from what was done.
 
     Args:
         output: The file to write; .mcap is added. Default: one among the recordings that the
@@ -112,52 +111,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
             recorder.look()
             far = f"{quantity(recorder.bag.count, 'message')}, {now - began:.0f} s"
             status.update(f"recording: {far}")
-            if recorder.sessions != told and not recorder.awaited:
-                told = recorder.sessions
+            if recorder.perceiving != told and not recorder.awaited:
+                told = recorder.perceiving
                 agents = ", ".join(agent.removeprefix("/") for agent in told)
-                console.note(f"from now on it can be trained from: {agents}")
-
-
-def from_recording(
-    recording: Path,
-    folder: Path,
-    agent: Annotated[str, typer.Option("--agent", "-a", show_default=False)] = "",
-    save: Annotated[bool, typer.Option("--save")] = False,
-) -> None:
-    """Train from a recording: give an agent again all that the recorded one took in.
-
-    No swarm has to be up. What is learned equals what was learned then, example by example and bit
-    by bit; if not, an error says where they part.
-
-    Args:
-        recording: A file that `hitab record` or the studio wrote.
-        folder: For the library; a new folder.
-        agent: Whose training. Default: of the only one.
-        save: Also save the training that the recording ends in.
-
-    Examples:
-      hitab library from-recording session.mcap trained
-      hitab library from-recording session.mcap trained --agent keeper_1 --save
-    """
-    from hitab_bringup.from_recording import train_from_recording
-
-    console.note(f"training from {recording}")
-    recorded, done, unsaved = train_from_recording(recording, folder, agent, save=save)
-    agrees = (
-        f"; it agrees with the recorded one in all {done.compared} statuses and changes of state"
-    )
-    console.say(
-        f"{recorded} took in {quantity(done.percepts, 'percept')}, "
-        f"{quantity(done.commands, 'command')} and {quantity(done.requests, 'request')}"
-        + (agrees if done.compared else "")
-    )
-    for name in done.saved:
-        console.say(f"saved {name} in {folder}")
-    if unsaved:
-        name, examples = unsaved
-        console.say(
-            f'the training of "{name}" with {quantity(examples, "example")} was not saved; '
-            "--save saves it"
-        )
-    elif not done.saved:
-        console.say("nothing was trained in it")
+                console.note(f"from now on it has the percepts of: {agents}")

@@ -6,7 +6,6 @@ from .definitions import message_class as message_class
 from .definitions import type_name as type_name
 from .driving import Driven as Driven
 from .driving import driving_of as driving_of
+from .reading import Messages as Messages
 from .reading import Received as Received
-from .reading import opened as opened
-from .reading import session_of as session_of
 from .recorder import Recorder as Recorder

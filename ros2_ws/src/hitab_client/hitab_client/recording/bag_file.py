@@ -50,7 +50,7 @@ class BagFile:
             raise SwarmError(f"{path} exists already; choose another name") from None
         except OSError as error:
             raise SwarmError(f"cannot record to {path}: {error.strerror}") from None
-        self._writer = Writer(self._file)
+        self._writer = Writer(self._file, enable_data_crcs=True)
         self._writer.start(profile="ros2", library="hitab_client")
         self._writer.add_metadata(METADATA, {"format": str(FORMAT)})
 

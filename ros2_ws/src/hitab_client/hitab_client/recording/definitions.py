@@ -6,6 +6,8 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
+from mcap.records import Schema
+
 from hitab_client.errors import SwarmError
 from hitab_ros import own_hashes, share_folder
 
@@ -49,6 +51,22 @@ def definition(name: str) -> str:
             package, _, kind = inner.split("/")
             parts.append(f"{_BREAK}\nMSG: {package}/{kind}\n{_text(inner)}")
     return "\n".join(parts)
+
+
+def same_definition(schema: Schema) -> bool:
+    """Return whether a recorded definition equals the one here, whatever their comments.
+
+    Other releases of ROS 2 word comments otherwise, and list the parts in another order.
+    """
+    return _meaning(schema.data.decode(errors="replace")) == _meaning(definition(schema.name))
+
+
+def _meaning(text: str) -> tuple[list[str], ...]:
+    first, *parts = text.split(_BREAK)
+    return tuple(
+        [stripped for line in part.splitlines() if (stripped := line.partition("#")[0].strip())]
+        for part in (first, *sorted(parts))
+    )
 
 
 def _text(name: str) -> str:

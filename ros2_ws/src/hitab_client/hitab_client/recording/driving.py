@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hitab_client.errors import SwarmError
-from hitab_client.recording.reading import agent_meant, opened
+from hitab_client.recording.reading import Messages, agent_meant
 from hitab_core import Do, quantity
 from hitab_core.showing import Moment
-from hitab_ros import names, session_topics
+from hitab_ros import names
 from hitab_ros.stamps import seconds_of
 
 VELOCITY = "cmd_vel"
 """Topic of the velocity that a robot was driven with, in the agent's namespace."""
 
 NANOSECONDS = 1e9
-_PERCEPTS = (session_topics.PERCEIVED, names.PERCEPT)
+_PERCEPTS = (names.PERCEIVED, names.PERCEPT)
 
 
 @dataclass(frozen=True)
@@ -28,14 +27,16 @@ class Driven:
     Attributes:
         agent: its name.
         domain: the name of its domain.
-        start: when the first percept was sent, s since 1970.
+        start: when the first percept was recorded, s since 1970.
         moments: each cycle; they are so many s after the start.
+        missing: what an unfinished recording lacks; "" if nothing.
     """
 
     agent: str
     domain: str
     start: float
     moments: list[Moment]
+    missing: str
 
 
 def driving_of(path: Path, agent: str = "") -> Driven:
@@ -51,45 +52,58 @@ def driving_of(path: Path, agent: str = "") -> Driven:
     Raises:
         SwarmError: if it has no percepts of the agent, or nothing of what was done.
     """
-    with opened(path) as messages:
-        parts = {message.topic.rpartition("/") for message in messages}
+    messages = Messages(path)
+    parts = {message.topic.rpartition("/") for message in messages}
     there = sorted({namespace for namespace, _, name in parts if name in _PERCEPTS})
     if not there:
         raise SwarmError(f"{path.name} has no percepts of any agent", Do.RECORD())
     namespace = agent_meant(path, there, agent)
     swarm, _, name = namespace.rpartition("/")
     world = f"{swarm}/{names.WORLD}"
-    told = [f"{namespace}/{topic}" for topic in (*_PERCEPTS, VELOCITY, names.STATUS)]
+    seen_on = next(topic for topic in _PERCEPTS if (namespace, "/", topic) in parts)
+    told = [f"{namespace}/{topic}" for topic in (seen_on, VELOCITY, names.STATUS)]
     told += [f"{world}/{names.ACTIONS}", f"{world}/{names.STATUS}"]
-    percepts: dict[int, tuple[float, Any]] = {}
-    actions: dict[int, Any] = {}
-    velocities: list[tuple[float, Any]] = []
-    domain = ""
-    with opened(path) as messages:
-        for message in messages:
-            if message.topic not in told:
-                continue
-            when, content = message.sent / NANOSECONDS, message.decoded()
-            topic = message.topic.rpartition("/")[2]
-            if topic in _PERCEPTS and not content.look:
-                percepts.setdefault(content.sequence, (when, content))
-            elif topic == names.ACTIONS and content.agent == name:
-                actions[content.sequence] = content.values
-            elif topic == VELOCITY:
-                twist = getattr(content, "twist", content)
-                velocities.append((when, (twist.linear.x, twist.linear.y, twist.angular.z)))
-            elif message.topic == told[-1]:
-                domain = domain or content.world  # who answers in its place has no status
-            elif topic == names.STATUS:
-                domain = content.domain
-    seen = [percepts[sequence] for sequence in sorted(percepts)]
-    did = [actions.get(percept.sequence) for _, percept in seen]
-    if velocities:
-        did = _driven([when for when, _ in seen], velocities)
+    seen: list[tuple[float, Any]] = []
+    did: list[Any] = []
+    latest: dict[int, int] = {}  # percepts by their numbers, which a restarted world gives again
+    early: dict[int, Any] = {}
+    velocity, domain = None, ""
+    for message in messages:
+        if message.topic not in told:
+            continue
+        content, topic = message.decoded(), message.topic.rpartition("/")[2]
+        if topic == seen_on:
+            if content.look or (seen and seen[-1][1].sequence == content.sequence):
+                continue  # shown again, to a recorder or in a paused world
+            latest[content.sequence] = len(seen)
+            seen.append((message.received / NANOSECONDS, content))
+            did.append(velocity or early.pop(content.sequence, None))
+        elif topic == names.ACTIONS and content.agent == name:
+            if velocity is not None:
+                continue  # a robot did what it was driven with, whoever drove
+            if content.sequence in latest:
+                did[latest[content.sequence]] = content.values
+            else:
+                early[content.sequence] = content.values
+        elif topic == VELOCITY:
+            twist = getattr(content, "twist", content)
+            velocity = twist.linear.x, twist.linear.y, twist.angular.z
+            if did:
+                did[-1] = velocity
+        elif message.topic == told[-1]:
+            domain = domain or content.world  # who answers in its place has no status
+        elif topic == names.STATUS:
+            domain = content.domain
+    if not seen:
+        raise SwarmError(
+            f"{path.name} has no cycle of {name}: the world was paused while it was recorded",
+            Do.RESUME_WORLD(),
+            Do.RECORD(),
+        )
     if not any(action is not None for action in did):
         raise SwarmError(
             f"{path.name} has {quantity(len(seen), 'percept')} of {name}, but not what was done: "
-            f"it lacks its actions on {world}/{names.ACTIONS}, or of a robot {told[2]}",
+            f"it lacks its actions on {world}/{names.ACTIONS}, or of a robot {told[1]}",
             Do.RECORD(),
         )
     moments, episode = [], 0
@@ -97,11 +111,4 @@ def driving_of(path: Path, agent: str = "") -> Driven:
         episode += p.restart
         time, after = seconds_of(p.stamp), when - seen[0][0]
         moments.append(Moment(after, time, p.cycle, episode, p.values, p.heard, action))
-    return Driven(name, domain, seen[0][0], moments)
-
-
-def _driven(times: list[float], velocities: list[tuple[float, Any]]) -> list[Any]:
-    """Return the last velocity before each next percept; None: there was none yet."""
-    sent = [when for when, _ in velocities]
-    before = [bisect_left(sent, end) - 1 for end in [*times[1:], sent[-1] + 1]]
-    return [None if i < 0 else velocities[i][1] for i in before]
+    return Driven(name, domain, seen[0][0], moments, messages.missing)

@@ -1,27 +1,40 @@
-"""Reads recordings: those of this package, and bags of ``ros2 bag record`` in MCAP."""
+"""Reads recordings: those of this package, and bags of ``ros2 bag record`` in MCAP.
+
+A file is read from its beginning to the end of its data, in the order in which it was written:
+neither its index, which an unfinished file lacks, nor its times, which follow a clock that may be
+set, say what came first.
+"""
 
 from __future__ import annotations
 
-import io
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 from typing import Any, BinaryIO
 
-from hitab_msgs.msg import Distribution
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
-from mcap.records import Schema
+from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import StreamReader, breakup_chunk, get_chunk_data_stream
 from rclpy.serialization import deserialize_message
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import FORMAT, METADATA
-from hitab_client.recording.definitions import definition, message_class, type_name
-from hitab_core import Do, has, newer_format
-from hitab_ros import names, own_hash, session_topics
+from hitab_client.recording.definitions import message_class, same_definition
+from hitab_client.recording.recordings import SUFFIX
+from hitab_core import has, natural, newer_format, quantity
+from hitab_ros import own_hash
 
 MAGIC = b"\x89MCAP0\r\n"
+ZSTD = b"\x28\xb5\x2f\xfd"
+"""First bytes of a message that ``ros2 bag record --compression-mode message`` has compressed."""
+
+OTHER = "; `ros2 bag convert` converts other bags, and `zstd -d` unpacks .zstd files"
+
+SET_BACK_NS = 10**9
+"""By more than this, times go back only if the clock was set."""
+
+SET_AHEAD_NS = 24 * 3600 * 10**9
+"""A longer pause between two messages is a clock that was set."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,170 +43,179 @@ class Received:
 
     Attributes:
         file: name of the recording.
-        topic: its full name.
+        channel: with its topic.
         schema: of its type.
-        type_hash: of the definition, as ROS 2 announced it; empty: unknown.
-        sent, received: ns since 1970.
+        received: ns, by a clock that starts at the recorded time and is never set.
         data: serialized.
     """
 
     file: str
-    topic: str
+    channel: Channel
     schema: Schema
-    type_hash: str
-    sent: int
     received: int
     data: bytes
+
+    @property
+    def topic(self) -> str:
+        """Full name of its topic."""
+        return self.channel.topic
 
     def decoded(self) -> Any:
         """Return the message.
 
         Raises:
-            SwarmError: if its type is defined differently here.
+            SwarmError: if its type is defined differently here, or it cannot be decoded.
         """
         name = self.schema.name
         kind = message_class(name)
-        if self.type_hash:
-            is_ours = self.type_hash == own_hash(name)
-        else:
-            is_ours = self.schema.data == definition(name).encode()
-        if not is_ours:
+        announced = self.channel.metadata.get("topic_type_hash", "")
+        if announced != own_hash(name) and (announced or not same_definition(self.schema)):
             raise SwarmError(
                 f"{self.file} has messages of type {name} on {self.topic}, which is defined "
                 "differently here; use the version of HiTAB that recorded it"
             )
-        return deserialize_message(self.data, kind)
+        try:
+            return deserialize_message(_unpacked(self.data), kind)
+        except Exception:  # of rmw or zstandard; each has its own kind
+            raise SwarmError(
+                f"{self.file} has a message of type {name} on {self.topic} that cannot be decoded "
+                f'(message encoding "{self.channel.message_encoding}"); only CDR is read, plain '
+                "or compressed with zstd"
+            ) from None
 
 
-@contextmanager
-def opened(path: Path) -> Iterator[Iterator[Received]]:
-    """Open a recording; the context's value yields its messages in the order of their reception.
-
-    Args:
-        path: of the file.
-
-    Raises:
-        SwarmError: if it is no recording, not complete, or of a newer format.
-    """
-    try:
-        with path.open("rb") as stream:
-            _check_whole(path.name, stream)
-            reader = make_reader(stream)
-            for metadata in reader.iter_metadata():
-                found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
-                if not found.isdecimal() or int(found) > FORMAT:
-                    raise SwarmError(f"{path.name} {newer_format(found, FORMAT)}")
-            yield _messages(path.name, reader)
-    except (OSError, McapError, ValueError) as error:
-        raise SwarmError(f"{path.name} cannot be read: {error}") from None
-
-
-def _messages(file: str, reader: Any) -> Iterator[Received]:
-    for schema, channel, message in reader.iter_messages():
-        if schema is not None:
-            yield Received(
-                file,
-                channel.topic,
-                schema,
-                channel.metadata.get("topic_type_hash", ""),
-                message.publish_time,
-                message.log_time,
-                message.data,
-            )
-
-
-def _check_whole(name: str, stream: BinaryIO) -> None:
-    """Raise if a file does not begin and end as MCAP."""
-    begins = stream.read(len(MAGIC))
-    size = stream.seek(0, io.SEEK_END)
-    stream.seek(max(len(MAGIC), size - len(MAGIC)))
-    if begins != MAGIC or stream.read() != MAGIC:
-        raise SwarmError(
-            f"{name} is no complete MCAP recording: whatever wrote it was killed or is still "
-            "writing, or it is another bag, which `ros2 bag convert` converts"
-        )
-    stream.seek(0)
-
-
-Sent = tuple[int, str, Any]
-"""A message of an agent: when it was sent, ns; the last part of its topic; the message."""
-
-
-@dataclass(frozen=True)
-class Session:
-    """What a recording has of one agent, from when it began to tell what it took in.
+class Messages:
+    """The messages of a recording in the order in which they were written; can be iterated again.
 
     Attributes:
-        agent: its name.
-        domain: the name of its domain.
-        known: what it knew at the beginning.
-        sent: its messages, in the order in which it sent them.
+        missing: what an unfinished file lacks; known after the last message, "" if nothing.
     """
 
-    agent: str
-    domain: str
-    known: Distribution
-    sent: list[Sent]
+    def __init__(self, path: Path) -> None:
+        """Find the files of a recording.
+
+        Args:
+            path: of a file, or of the folder of a bag that may have several.
+
+        Raises:
+            SwarmError: if the folder has none.
+        """
+        self.missing = ""
+        self._files = [path]
+        self._shift = self._last = 0
+        if path.is_dir():
+            self._files = sorted(path.glob(f"*{SUFFIX}"), key=lambda file: natural(file.name))
+            if not self._files:
+                raise SwarmError(f"{path} is a folder without an MCAP file{OTHER}")
+
+    def __iter__(self) -> Iterator[Received]:
+        """Yield each message.
+
+        Raises:
+            SwarmError: if it is no recording, damaged, or of a newer format.
+        """
+        self.missing = ""
+        self._shift = self._last = 0
+        for file in self._files:
+            yield from self._read(file)
+
+    def _read(self, path: Path) -> Iterator[Received]:
+        schemas: dict[int, Schema] = {}
+        channels: dict[int, Channel] = {}
+        at = count = size = 0
+        is_finished = True
+        try:
+            with path.open("rb") as stream:
+                is_finished, size = _looked_at(path, stream)
+                for record in _records(stream, size):
+                    for inner in _unpacked_records(record):
+                        if isinstance(inner, Schema):
+                            schemas[inner.id] = inner
+                        elif isinstance(inner, Channel):
+                            channels[inner.id] = inner
+                        elif isinstance(inner, Metadata):
+                            _check_format(path, inner)
+                        elif isinstance(inner, Message):
+                            channel = channels[inner.channel_id]
+                            if channel.schema_id:
+                                count += 1
+                                schema = schemas[channel.schema_id]
+                                when = self._time(inner.log_time)
+                                yield Received(path.name, channel, schema, when, inner.data)
+                    at = stream.tell()
+        except SwarmError:
+            raise
+        except OSError as error:
+            raise SwarmError(f"{path} cannot be read: {error.strerror}") from None
+        except Exception:  # wrong bytes make all kinds of errors in mcap, struct, zstd and lz4
+            if is_finished:
+                before = (
+                    f", or read what is before: `head -c {at} {quote(str(path))} > part{SUFFIX}`"
+                )
+                raise SwarmError(
+                    f"{path} is damaged after byte {at} of {size}; copy it again from where it "
+                    f"was recorded{before if count else ''}"
+                ) from None
+            self.missing = (
+                f"{path.name} is not finished: {quantity(count, 'message')} were read, up to byte "
+                f"{at} of {size}. Its recorder was killed, had no space, or is still recording"
+            )
+            if not count:
+                raise SwarmError(self.missing) from None
+
+    def _time(self, logged: int) -> int:
+        """Return when a message was logged, without the jumps of a clock that was set."""
+        if not self._last:
+            self._last = logged
+        ahead = logged + self._shift - self._last
+        if not -SET_BACK_NS <= ahead <= SET_AHEAD_NS:
+            self._shift -= ahead
+            ahead = 0
+        self._last += max(0, ahead)
+        return self._last
 
 
-def trained_agents(path: Path) -> list[str]:
-    """Return the agents, with their namespaces, whose sessions a recording has.
+def _looked_at(path: Path, stream: BinaryIO) -> tuple[bool, int]:
+    """Return whether a file ends as a finished MCAP file, and its size.
 
     Raises:
-        SwarmError: if it cannot be read.
+        SwarmError: if it does not begin as one.
     """
-    ending = f"/{session_topics.KNOWN}"
-    kind = type_name(Distribution)
-    with opened(path) as messages:
-        topics = {m.topic for m in messages if m.schema.name == kind}
-    return sorted(t.removesuffix(ending) for t in topics if t.endswith(ending))
+    begins = stream.read(len(MAGIC))
+    size = stream.seek(0, 2)
+    stream.seek(max(0, size - len(MAGIC)))
+    ends = stream.read()
+    stream.seek(0)
+    if begins != MAGIC[: len(begins)] or not begins:
+        raise SwarmError(f"{path} is no MCAP recording{OTHER}")
+    return size > len(MAGIC) and ends == MAGIC, size
 
 
-def session_of(path: Path, agent: str) -> Session:
-    """Return what a recording has of one agent.
-
-    Args:
-        path: of the recording.
-        agent: its name, with its namespace if there are several of that name; empty: the only
-            one that the recording has.
-
-    Raises:
-        SwarmError: if it has nothing of it, or messages are defined differently here.
-    """
-    namespace = _namespace(path, agent)
-    told = (*session_topics.TOPICS, names.STATUS, names.TRANSITIONS)
-    wanted = {f"{namespace}/{name}": name for name in told}
-    sent: list[Sent] = []
-    with opened(path) as messages:
-        for message in messages:
-            if name := wanted.get(message.topic):
-                sent.append((message.sent, name, message.decoded()))
-    sent.sort(key=lambda one: one[0])
-    begun = next((s for s, name, _ in sent if name == session_topics.KNOWN), 0)
-    known = next(m for _, name, m in sent if name == session_topics.KNOWN)
-    domain = next((m.domain for _, name, m in sent if name == names.STATUS), "")
-    if not domain:
-        raise SwarmError(
-            f"{path.name} lacks the topic {namespace}/{names.STATUS}, which names the agent's "
-            "domain",
-            Do.RECORD(),
-        )
-    return Session(
-        namespace.rpartition("/")[2], domain, known, [one for one in sent if one[0] >= begun]
-    )
+def _records(stream: BinaryIO, size: int) -> Iterator[McapRecord]:
+    """Yield the records of the data section."""
+    reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=size)
+    for record in reader.records:
+        if isinstance(record, DataEnd):
+            return  # the summary repeats what was read
+        yield record
 
 
-def _namespace(path: Path, agent: str) -> str:
-    """Return the namespace of an agent in a recording; of the only one, if none is named."""
-    there = trained_agents(path)
-    if not there:
-        raise SwarmError(
-            f"no agent can be trained from {path.name}: it lacks the topic "
-            f"AGENT/{session_topics.KNOWN}, with which a session begins; agents with a process of "
-            "their own have it",
-            Do.RECORD(),
-        )
-    return agent_meant(path, there, agent)
+def _unpacked_records(record: McapRecord) -> Iterable[McapRecord]:
+    return breakup_chunk(record, validate_crc=True) if isinstance(record, Chunk) else (record,)
+
+
+def _unpacked(data: bytes) -> bytes:
+    """Return a message, decompressed if it is compressed by itself; CDR begins otherwise."""
+    if not data.startswith(ZSTD):
+        return data
+    stream, size = get_chunk_data_stream(Chunk("zstd", data, 0, 0, 0, 0))
+    return stream.read(size)
+
+
+def _check_format(path: Path, metadata: Metadata) -> None:
+    found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
+    if not found.isdecimal() or int(found) > FORMAT:
+        raise SwarmError(f"{path.name} {newer_format(found, FORMAT)}")
 
 
 def agent_meant(path: Path, there: Sequence[str], agent: str) -> str:

@@ -16,6 +16,7 @@ from hitab_msgs.msg import (
     DistributionAck,
     Episode,
     Order,
+    Percept,
     TransitionEvent,
     WorldState,
     WorldStatus,
@@ -27,7 +28,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import BagFile
 from hitab_client.recording.definitions import definition, message_class, type_name
 from hitab_client.ros_link import RosLink
-from hitab_ros import own_hash, qos, session_topics
+from hitab_ros import names, own_hash, qos
 
 KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
     "state": (WorldState, qos.LATCHED),
@@ -54,16 +55,15 @@ NO_HASH = "INVALID"
 ROBOT_PACKAGES = frozenset({"geometry_msgs", "nav_msgs", "sensor_msgs", "tf2_msgs"})
 """Packages of the messages that robots have in common."""
 
-SESSIONS_MAX = 64
-"""Of how many agents at most is recorded what a training from the recording needs."""
+PERCEIVING_MAX = 64
+"""Of how many agents at most the percepts are recorded."""
 
 
 class Recorder:
     """Records every topic of the swarm, including those that appear later.
 
     Messages are not deserialized: they are written as received, with the times at which they were
-    sent and received. Of each agent with a process of its own, it also records the session
-    (`hitab_ros.session_topics`).
+    sent and received. Of each agent with a process of its own, it also records the percepts.
 
     Attributes:
         bag: that is written.
@@ -113,13 +113,13 @@ class Recorder:
         return sorted(self._also - set(self._subscriptions))
 
     @property
-    def sessions(self) -> list[str]:
-        """The agents, with their namespaces, that a training from this recording can be of."""
+    def perceiving(self) -> list[str]:
+        """The agents, with their namespaces, whose percepts are being recorded."""
         return sorted(self._heard)
 
     @property
     def awaited(self) -> list[str]:
-        """The agents that have not begun yet to tell what they take in."""
+        """The agents whose percepts have not come yet."""
         return sorted(self._agents - self._heard)
 
     def look(self) -> None:
@@ -143,8 +143,9 @@ class Recorder:
                     if type_name(kind) in kinds:
                         self._subscribe(topic, kind, profile)
         for agent in self._alone():
-            if len(self._agents) < SESSIONS_MAX:
-                self._record_session(agent)
+            if len(self._agents) < PERCEIVING_MAX:
+                self._agents.add(agent)
+                self._subscribe(f"{agent}/{names.PERCEIVED}", Percept, qos.PERCEIVED, agent)
         if not self.problem:
             try:
                 self.bag.flush()
@@ -167,13 +168,6 @@ class Recorder:
             agent = service.removesuffix(ending)
             if agent != service and agent not in self._agents:
                 yield agent
-
-    def _record_session(self, agent: str) -> None:
-        self._agents.add(agent)
-        for name, kind in session_topics.TOPICS.items():
-            profile = session_topics.PERCEPTS_QOS
-            heard = name == session_topics.KNOWN
-            self._subscribe(f"{agent}/{name}", kind, profile, agent if heard else "")
 
     def _subscribe_as_offered(self, topic: str, kind: str) -> None:
         """Subscribe so that all present publishers are heard; again, when they are others."""

@@ -2,7 +2,8 @@
 
 Each automaton is a subtree. Its state is an entry of the blackboard. Scripts query and change it,
 one for each node of a decision tree; nested `WhileDoElse` nodes tick what the state performs, and
-halt it before the next one is started.
+halt it before the next one is started. Groot shows the names: a sequence for each state, in it a
+script for each test and each transition.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class _Writer:
 
     Attributes:
         names: of the subtrees and actions, by what they perform.
-        values: entries of the blackboard, by the features.
+        values: entries of the blackboard, by the features; ``labels``: the features by these.
     """
 
     def __init__(self, hierarchy: Hierarchy) -> None:
@@ -70,6 +71,7 @@ class _Writer:
         labels = [feature.label for feature in hierarchy.features]
         taken = {"drawn", "true", "false", *GIVEN}
         self.values = identifiers(labels, taken)
+        self.labels = {value: label for label, value in self.values.items()}
         # What follows this prefix differs from all features.
         self._prefix = "hitab_"
         while any(name.startswith(self._prefix) for name in self.values.values()):
@@ -83,7 +85,7 @@ class _Writer:
             body = SubElement(root, "BehaviorTree", ID=self.names[str(automaton.use)])
             body = SubElement(body, "ReactiveSequence")
             if automaton is self._hierarchy.top:
-                _script(body, "hitab_begin == 0", "hitab_begin := 0.0", *begun)
+                _script(body, "hitab_begin == 0", "hitab_begin := 0.0", *begun, name="begin")
             self._query(body, automaton)
             self._decide(body, automaton)
             self._enter(body, automaton)
@@ -126,7 +128,7 @@ class _Writer:
         """Leave Start and flag states at once; see and lower the flags, and read the timers."""
         use, state = automaton.use, self._entry(automaton.use, "state")
         is_idle = _any(state, (s.label for s in automaton.states if s.performs is None))
-        _script(body, "", f"{state} := ({is_idle}) ? '{START}' : {state}")
+        _script(body, "", f"{state} := ({is_idle}) ? '{START}' : {state}", name="leave flags")
         nodes = [node for form in automaton.states for node in form.tree or ()]
         if not any(isinstance(node, Test) and node.feature < len(OWN) for node in nodes):
             return
@@ -158,17 +160,25 @@ class _Writer:
         """Walk down the tree of the state; every node comes before those that it leads to."""
         state, node_at = self._entry(automaton.use, "state"), f"{self._prefix}node"
         following = f"{self._prefix}next"
-        _script(body, "", f"{following} := {state}", f"{node_at} := 0 - 1", "drawn := 0.0 - 1.0")
+        _script(
+            body,
+            "",
+            f"{following} := {state}",
+            f"{node_at} := 0 - 1",
+            "drawn := 0.0 - 1.0",
+            name="decide",
+        )
         first = 0
         for form in automaton.states:
             if form.tree is None:
                 continue
-            body.append(Comment(f" {form.label} "))
-            _script(body, f"!({_is(state, form.label)})", f"{node_at} := {first}")
+            elsewhere = f"!({_is(state, form.label)})"
+            there = SubElement(body, "Sequence", name=f"in {form.label}", _skipIf=elsewhere)
+            _script(there, "", f"{node_at} := {first}", name="begin")
             for number, node in enumerate(form.tree, first):
                 elsewhere = f"{node_at} != {number}"
                 if isinstance(node, Test):
-                    self._test(body, node, first, elsewhere)
+                    self._test(there, node, first, elsewhere)
                     continue
                 *others, (_, last) = node.chances
                 script = [f"{following} := '{automaton.states[last].label}'"]
@@ -176,12 +186,15 @@ class _Writer:
                     chosen = f"drawn < {below!r} ? '{automaton.states[to].label}' : {following}"
                     script.append(f"{following} := {chosen}")
                 if others:
-                    _draw(body, elsewhere)
-                _script(body, elsewhere, *script)
+                    _draw(there, elsewhere)
+                tos = [automaton.states[to].label for _, to in node.chances]
+                shown = " or ".join("stays" if to == form.label else f"-> {to}" for to in tos)
+                _script(there, elsewhere, *script, name=f"{form.label} {shown}")
             first += len(form.tree)
 
     def _test(self, body: Element, test: Test, first: int, elsewhere: str) -> None:
         node_at, value = f"{self._prefix}node", self._value(test.feature)
+        label = self.labels.get(value, value.removeprefix(self._prefix))
         yes, no = first + test.yes, first + test.no
         if test.feature >= len(OWN):  # which may be missing: only NaN is not equal to itself
             known = f"{elsewhere} || {value} == {value}"
@@ -193,6 +206,7 @@ class _Writer:
                 f"{node_at} := drawn < {test.share!r} ? {yes} : {no}",
                 f"drawn := drawn < {test.share!r} ? drawn / {test.share!r} : {left}",
                 f"drawn := drawn < {LARGEST_DRAW!r} ? drawn : {LARGEST_DRAW!r}",
+                name=f"{label} is missing",
             )
         script = []
         if test.period:
@@ -206,11 +220,12 @@ class _Writer:
         limits = [f"{value} > {_number(test.low)}"] * (test.low > -float("inf"))
         limits += [f"{value} <= {_number(test.high)}"] * (test.high < float("inf"))
         script.append(f"{node_at} := ({' && '.join(limits)}) ? {yes} : {no}")
-        _script(body, elsewhere, *script)
+        above = f"{test.low:.4g} < " * (test.low > -float("inf"))
+        below = f" <= {test.high:.4g}" * (test.high < float("inf"))
+        _script(body, elsewhere, *script, name=f"{above}{label}{below}?")
 
     def _enter(self, body: Element, automaton: AutomatonForm) -> None:
         state, following = self._entry(automaton.use, "state"), f"{self._prefix}next"
-        body.append(Comment(" change "))
         for form in automaton.states[1:]:
             script = [f"{self._entry(automaton.use, 'entered')} := now"]
             if form.is_automaton:
@@ -218,8 +233,8 @@ class _Writer:
             elif form.performs is None:
                 script.append(f"{self._entry(automaton.use, form.label)} := 1.0")
             stays = f"{following} == {state} || !({_is(following, form.label)})"
-            _script(body, stays, *script)
-        _script(body, "", f"{state} := {following}")
+            _script(body, stays, *script, name=f"enter {form.label}")
+        _script(body, "", f"{state} := {following}", name="change")
 
     def _perform(self, body: Element, states: Iterable[StateForm], state: str) -> None:
         for form in states:
@@ -238,9 +253,11 @@ class _Writer:
 _SEEN = {flag: f"saw_{flag}" for flag in FLAGS}
 
 
-def _script(body: Element, skip_if: str, *statements: str) -> None:
+def _script(body: Element, skip_if: str, *statements: str, name: str = "") -> None:
+    """Add a script; Groot shows its name."""
+    shown = {"name": name} if name else {}
     conditions = {"_skipIf": skip_if} if skip_if else {}
-    SubElement(body, "Script", {"code": "; ".join(statements), **conditions})
+    SubElement(body, "Script", {**shown, "code": "; ".join(statements), **conditions})
 
 
 def _draw(body: Element, skip_if: str) -> None:

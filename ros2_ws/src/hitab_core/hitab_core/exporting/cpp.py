@@ -34,6 +34,11 @@ BEGIN = """\
 #include <utility>
 #include <vector>
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || \\
+    defined(_M_FP_FAST)
+#error "A missing value is NaN, which -ffast-math treats as a number: add -fno-finite-math-only"
+#endif
+
 namespace {space} {{
 
 struct Features {{{members}

@@ -15,7 +15,8 @@ USE = """\
     action = robot.tick(percept, time.monotonic(), random.random)  # once per cycle
 
 `percept` maps the names in FEATURES to numbers, each in its unit there: booleans to 0 or 1, a
-category to its index, and a value that is missing to None."""
+category to its index, and a value that is missing to None. Without a value that is required, the
+third item in FEATURES, `tick` raises a ValueError and decides nothing."""
 
 
 def as_python(hierarchy: Hierarchy, origin: str) -> str:

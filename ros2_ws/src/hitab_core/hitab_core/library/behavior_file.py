@@ -9,6 +9,7 @@ from typing import Any
 from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.domain import Domain, FeatureKind
 from hitab_core.errors import LibraryError
+from hitab_core.example import CYCLE_MAX
 from hitab_core.example_codec import file_record, value_records
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_text import behavior_text
@@ -193,6 +194,11 @@ def _examples(automaton: Automaton, domain: Domain) -> list[dict[str, Any]]:
                 f'"{automaton.name}" cannot be saved: example {example.number} has '
                 f"{quantity(len(example.features), 'value')} for "
                 f"{quantity(len(kinds), 'feature')}; delete it"
+            )
+        if example.cycle > CYCLE_MAX:
+            raise LibraryError(
+                f'"{automaton.name}" cannot be saved: example {example.number} is of cycle '
+                f"{example.cycle}, and no world counts beyond {CYCLE_MAX}; delete it"
             )
     counted = [not kind.is_measured for kind in kinds]
     return [file_record(example, counted) for example in automaton.examples]

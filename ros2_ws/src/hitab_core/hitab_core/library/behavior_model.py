@@ -12,7 +12,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from hitab_core.domain import FeatureKind
-from hitab_core.example import ExampleKind
+from hitab_core.example import CYCLE_MAX, ExampleKind
 from hitab_core.library.behavior_file import FLAG
 from hitab_core.library.yaml_models import Record, among, read_use
 from hitab_core.library.yaml_places import kind_of
@@ -44,7 +44,7 @@ Name = Annotated[str, _matching("[A-Za-z][A-Za-z0-9_]*", f"a name; {NAME_RULE}")
 Digest = Annotated[
     str, _matching("[0-9a-f]{64}", "a digest (64 characters 0-9 and a-f); was it cut off?")
 ]
-Count = Annotated[int, Field(ge=0, le=10**15), BeforeValidator(_whole)]
+Count = Annotated[int, Field(ge=0, le=CYCLE_MAX), BeforeValidator(_whole)]
 Number = Annotated[Count, Field(ge=1)]
 Value = Annotated[float | None, PlainValidator(_value)]
 Used = Annotated[str, AfterValidator(read_use)]

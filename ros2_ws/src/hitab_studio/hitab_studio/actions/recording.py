@@ -35,6 +35,8 @@ async def replay(session: Session, data: Data) -> None:
     """Open a recording."""
     path = recordings.recording(str(data["name"]))
     session.player = Player(await meanwhile_busy(session, lambda: Recording(path)))
+    if session.player.recording.missing:
+        session.tell(session.player.recording.missing)
     session.show_again()
 
 

@@ -1,0 +1,45 @@
+"""What an agent perceives, on a topic, while somebody records it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hitab_msgs import msg
+
+from hitab_agent.agent_base import AgentBase
+from hitab_ros import Receivers, names, qos
+
+LOOK_PERIOD_S = 0.25
+
+
+class PerceptLog:
+    """Publishes each percept that an agent takes in; without a subscriber it only looks for one.
+
+    A new subscriber first gets the last percept again: a paused world sends no other.
+    """
+
+    def __init__(self, node: AgentBase) -> None:
+        """Begin to look for subscribers, unless the agent is one of a host."""
+        self._node = node
+        self._publisher: Any = None
+        self._receivers: Receivers | None = None
+        self._last: msg.Percept | None = None
+        if node.shared.host is None:
+            node.shared.ticker.every(LOOK_PERIOD_S, self._look, node.guard)
+
+    def tell(self, percept: msg.Percept) -> None:
+        """Publish a percept that the agent is about to take in."""
+        self._last = percept
+        if self._receivers is not None and self._receivers.count:
+            self._publisher.publish(percept)
+
+    def _look(self) -> None:
+        if self._receivers is None:
+            if not self._node.count_subscribers(names.PERCEIVED):
+                return
+            self._publisher = self._node.create_publisher(
+                msg.Percept, names.PERCEIVED, qos.PERCEIVED
+            )
+            self._receivers = Receivers(self._node, self._publisher)
+        if self._receivers.look() and self._receivers.count and self._last is not None:
+            self._publisher.publish(self._last)
