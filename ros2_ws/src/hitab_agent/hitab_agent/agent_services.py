@@ -174,6 +174,7 @@ class AgentServices:
     def _edit_examples(self, request: srv.EditExamples.Request, response: Any) -> str:
         session = self._training()
         edits = srv.EditExamples.Request
+        changed = ""
         match request.action:
             case _ if not session.begins(Request(request.client, request.request)):
                 pass  # made by this agent's last process, which was killed before it answered
@@ -185,13 +186,15 @@ class AgentServices:
                 session.delete(request.numbers)
             case edits.RELABEL:
                 session.relabel(request.numbers, Use.parse(request.next_state))
+                changed = f"{session.log.history.done[-1]}; "
             case edits.RETIME:
                 session.retime(request.numbers, request.ago)
             case edits.FEATURES:
                 session.choose_features(list(map(Use.parse, request.features)))
             case action:
                 raise TrainingError(f"there is no action {action}; see EditExamples.srv")
-        return f'"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
+        count = quantity(len(session.log), "example")
+        return f'{changed}"{session.curriculum.name}" has {count}'
 
     def _answer_question(self, request: srv.AnswerQuestion.Request, response: Any) -> str:
         session = self._training()
