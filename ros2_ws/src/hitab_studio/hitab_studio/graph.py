@@ -13,9 +13,9 @@ from hitab_core.drawing.layout import (
     Box,
     Floats,
     bend_arrows,
-    crosses,
     curve,
     least_crossed,
+    misplaced,
     place_words,
     state_boxes,
 )
@@ -158,18 +158,15 @@ def _pixels(box: Box, height: float) -> Box:
 
 
 def _without_room(layout: Layout, height: float) -> list[int]:
-    """Return the labels that lie on a state, an earlier label or an arrow, or outside."""
+    """Return the labels that are outside or cannot be read, see `misplaced`."""
     boxes, curves, places = layout
-    found = []
-    for i, place in enumerate(places):
-        outside = (
-            abs(place.x - WIDTH / 2) + place.width / 2 > WIDTH / 2
-            or abs(place.y - height / 2) + place.height / 2 > height / 2
-        )
-        touched = any(map(place.touches, (*boxes.values(), *places[:i])))
-        if outside or touched or any(crosses(points, place) for points in curves):
-            found.append(i)
-    return found
+    outside = {
+        i
+        for i, place in enumerate(places)
+        if abs(place.x - WIDTH / 2) + place.width / 2 > WIDTH / 2
+        or abs(place.y - height / 2) + place.height / 2 > height / 2
+    }
+    return sorted(outside.union(misplaced(places, [*boxes.values()], curves, INCH)))
 
 
 def _in(point: Floats, box: Box) -> bool:
