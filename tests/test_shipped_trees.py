@@ -69,5 +69,7 @@ def test_words_stand_beside_their_own_arrow(drawn):
     for path, _, automaton in shipped():
         words, curves, inch = drawn(automaton)
         for i, box in words:
-            own, *others = (away(box, c) for c in (curves[i], *curves[:i], *curves[i + 1 :]) if len(c))
+            own, *others = (
+                away(box, c) for c in (curves[i], *curves[:i], *curves[i + 1 :]) if len(c)
+            )
             assert own <= min(0.3 * inch, *others, 1e9), (path.name, i)
