@@ -148,6 +148,35 @@ def test_what_an_idle_agent_perceives_is_shown(swarm, person):
 
 
 @needs_browser
+def test_two_tabs_of_one_browser_are_one_person(swarm, chrome, url):
+    swarm.agents.begin(TWO, "Shared", features=["DistanceTo(ball)"], discard=True)
+    with visitor(chrome, url) as one:
+        two = Person(one.page.context.new_page(), url)
+        for page, behavior in ((one, "GoFast"), (two, "Stop"), (one, "GoSlow")):
+            page.click(f"agent-{TWO}")
+            page.click(f"do-{behavior}")
+            page.sees("recorded", behavior)
+            page.sees(f"agent-{TWO}", "you")
+            page.does_not_see("people")
+        assert one.text("who") == two.text("who")
+        assert two.complaints == []
+        two.leave()
+        one.leave()  # else the agent is held until its connection is given up
+
+
+@needs_browser
+def test_why_it_did_that_is_known_of_what_was_done_while_nobody_looked(swarm, person):
+    person.click(f"agent-{ONE}")
+    person.sees("banner", ONE)
+    swarm.agents.begin(TWO, "Unseen", features=["DistanceTo(ball)"], discard=True)
+    for behavior in ("GoFast", "Stop"):  # as by the command line
+        swarm.agents.command(TWO, behavior)
+    person.click(f"agent-{TWO}")
+    person.click("tab-learned")
+    person.page.wait_for_selector('.why:has-text("GoFast → Stop")')
+
+
+@needs_browser
 def test_one_demonstrator_commands_an_agent_and_another_can_take_it(swarm, person, chrome, url):
     swarm.agents.begin(TWO, "Held", features=["DistanceTo(ball)"], discard=True)
     person.click(f"agent-{TWO}")

@@ -106,3 +106,88 @@ def test_the_keyboard_chooses_moves_and_turns_things(swarm, person):
     person.waits_until(
         lambda: abs(entity(swarm, ONE).heading - heading - math.pi / 12) < 0.05, "it was turned"
     )
+
+
+# -- small screens ----------------------------------------------------------------------------
+
+COVERED = """
+async () => {
+  const all = [...document.querySelectorAll("#studio button, #studio select, #studio input")];
+  const found = [];
+  for (const it of all) {
+    if (!it.checkVisibility({ visibilityProperty: true }) || !it.isConnected) continue;
+    it.scrollIntoView({ block: "nearest", inline: "center", behavior: "instant" });
+    const box = it.getBoundingClientRect();
+    if (!box.width || !box.height) continue;
+    const top = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
+    if (!it.contains(top)) found.push((it.dataset.test ?? it.outerHTML.slice(0, 90)));
+  }
+  return found;
+}
+"""
+
+
+@pytest.fixture
+def trained(swarm: Any) -> Iterator[None]:
+    """A keeper in training, with examples: more is on the page than otherwise."""
+    away_from_everybody(swarm, 6.0)
+    features = ["BallIsKickable", "DirectionTo(ball)", "DistanceTo(ball)"]
+    swarm.agents.begin(ONE, "Small", features=features, discard=True)
+    for behavior in ("TurnToBall", "GoFast", "TurnToBall"):
+        swarm.agents.command(ONE, behavior)
+    yield
+    swarm.agents.discard(ONE)
+
+
+@needs_browser
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (844, 390), (820, 1180), (1440, 900)])
+def test_nothing_covers_what_there_is_to_press_and_the_field_is_seen(
+    trained, chrome, url, width, height
+):
+    size = {"width": width, "height": height}
+    with visitor(chrome, url, viewport=size, has_touch=width < 1000) as someone:
+        someone.click(f"agent-{ONE}")
+        someone.sees("behaviors")
+        for tab in ("teach", "learned", "examples"):
+            someone.click(f"tab-{tab}")
+            someone.page.wait_for_selector(f'[data-test="tab-{tab}"][aria-selected="true"]')
+            assert someone.page.evaluate(COVERED) == []
+        if width == 1440:
+            wide = "e => e.scrollWidth > e.clientWidth"
+            assert not someone.page.locator(".table-wrap").evaluate(wide), "no column is cut off"
+        if min(width, height) > 500:
+            return
+        chips = someone.page.locator('[data-test="behaviors"] .chips')
+        tops = {
+            round(box["y"]) for b in chips.locator("button").all() if (box := b.bounding_box())
+        }
+        assert len(tops) == 1, "the keys are in one row"
+        deck, banner = (
+            someone.page.locator(f'[data-test="{name}"]').bounding_box()
+            for name in ("behaviors", "banner")
+        )
+
+        def is_free() -> bool:
+            corners = [someone.on_screen(x, y)[1] for x, y in ((-10.0, 10.0), (10.0, -10.0))]
+            return banner["y"] + banner["height"] <= corners[0] and corners[1] <= deck["y"]
+
+        someone.waits_until(is_free, "something covers the field")
+        stage = someone.page.locator("#stage").bounding_box()
+        assert stage["height"] > 0.5 * height
+
+
+@needs_browser
+def test_things_that_touch_bear_each_its_own_name(swarm, person):
+    away_from_everybody(swarm, 6.0)
+    both = {"taker_1": (5.0, 0.0), "taker_2": (5.6, 0.0)}
+    swarm.world.shown(swarm.world.place({name: {"x": x, "y": y} for name, (x, y) in both.items()}))
+    shown_at(person, "taker_2", 5.6, 0.0)
+    person.waits_until(
+        lambda: both.keys() <= {name["name"] for name in field(person, "f.named")},
+        "both are named",
+    )
+    boxes = field(person, "f.named")
+    for i, one in enumerate(boxes):
+        for other in boxes[:i]:
+            apart = abs(one["x"] - other["x"]) >= one["half"] + other["half"]
+            assert apart or abs(one["y"] - other["y"]) >= 13, (one, other)

@@ -182,10 +182,17 @@ def test_who_does_what_the_page_says_has_a_keeper_that_reaches_the_ball(swarm, p
     person.click("save")
     person.sees("preview", NAME)
     assert "becomes" in person.page.inner_text(".dialog")
+    person.page.evaluate(
+        "new MutationObserver(() => { window.wasEmpty ||="
+        " !!document.querySelector('[data-test=empty-library]'); })"
+        ".observe(document.body, { childList: true, subtree: true })"
+    )
     person.click("save-now")
+    person.sees("message", "saved")
     says("**Distribute…** sends the behavior to the others and shows each acknowledgement.")
     person.click("distribute")
     person.click("distribute-now")
+    assert not person.page.evaluate("window.wasEmpty"), "what was saved is there, or read"
     for name in ("keeper_2", "keeper_3"):
         person.sees("acks", f"{name} has it")
     person.click("done")

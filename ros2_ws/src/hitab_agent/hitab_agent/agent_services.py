@@ -187,13 +187,15 @@ class AgentServices:
                 session.delete(request.numbers)
             case edits.RELABEL:
                 session.relabel(request.numbers, Use.parse(request.next_state))
+                did = f"{session.log.history.done[-1]}; "
             case edits.RETIME:
                 session.retime(request.numbers, request.ago)
             case edits.FEATURES:
                 session.choose_features(list(map(Use.parse, request.features)))
             case action:
                 raise TrainingError(f"there is no action {action}; see EditExamples.srv")
-        return f'{did}"{session.curriculum.name}" has {quantity(len(session.log), "example")}'
+        count = quantity(len(session.log), "example")
+        return f'{did}"{session.curriculum.name}" has {count}'
 
     def _answer_question(self, request: srv.AnswerQuestion.Request, response: Any) -> str:
         session = self._training()

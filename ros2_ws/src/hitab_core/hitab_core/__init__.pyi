@@ -78,3 +78,4 @@ from .wording import quantity as quantity
 from .wording import shown_unit as shown_unit
 from .wording import shown_value as shown_value
 from .wording import some as some
+from .wording import unbroken as unbroken

@@ -72,6 +72,16 @@ def each_once(texts: Iterable[tuple[str, str]]) -> list[str]:
 
 
 @lru_cache(maxsize=8192)
+def unbroken(text: str) -> str:
+    """Return conditions such that no line ends between a number and its unit.
+
+    Examples:
+        >>> unbroken("Range < 5 m and 3 < Speed <= 4 or Near").replace("\u00a0", "~")
+        'Range < 5~m and 3 < Speed <= 4 or Near'
+    """
+    return re.sub(r"(?<=\d) (?!(?:and|or)\b)(?=[^\W\d_]|[%°])", "\u00a0", text)
+
+
 def natural(name: str) -> tuple[tuple[tuple[bool, int, str], ...], str]:
     """Return a sort key that puts ``keeper_2`` before ``keeper_10``."""
     parts = re.split(r"([0-9]+)", name)

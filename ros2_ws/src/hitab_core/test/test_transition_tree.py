@@ -550,6 +550,24 @@ def test_what_a_path_says_of_one_feature_is_one_condition():
     ]
 
 
+def test_rows_of_one_feature_say_together_what_holds_there():
+    """Nested, an arc within the rest of another one reads as a contradiction."""
+    tree = TransitionTree([CONTINUOUS]).fit([[1], [3], [5], [7]], list("ABCA"))
+    assert tree.as_text(["x"]).splitlines() == [
+        "x <= 2: A (1)", "2 < x <= 4: B (1)", "4 < x <= 6: C (1)", "x > 6: A (1)",
+    ]  # fmt: skip
+    circle = Arc(330.0, 30.0, 360.0), Arc(329.0, 30.0, 360.0)
+    sliver = Fork(0, circle[1], (1, 1), (Leaf((1, 0)), Leaf((0, 1))))
+    rows = tree_text.rows(Fork(0, circle[0], (1, 2), (Leaf((1, 0)), sliver)), [DEGREES], ["a"])
+    assert [(depth, text) for depth, text, *_ in rows] == [
+        (0, "a in -30..30"), (0, "a in -31..-30"), (0, "a outside -31..30"),
+    ]  # fmt: skip
+    lines = a_tree().as_text(NAMES).splitlines()
+    assert [line.count("|   ") for line in lines] == [0, 1, 1, 2, 2, 0, 1, 1, 1]
+    explained = tree.explain([5], ["x"])
+    assert explained.tests == ("4 < x <= 6",)
+
+
 def test_a_boundary_beside_an_example_is_written_as_on_its_side_of_the_example():
     def conditions(values, default, scale):
         tree = TransitionTree([scale]).fit([[v] for v in values], ["A", "B"], default)
@@ -576,6 +594,8 @@ def test_a_boundary_beside_an_example_is_written_as_on_its_side_of_the_example()
 def test_of_the_arcs_on_a_path_the_part_that_they_share_is_written(drawn):
     tree = TransitionTree([DEGREES]).fit([[30 * a] for a, _ in drawn], [c for _, c in drawn])
     rules = tree.rules(["a"])
+    drawing = [line.rpartition(": ")[0] for line in tree.as_text(["a"]).splitlines()]
+    assert drawing == [" and ".join(rule.conditions) for rule in rules]
     for place in np.arange(1.0, 360, 5):
         held = []
         for rule in rules:

@@ -238,6 +238,15 @@ class Model:
                 )
                 e[4] = "superseded" if contradicted else "default"
 
+    def assume(self, examples: list[list[Any]], e: list[Any], label: str) -> list[list[Any]]:
+        """The default example of a relabeled command is what another command would have made."""
+        default = [o for o in examples if o[0] == e[0] + 1 and o[4] in ("default", "superseded")]
+        for o in default:
+            if label not in LASTING or label == e[1]:
+                return [other for other in examples if other is not o]
+            o[1] = o[3] = label
+        return examples
+
     def edit(self, after: list[list[Any]]) -> bool:
         self.mark(after)
         if self.refuses(after):
@@ -319,6 +328,8 @@ def play(trained: Trained, model: Model, what: str, how: Any) -> None:
                 after = model.copy()
                 for e in after:
                     if e[0] == number and e[3] != label:
+                        if e[4] not in ("default", "superseded"):
+                            after = model.assume(after, e, label)
                         e[3] = label
                         e[4] = "correction" if e[4] in ("default", "superseded") else e[4]
                 assert accepted(session.relabel, [number], Use(label)) == model.edit(after)
@@ -381,6 +392,33 @@ def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: l
         trained.agent.journal.close()
 
 
+def test_relabeling_a_command_takes_its_default_example_along(trained: Trained) -> None:
+    """Else it would say to stay in a state to which no command leads any more."""
+    session = trained.session
+
+    def shown() -> list[tuple[int, str, str]]:
+        return [(e.number, e.state, e.next_state) for e in session.examples]
+
+    for label in ("Left", "Right"):
+        trained.command(label)
+    both = shown()
+    session.relabel([3], Use("Stay"))
+    assert shown() == [*both[:2], (3, "Left", "Stay"), (4, "Stay", "Stay")]
+    assert session.examples[3].is_default
+    assert [str(state) for state in session.states] == ["Left", "Stay"], "no state is left over"
+    session.undo()
+    for once in ("Beep", "Done"):  # as a command of these, it leaves no default example
+        session.relabel([3], Use(once))
+        assert shown() == [*both[:2], (3, "Left", once)]
+        assert session.log.history.done[-1].endswith("; deleted default example 4")
+        session.undo()
+    session.relabel([3], Use("Left"))
+    assert shown() == [*both[:2], (3, "Left", "Left")], "a command to stay leaves none either"
+    session.undo()
+    session.relabel([3, 4], Use("Stay"))
+    assert shown()[2:] == [(3, "Left", "Stay"), (4, "Right", "Stay")], "both were chosen"
+
+
 def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> None:
     for label in ("Left", "Right", "Beep"):
         trained.command(label)
@@ -398,7 +436,7 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
     assert log.history.undone == [
         "Right → Beep, 1 example; overruled example 4",
         "deleted example 2",
-        "changed examples 1, 3 to Stay",
+        "changed examples 1, 3 to Stay; default example 4 with it",
     ]
     trained.crash()
     log = trained.session.log

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
@@ -18,7 +18,6 @@ from hitab_msgs.msg import TransitionEvent
 
 from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Use
-from hitab_ros import names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import (
     NOTHING,
@@ -30,9 +29,6 @@ from hitab_studio.learned import (
 
 HISTORY = 120
 """Number of values of a feature that are kept for its curve."""
-
-EVENTS = 60
-"""Number of state changes that are kept."""
 
 PROBED_MAX = 200
 """Features with targets whose values are asked for at once."""
@@ -72,6 +68,7 @@ class AgentWatch:
     Args:
         agents: of the swarm.
         agent: its name.
+        events: its last state changes, newest last, which the caller keeps.
         do: does something with the swarm in a thread; see `SwarmLink.do`.
         changed: called when something new is known.
         failed: called with what is wrong with an answer, and its `error`.
@@ -85,6 +82,7 @@ class AgentWatch:
         self,
         agents: SwarmClient,
         agent: str,
+        events: Sequence[TransitionEvent],
         do: Callable[..., Awaitable[Any]],
         changed: Callable[[], None],
         failed: Callable[..., None],
@@ -93,6 +91,7 @@ class AgentWatch:
         self.training: Training | None = None
         self._agents = agents
         self._agent = agent
+        self._events = events
         self._do = do
         self._changed = changed
         self._failed = failed
@@ -101,20 +100,13 @@ class AgentWatch:
         self._library_key: tuple[Any, ...] = ()
         self._trained = ""
         self._wanted: set[str] = set()
+        self._current: set[str] = set()  # of the behaviors, those read since the last change
         self._probing = False
         agents.watch_training(agent)
-        self._transitions = agents.link.subscribe(
-            TransitionEvent,
-            names.of_agent(agent, names.TRANSITIONS, agents.prefix),
-            self._take_event,
-            qos.EVENTS,
-            temporary=True,
-        )
 
     def close(self) -> None:
         """Stop watching."""
         self._agents.forget_training(self._agent)
-        self._agents.link.node.destroy_subscription(self._transitions)
 
     def want(self, name: str) -> None:
         """Ask for a behavior of the library, to be known from now on."""
@@ -130,16 +122,18 @@ class AgentWatch:
         status = self._agents.statuses.get(self._agent)
         if status is None:
             return
+        if self.known.transitions[-1:] != tuple(self._events)[-1:]:
+            self._know(transitions=tuple(self._events))
         # What is saved again may have learned the same, under another version and description.
         ended = bool(self._trained) and not status.training
         self._trained = status.training
         library_key = (status.library_digest, status.distribution)
         if library_key != self._library_key or ended or not self.known.vocabulary.domain:
             self._library_key = library_key
-            self._know(behaviors=NOTHING)
+            self._current.clear()
             self._ask("vocabulary", SwarmClient.vocabulary, self._take_vocabulary)
         self._take_training(self._agents.trainings.get(self._agent) if status.training else None)
-        for name in self._needed(status) - self.known.behaviors.keys():
+        for name in self._needed(status) - self._current:
             self._ask(name, SwarmClient.behavior, partial(self._take_behavior, name), name)
         if (now := time.monotonic()) >= self._next_read:
             self._next_read = now + READ_SECONDS
@@ -197,11 +191,11 @@ class AgentWatch:
     def _know(self, **changes: Any) -> None:
         self.known = replace(self.known, **changes)
 
-    def _take_event(self, event: TransitionEvent) -> None:
-        self._know(transitions=(*self.known.transitions, event)[-EVENTS:])
-
     def _take_vocabulary(self, answer: Any) -> None:
-        self._know(vocabulary=Vocabulary.of(answer))
+        words = Vocabulary.of(answer)
+        there = {Use.parse(label).name for label in words.behaviors}
+        kept = {name: it for name, it in self.known.behaviors.items() if name in there}
+        self._know(vocabulary=words, behaviors=MappingProxyType(kept))
         self._changed()
 
     def _take_training(self, after: Training | None) -> None:
@@ -216,6 +210,7 @@ class AgentWatch:
         self._changed()
 
     def _take_behavior(self, name: str, answer: Learned) -> None:
+        self._current.add(name)
         self._know(behaviors=MappingProxyType({**self.known.behaviors, name: answer}))
         self._changed()
 

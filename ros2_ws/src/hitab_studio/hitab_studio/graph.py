@@ -13,9 +13,9 @@ from hitab_core.drawing.layout import (
     Box,
     Floats,
     bend_arrows,
-    crosses,
     curve,
     least_crossed,
+    misplaced,
     place_words,
     state_boxes,
 )
@@ -84,7 +84,7 @@ class _ByIdentity:
 
 @lru_cache(maxsize=64)
 def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
-    """Lay everything out with all labels, and again with numbers where there is no room."""
+    """Lay everything out, again and again, with numbers for labels that have no room."""
     automaton = key.automaton
     drawn = [arrow for arrow in arrows(automaton) if not arrow.is_loop]
     drawn.sort(key=lambda arrow: words(arrow) == "")
@@ -92,10 +92,16 @@ def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
     lines = sum(text.count("\n") + 1 for text in texts)
     height = min(620.0, 150.0 + 34.0 * (len(automaton.labels) + 1) + 7.0 * lines)
     states = [START, *automaton.labels]
-    crowded = _without_room(_layout(states, drawn, texts, height), height)
-    numbers = {i: number for number, i in enumerate(crowded, 1)}
-    labels = [str(numbers[i]) if i in numbers else text for i, text in enumerate(texts)]
-    boxes, curves, places = _layout(states, drawn, labels, height)
+    numbers: dict[int, int] = {}
+    while True:
+        labels = [str(numbers[i]) if i in numbers else text for i, text in enumerate(texts)]
+        boxes, curves, places = layout = _layout(states, drawn, labels, height)
+        crowded = [i for i in _without_room(layout, height) if i not in numbers]
+        if not crowded:
+            break
+        crowded.sort(key=lambda i: len(texts[i]))  # with the longest gone, others have room
+        numbered = sorted([*numbers, *crowded[len(crowded) // 2 :]])
+        numbers = {i: number for number, i in enumerate(numbered, 1)}
     shown = []
     for i, (arrow, points) in enumerate(zip(drawn, curves, strict=True)):
         outside = [
@@ -158,18 +164,15 @@ def _pixels(box: Box, height: float) -> Box:
 
 
 def _without_room(layout: Layout, height: float) -> list[int]:
-    """Return the labels that lie on a state, an earlier label or an arrow, or outside."""
+    """Return the labels that are outside or cannot be read, see `misplaced`."""
     boxes, curves, places = layout
-    found = []
-    for i, place in enumerate(places):
-        outside = (
-            abs(place.x - WIDTH / 2) + place.width / 2 > WIDTH / 2
-            or abs(place.y - height / 2) + place.height / 2 > height / 2
-        )
-        touched = any(map(place.touches, (*boxes.values(), *places[:i])))
-        if outside or touched or any(crosses(points, place) for points in curves):
-            found.append(i)
-    return found
+    outside = {
+        i
+        for i, place in enumerate(places)
+        if abs(place.x - WIDTH / 2) + place.width / 2 > WIDTH / 2
+        or abs(place.y - height / 2) + place.height / 2 > height / 2
+    }
+    return sorted(outside.union(misplaced(places, [*boxes.values()], curves, INCH)))
 
 
 def _in(point: Floats, box: Box) -> bool:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
 from typing import Any
+
+from hitab_msgs.msg import TransitionEvent
 
 from hitab_client import (
     CommandView,
@@ -20,7 +23,7 @@ from hitab_client import (
 )
 from hitab_client.identity import BY_HAND
 from hitab_client.recording import Recorder
-from hitab_ros import EmergencySwitch, names
+from hitab_ros import EmergencySwitch, names, qos
 from hitab_studio.agent_watch import AgentWatch
 from hitab_studio.known import Known
 from hitab_studio.markers import Markers
@@ -36,6 +39,12 @@ STOPS_S = 0.5
 
 ARM_S = 3.0
 """How long a robot may take to be found that is to act again, s."""
+
+EVENTS = 60
+"""Number of state changes of an agent that are kept."""
+
+FOLLOWED = 40
+"""Agents whose state changes are kept before a page views them: each costs them a little."""
 
 SOON = 1.0
 """s; a world that is there is heard by then."""
@@ -104,6 +113,7 @@ class Observer:
         self._processes = Processes(target.folder)
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
+        self._events: dict[str, deque[TransitionEvent]] = {}
         self._commanders = CommandView(link, agents.prefix, target.identity)
         self._recorder: Recorder | None = None
         self._recording_page = ""
@@ -151,10 +161,14 @@ class Observer:
             self._know(groups=MappingProxyType(dict(groups)))
         self._listen()
         wanted = {*self._viewing.focus.values()} - {""}
+        for agent in [*(wanted & statuses.keys()), *sorted(statuses)[:FOLLOWED]]:
+            if agent not in self._events:
+                self._follow(agent)
         for agent in wanted & statuses.keys() - self.watches.keys():
             self.watches[agent] = AgentWatch(
                 self._agents,
                 agent,
+                self._events[agent],
                 self._do,
                 partial(self._learns, agent),
                 partial(self._complain, agent=agent),
@@ -173,6 +187,16 @@ class Observer:
             robots = self._robots.look(wanted, viewed=bool(self._viewing.pages))
             if robots is not known.robots:
                 self.known = replace(self.known, robots=robots)
+
+    def _follow(self, agent: str) -> None:
+        """Keep the state changes of an agent from now on, whether a page views it or not."""
+        self._events[agent] = deque(maxlen=EVENTS)
+        self._link.subscribe(
+            TransitionEvent,
+            names.of_agent(agent, names.TRANSITIONS, self._agents.prefix),
+            self._events[agent].append,
+            qos.EVENTS,
+        )
 
     def _listen(self) -> None:
         """Notice who falls silent and who is heard again."""

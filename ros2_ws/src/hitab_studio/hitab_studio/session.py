@@ -100,6 +100,7 @@ class Session:
 
     Attributes:
         shared: what it shares with the other pages.
+        browser: identity of the browser, whose pages are the same person's; at first the page's.
         demonstrator: name of the person who commands; the reaction time is kept under it.
         name: the same, told apart from people of this name at other pages.
         chosen: names of the things selected in the field.
@@ -121,7 +122,7 @@ class Session:
 
     def __init__(self, shared: Shared, key: str, demonstrator: str) -> None:
         self.shared = shared
-        self.id = key
+        self.id = self.browser = key
         self.demonstrator = self.name = ""
         self.chosen: list[str] = []
         self.agent = ""
@@ -153,9 +154,19 @@ class Session:
     def become(self, demonstrator: str) -> None:
         """Be used by the person of this name."""
         if demonstrator != self.demonstrator:
-            others = {page.name for page in self.shared.sessions.values() if page is not self}
-            self.demonstrator, self.name = demonstrator, told_apart(demonstrator, others)
-            self.shared.store.touch()
+            self.demonstrator = demonstrator
+            self.belong(self.browser)
+
+    def belong(self, browser: str) -> None:
+        """Be a page of this browser; its pages hold agents together, under one name."""
+        self.browser = browser
+        others = {page.name for page in self.shared.sessions.values() if not self.is_same(page)}
+        self.name = told_apart(self.demonstrator, others)
+        self.shared.store.touch()
+
+    def is_same(self, page: Session) -> bool:
+        """Whether another page is the same person's."""
+        return page.browser == self.browser
 
     # -- what it looks at -------------------------------------------------------------------
 
@@ -191,7 +202,7 @@ class Session:
     @property
     def locked(self) -> bool:
         """Whether another demonstrator holds the agent."""
-        return self.shared.held.get(self.agent, self) is not self
+        return not self.is_same(self.shared.held.get(self.agent, self))
 
     def close_dialog(self) -> None:
         """Close the dialog, if one is open."""
@@ -340,7 +351,7 @@ class Session:
             SwarmError: if another demonstrator holds it.
         """
         holder = self.shared.held.setdefault(agent, self)
-        if holder is not self:
+        if not self.is_same(holder):
             raise SwarmError(
                 f"{agent} is being trained by {holder.name}; press Take over this agent first"
             )

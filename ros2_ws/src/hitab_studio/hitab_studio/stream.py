@@ -12,6 +12,8 @@ from hitab_studio.session import Session
 from hitab_studio.studio import Studio
 
 UNKNOWN_PAGE = 4404
+BROWSER = "hitab_browser"
+"""Name of the cookie with the identity of the browser."""
 
 
 async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
@@ -22,6 +24,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         await socket.close(UNKNOWN_PAGE)
         return
     session.connected = True
+    session.belong(socket.cookies.get(BROWSER, session.browser))
     studio.store.touch()
     studio.link.viewing.pages.add(key)
     session.show_again()

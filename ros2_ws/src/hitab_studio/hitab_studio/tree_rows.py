@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hitab_core import TransitionTree
-from hitab_core.learning import Leaf, Node, tree_text
+from hitab_core.learning import Leaf, tree_text
 
 
 @dataclass(frozen=True)
 class Row:
-    """One branch.
+    """One branch, see `hitab_core.learning.tree_text.rows`.
 
     Attributes:
         depth: from 0.
@@ -39,26 +39,16 @@ def tree_rows(
         names: of its features.
         values: of those features that are known, by name; the decision for them is shown.
     """
-    rows: list[Row] = []
-
-    def leaf(node: Node) -> tuple[tuple[float, str], ...]:
-        odds = tree_text.distribution(node.counts, tree.labels)
-        return tuple(sorted(((p, label) for label, p in odds.items()), reverse=True))
-
-    waiting: list[tuple[Node, int, str, bool]] = [(tree.root_, 0, "", bool(values))]
-    while waiting:
-        node, depth, condition, taken = waiting.pop()
-        if isinstance(node, Leaf):
-            rows.append(
-                Row(depth, condition, leaf(node), tree_text.number_of(sum(node.counts)), taken)
-            )
-            continue
-        if condition:
-            rows.append(Row(depth, condition, (), 0, taken))
-        value = values.get(names[node.feature], math.nan)
-        chosen = node.branch_for(value) if taken and not math.isnan(value) else None
-        inner = depth + 1 if condition else depth
-        for i in reversed(range(len(node.branches))):
-            words = tree_text.conditions([(node, i)], tree.scales_, names)[0]
-            waiting.append((node.branches[i], inner, words, chosen == i))
+    rows = []
+    for depth, condition, node, path in tree_text.rows(tree.root_, tree.scales_, names):
+        taken = bool(values) and all(
+            not math.isnan(value := values.get(names[fork.feature], math.nan))
+            and fork.branch_for(value) == branch
+            for fork, branch in path
+        )
+        is_leaf = isinstance(node, Leaf)
+        odds = tree_text.distribution(node.counts, tree.labels) if is_leaf else {}
+        chances = tuple(sorted(((p, label) for label, p in odds.items()), reverse=True))
+        examples = tree_text.number_of(sum(node.counts)) if is_leaf else 0
+        rows.append(Row(depth, condition, chances, examples, taken))
     return rows

@@ -29,7 +29,9 @@ class Seen:
     def __init__(self) -> None:
         self.agents: Any = Agents()
         self.asked = 0
-        self.watch = AgentWatch(self.agents, "ann", self.do, lambda: None, lambda *_, **__: None)
+        self.watch = AgentWatch(
+            self.agents, "ann", [], self.do, lambda: None, lambda *_, **__: None
+        )
 
     async def do(self, job: Callable[[Any], Any], *, needs: str) -> Any:
         def ask(agent: str, kind: Any, *_: Any, **__: Any) -> Any:

@@ -159,10 +159,43 @@ def place_words(
     return [found[i] for i in range(len(sizes))]
 
 
-def crosses(points: Floats, box: Box) -> bool:
-    """Whether an arrow, by points on it of shape (n, 2), goes through a box."""
-    half = np.array([[box.width / 2, box.height / 2]])
-    return bool(_crossings(np.array([[box.x, box.y]]), half, points[None])[0, 0])
+ASTRAY = 0.25
+"""Inches between an arrow and its words from where on the words seem to belong to nothing."""
+
+
+def misplaced(
+    places: Sequence[Box], states: Sequence[Box], curves: Sequence[Floats], inch: float = 1.0
+) -> list[int]:
+    """Return the words that cannot be read where they are, by the number of their arrow.
+
+    They lie on a state or on earlier words, an arrow goes through them, or they are far from
+    their own arrow, or nearer to another one.
+
+    Args:
+        places: of the words; those of arrows without words are left out, at the end.
+        states: where the states are.
+        curves: points on each arrow, shape (n, 2).
+        inch: the unit of all lengths.
+    """
+    found = []
+    for i, place in enumerate(places):
+        middle, half = np.array([[place.x, place.y]]), np.array([place.width, place.height]) / 2
+        away = _distances(middle, half, np.array(curves))[0]
+        is_on_any = any(map(place.touches, (*states, *places[:i])))
+        is_crossed = _crossings(middle, half[None], np.array(curves)).any()
+        if is_on_any or is_crossed or away[i] > min(ASTRAY * inch, away.min()):
+            found.append(i)
+    return found
+
+
+def _distances(places: Floats, half: Floats, curves: Floats) -> Floats:
+    """Return how far arrows are from the edges of boxes, shape (places, arrows).
+
+    The arguments are those of `_crossings`.
+    """
+    away = np.maximum(np.abs(curves[None] - places[:, None, None]) - half, 0.0)
+    distances: Floats = np.hypot(away[..., 0], away[..., 1]).min(axis=2)
+    return distances
 
 
 def _crossings(places: Floats, half: Floats, curves: Floats) -> NDArray[np.bool_]:
@@ -221,8 +254,7 @@ def _costs(
     half = np.array(size) / 2
     crossed = _crossings(places, half[None] + CLEAR, curves).sum(axis=1)
     # How far each arrow is from the edge of the words: they belong to the nearest one.
-    away = np.maximum(np.abs(curves[None] - places[:, None, None, :]) - half, 0.0)
-    distances = np.hypot(away[..., 0], away[..., 1]).min(axis=2)
+    distances = _distances(places, half, curves)
     near = distances[:, own]
     others = np.delete(distances, own, axis=1)
     mistaken = np.maximum(near - others.min(axis=1), 0.0) if others.size else 0.0

@@ -19,13 +19,14 @@ from hitab_core.drawing.layout import (
     Box,
     Floats,
     bend_arrows,
-    crosses,
     curve,
     least_crossed,
+    misplaced,
     place_words,
     state_boxes,
 )
 from hitab_core.errors import HitabError
+from hitab_core.wording import unbroken
 
 _INK = "#1f2933"
 _ARROW = "#52606d"
@@ -102,7 +103,7 @@ def _wrapped(way: Way) -> str:
         short = _NUMBER.sub(lambda number: f"{float(number.group()):.4g}", condition)
         short = short.replace("<=", "≤").replace(">=", "≥")
         and_ = "and " if lines else ""
-        lines += textwrap.wrap(and_ + short, _WRAP, break_long_words=False)
+        lines += textwrap.wrap(and_ + unbroken(short), _WRAP, break_long_words=False)
     text = "\n".join(lines)
     if way.probability < 1.0:
         text = f"{text}\n" if text else ""
@@ -145,14 +146,8 @@ class Panel:
 
     @property
     def collisions(self) -> int:
-        """Number of words that lie on a state or other words, or that an arrow crosses."""
-        found = 0
-        for i, place in enumerate(self.places):
-            others = [*self.states.values(), *self.places[:i]]
-            found += any(place.touches(other) for other in others) or any(
-                crosses(points, place) for points in self.curves
-            )
-        return found
+        """Number of words that cannot be read where they are, see `misplaced`."""
+        return len(misplaced(self.places, [*self.states.values()], self.curves))
 
 
 def lay_out(automaton: Automaton, measure: Measure) -> Panel:

@@ -259,7 +259,8 @@ class TransitionTree:
         the explanation ends with the distribution of the examples that got that far.
         """
         node = self._fitted()
-        tests: list[str] = []
+        path: list[tree_text.Step] = []
+        missing: list[str] = []
         features: list[int] = []
         while not isinstance(node, Leaf):
             value = values[node.feature]
@@ -267,13 +268,13 @@ class TransitionTree:
                 break
             features.append(node.feature)
             if value != value:
-                tests.append(f"{names[node.feature]} has no value")
+                missing.append(f"{names[node.feature]} has no value")
                 break
             branch = node.branch_for(value)
-            tests.extend(tree_text.conditions([(node, branch)], self.scales_, names))
+            path.append((node, branch))
             node = node.branches[branch] if branch is not None else Leaf(node.counts)
         return Explanation(
-            tuple(tests),
+            (*tree_text.conditions(path, self.scales_, names), *missing),
             tuple(dict.fromkeys(features)),
             tree_text.distribution(node.counts, self.labels),
         )

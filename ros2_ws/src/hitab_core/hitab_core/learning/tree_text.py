@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.learning.tree_nodes import Arc, Categories, Fork, Leaf, Node
@@ -257,16 +258,33 @@ def _beside(condition: str, exact: Collection[str]) -> str:
     return condition
 
 
+Row = tuple[int, str, Node, tuple[Step, ...]]
+"""The depth of a row, its condition, its node and the path to that."""
+
+
+def rows(root: Node, scales: Sequence[Scale], names: Sequence[str]) -> Iterator[Row]:
+    """Yield the rows of a drawing: a branch each, below the branch that it is part of.
+
+    Tests of one feature that follow each other are one row, with what they say together. Rows say
+    the same of nested intervals only once, and of each what is left of the one around it.
+    """
+    for node, path in _paths(root, scales):
+        tested = [step[0].feature for step in path]
+        if isinstance(node, Fork) and tested[-1:] in ([], [node.feature]):
+            continue
+        depth = sum(one != other for one, other in pairwise(tested))
+        together = [step for step in path if step[0].feature == tested[-1]]
+        yield depth, "".join(conditions(together, scales, names)), node, path
+
+
 def drawing(
     root: Node, labels: Sequence[str], scales: Sequence[Scale], names: Sequence[str]
 ) -> str:
     """Return the tree as C4.5 draws one: a line per branch, indented by depth."""
     lines = []
-    for node, path in _paths(root, scales):
-        text = "".join(conditions(path[-1:], scales, names))
+    for depth, text, node, _ in rows(root, scales, names):
         if isinstance(node, Leaf):
             odds = as_odds(distribution(node.counts, labels))
             text += f"{': ' if text else ''}{odds} ({number_of(sum(node.counts))})"
-        if text:
-            lines.append("|   " * (len(path) - 1) + text)
+        lines.append("|   " * depth + text)
     return "\n".join(lines)

@@ -98,13 +98,29 @@ class ExampleLog:
                 return self.replacement([example], f"answered {state} → {to}")
             case "relabel":
                 given = tuple(map(float, record.get("with", ())))
-                return self._relabeling(record["numbers"], record["next_state"], given)
+                goes_on = record.get("goes_on")
+                return self._relabeling(record["numbers"], record["next_state"], given, goes_on)
         return None
 
     def _relabeling(
-        self, numbers: Iterable[int], next_state: str, given: tuple[float, ...]
+        self,
+        numbers: Iterable[int],
+        next_state: str,
+        given: tuple[float, ...],
+        goes_on: bool | None,
     ) -> Edit:
-        """Prepare to change next states; a default example becomes an ordinary one."""
+        """Prepare to change next states; a default example becomes an ordinary one.
+
+        The default example of a changed command says the same of the new next state.
+
+        Args:
+            numbers: of the examples.
+            next_state: the new one.
+            given: with which numbers it is commanded.
+            goes_on: whether it goes on, as a one-shot behavior does not; None, in a record of an
+                earlier version: default examples stay as they are.
+        """
+        wanted = self._known(numbers)
         changed = [
             replace(
                 e,
@@ -112,11 +128,26 @@ class ExampleLog:
                 kind=ExampleKind.CORRECTION if e.is_default else e.kind,
                 numbers=given,
             )
-            for e in (self._by_number[number] for number in self._known(numbers))
+            for e in map(self._by_number.__getitem__, wanted)
             if (e.next_state, e.numbers) != (next_state, given)
         ]
         words = f"changed {these(e.number for e in changed)} to {next_state}" if changed else ""
-        return self.replacement(changed, words)
+        moved, gone = [], []
+        for e in changed:
+            default = self._by_number.get(e.number + 1)
+            if default is None or not default.is_default or default.command != e.command:
+                continue
+            if goes_on is None or default.number in wanted or default.state == next_state:
+                continue
+            if goes_on and e.state != next_state:
+                moved.append(replace(default, state=next_state, next_state=next_state))
+            else:
+                gone.append(default.number)
+        if moved:
+            words += f"; default {these(e.number for e in moved)} with it"
+        if gone:
+            words += f"; deleted default {these(gone)}"
+        return self.replacement([*moved, *changed], words, gone)
 
     def replacement(
         self, changed: Iterable[Example], words: str = "", deleted: Iterable[int] = ()

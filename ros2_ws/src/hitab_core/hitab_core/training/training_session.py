@@ -511,7 +511,7 @@ class TrainingSession:
         self._edit({"do": "delete", "numbers": sorted(set(numbers))})
 
     def relabel(self, numbers: Iterable[int], next_state: Use) -> None:
-        """Change the next state of examples.
+        """Change the next state of examples, and of what their commands recorded by default.
 
         Raises:
             TrainingError: if one of the numbers is unknown.
@@ -520,6 +520,7 @@ class TrainingSession:
         self._check_state(next_state)
         state, given = self.context.repertoire.commanded(next_state)
         record = {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(state)}
+        record["goes_on"] = not self.context.repertoire.is_one_shot(state)
         self._edit({**record, "with": list(given)} if given else record)
 
     def retime(self, numbers: Iterable[int], ago: float) -> None:

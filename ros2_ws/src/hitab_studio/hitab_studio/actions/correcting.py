@@ -91,10 +91,9 @@ async def relabel(session: Session, data: Data) -> None:
     numbers, state = _numbers(session, data), str(data["value"])
     if not state:
         return
-    await session.request(SwarmClient.relabel, numbers, state)
+    answer = await session.request(SwarmClient.relabel, numbers, state)
     session.table.marked.clear()
-    verb = "leads" if len(numbers) == 1 else "lead"
-    session.tell(f"{numbered('example', numbers)} now {verb} to {state}")
+    session.tell(answer.message)
 
 
 @action("renumber")

@@ -71,7 +71,8 @@ async def save(session: Session, data: Data) -> None:
     session.tab = "library"
     session.behavior = name
     session.shared.link.want(session.agent, name)
-    session.tell(f"{answered(answer)}{left_out}")
+    done = f"{answered(answer)}{left_out}".split("; ")
+    session.tell("\n".join(done), "good" if len(done) == 1 else "note")
 
 
 @action("library")

@@ -178,7 +178,7 @@ function drawHandles(field, c, screen) {
   }
 }
 
-// Below each thing; those that are chosen first, and none on another one.
+// Below each thing, else beside or above it; those that are chosen first, and none on another one.
 function drawNames(field, c, screen) {
   const { now, roster, chosen, hovered } = field;
   const important = (i) => (chosen.has(roster.names[i]) ? 2 : i === hovered ? 1 : 0);
@@ -193,14 +193,17 @@ function drawNames(field, c, screen) {
     const strong = important(i) === 2;
     c.font = `${strong ? 600 : 400} 11px ${field.font}`;
     const half = c.measureText(roster.names[i]).width / 2;
-    const x = screen[3 * i];
-    const y = screen[3 * i + 1] + field.radius(i) + (now.modes[i] > 2 || strong ? 10 : 7);
-    const covered = taken.some((t) => Math.abs(t.x - x) < t.half + half && Math.abs(t.y - y) < 13);
-    if (covered && !important(i)) continue;
-    taken.push({ x, y, half });
+    const [px, py] = screen.subarray(3 * i, 3 * i + 2);
+    const away = field.radius(i) + (now.modes[i] > 2 || strong ? 10 : 7);
+    const places = [[px, py + away], [px + away + half, py - 6], [px - away - half, py - 6], [px, py - away - 13]];
+    const isFree = ([x, y]) => !taken.some((t) => Math.abs(t.x - x) < t.half + half && Math.abs(t.y - y) < 13);
+    const [x, y] = places.find(isFree) ?? (important(i) ? places[0] : [NaN]);
+    if (Number.isNaN(x)) continue;
+    taken.push({ x, y, half, name: roster.names[i] });
     c.fillStyle = strong ? field.colors.ink : field.colors.faint;
     c.fillText(roster.names[i], x, y + 1);
   }
+  field.named = taken;
 }
 
 function drawTrails(field, c) {

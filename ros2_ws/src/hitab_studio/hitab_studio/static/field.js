@@ -8,6 +8,7 @@ import { openStream } from "./stream.js";
 
 const ROOM = 122; // px; below the field, for two rows of behaviors
 const ABOVE = 92; // px; for a banner and the legend
+const SMALL_HEIGHT = 500; // px; of a field
 const BESIDE = 46; // px; at either side, for the buttons at the right
 const JUMP = 2.5; // m; nothing moves so far in a cycle: it was put there
 const CALL_MS = 1400;
@@ -36,6 +37,8 @@ class Field {
     openStream(session, (message) => this.take(message));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
+    // On a phone, what lies over the field takes much of it, and changes.
+    setInterval(() => this.view.fitted && this.height < SMALL_HEIGHT && this.fit(), 500);
   }
 
   // -- what comes from the server
@@ -135,8 +138,9 @@ class Field {
   margins() {
     const low = this.roster.real ? 0.36 : 0.25; // of the window: a camera is high
     const high = (part) => document.querySelector(part)?.offsetHeight ?? 0;
-    const above = Math.max(ABOVE, high(".notices") + ABOVE - 40);
-    const below = Math.max(ROOM, high(".deck") + 34, high("#camera") + 34);
+    const small = this.height < SMALL_HEIGHT; // a phone has room for what is there only
+    const above = Math.max(small ? 0 : ABOVE, high(".notices") + (small ? 30 : ABOVE - 40));
+    const below = Math.max(small ? 0 : ROOM, high(".deck") + 28, high("#camera") + 34);
     return [Math.min(above, 0.25 * this.height), Math.min(below, low * this.height)];
   }
 
@@ -255,6 +259,12 @@ class Field {
 function rememberDemonstrator(name) {
   const year = 365 * 24 * 3600;
   document.cookie = `hitab_demonstrator=${encodeURIComponent(name)}; max-age=${year}; SameSite=Strict; path=/`;
+}
+
+// Tabs of one browser are one person's. It ends with the browser, and the stream tells the server.
+if (!document.cookie.includes("hitab_browser=")) {
+  const identity = crypto.getRandomValues(new Uint32Array(4)).join("-");
+  document.cookie = `hitab_browser=${identity}; SameSite=Strict; path=/`;
 }
 
 function begin() {

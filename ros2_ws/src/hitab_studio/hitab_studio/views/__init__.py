@@ -12,7 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from jinja2.utils import markupsafe
 
 from hitab_client.commands import called
-from hitab_core import quantity
+from hitab_core import quantity, unbroken
 from hitab_studio import unavailable
 from hitab_studio.session import Session
 from hitab_studio.views import agents, dialog, overlay, side, top
@@ -73,6 +73,7 @@ _environment.filters |= {
     "quantity": quantity,
     "breaks": breaks,
     "since": since,
+    "unbroken": unbroken,
 }
 _environment.globals |= {"off": unavailable.off, "unavailable": unavailable, "called": called}
 

@@ -103,7 +103,7 @@ def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
         "state": state or (status.behavior if status is not None else ""),
         "color": store.palette.color(state),
         "absence": (absence(store.known, name) or "") if live else "",
-        "lock": "" if holder is None else ("you" if holder is session else holder.name),
+        "lock": "" if holder is None else ("you" if session.is_same(holder) else holder.name),
         "order": group.order if group is not None else "",
         "obeying": sum(member.obeys for member in group.subordinates) if group is not None else 0,
         "size": len(group.subordinates) if group is not None else 0,

@@ -44,7 +44,9 @@ def context(session: Session) -> dict[str, Any]:
                 for text, use in uses(vocabulary.behaviors, arguments)
             ],
             "running": world is not None and world.mode != "paused",
-            "others": sorted({p.name for p in session.shared.held.values() if p is not session}),
+            "others": sorted(
+                {p.name for p in session.shared.held.values() if not session.is_same(p)}
+            ),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
             "saved": _saved(session),

@@ -35,7 +35,7 @@ def context(session: Session) -> dict[str, Any]:
         "pace": pace,
         "speeds": SPEEDS if listed else sorted((*SPEEDS, pace), key=float),
         "unheard": len([n for n in world.missing if known.answers(n)]) if world else 0,
-        "people": [other.name for other in session.shared.sessions.values() if other.connected],
+        "people": {p.browser: p.name for p in session.shared.sessions.values() if p.connected},
         "world_off": world_off,
         "unplace_off": world_off or ("" if store.placements else "Nothing was placed yet."),
         "absent": absence(known, names.WORLD) if world is not None else None,
