@@ -7,7 +7,7 @@ train their teams again: how many of their trees change, and how much of what th
 otherwise than intended. The people's habits stay what they are.
 
     scripts/python research/constants.py --people 3 --resume constants.jsonl
-    scripts/python research/constants.py --only SPREAD --people 20
+    scripts/python research/constants.py --only FAR --people 20
 
 A share above one half is moved towards 1 and away from it: what is left to 1 is halved and
 doubled. Of several numbers the logarithms are.
@@ -86,7 +86,6 @@ CONSTANTS = [
     *_of(None, "learning.tree_growth", "LEAST_FRACTION AHEAD_MAX"),
     *_of(NOVICES, "training.lateness", "SOONEST LATEST SPREADS OTHERWISE AT_ONCE SHORTEST"),
     *_of(NOVICES, "training.lateness", "THRESHOLDS_MAX"),
-    *_of(ENGINEERS, "training.responses", "SPREAD JUMP AROUND"),
     *_of(NOVICES, "training.perceived", "BLAMED_SECONDS"),
     *_of(NOVICES, "training.situations", "KEPT"),
     *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING FAR LEAST"),

@@ -14,7 +14,7 @@ FILES = {
     "keys": "hitab_studio/hitab_studio/static/keys.js",
     "lockstep": "hitab_world/hitab_world/lockstep.py",
     "order": "hitab_core/hitab_core/commanding/order.py",
-    "reaction time": "hitab_client/hitab_client/reaction_time.py",
+    "lateness": "hitab_core/hitab_core/training/lateness.py",
     "recording": "hitab_client/hitab_client/recording/recordings.py",
     "retiming": "hitab_core/hitab_core/training/retiming.py",
     "saving": "hitab_core/hitab_core/saving.py",

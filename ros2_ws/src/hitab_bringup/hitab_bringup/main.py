@@ -33,7 +33,6 @@ from hitab_bringup.verbs import (
     new,
     perceiving,
     questions,
-    reaction,
     recording,
     status,
     swarm,
@@ -100,7 +99,6 @@ PANELS: dict[str, tuple[Callable[..., None], ...]] = {
         training.save,
         training.discard,
         questions.questions,
-        reaction.reaction,
     ),
     "Perform": (
         commanding.perform,

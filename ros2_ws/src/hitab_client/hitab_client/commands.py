@@ -53,7 +53,6 @@ COMMANDS = {
     Do.LOGS: "logs {node}",
     Do.DOCTOR: "doctor",
     Do.RECORD: "record",
-    Do.MEASURE_REACTION: "reaction --measure",
 }
 """What is typed after the name of the command. Some remedies are not done with it."""
 

@@ -64,7 +64,6 @@ class Do(Enum):
     DOCTOR = "look for the cause"
     RECORD = "record it"
     # demonstrators
-    MEASURE_REACTION = "measure how late commands come"
 
     def __call__(self, **arguments: object) -> Remedy:
         """Return the remedy with these arguments."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import getpass
 from typing import Annotated
 
 import typer
@@ -36,11 +35,11 @@ def demonstrate(
     that it is already performing to say: keep going here. `hitab train` begins a training.
 
     A command that comes late is recorded with the situation of some time before you pressed Enter,
-    if you say how long: with --ago, or for all commands with `hitab reaction`.
+    if you say how long with --ago.
 
     Args:
         behavior: A behavior, such as GoFast, or GoTo(ball).
-        ago: How long ago it was due, s of your time. Default: your reaction time.
+        ago: How long ago it was due, s of your time. Default: it counts when it arrives.
 
     Examples:
       hitab demonstrate keeper_1 GoFast
@@ -49,13 +48,7 @@ def demonstrate(
       hitab demonstrate keeper_1 GoFast --ago 0.5
       hitab demonstrate keeper_1 Done
     """
-    from hitab_client import reaction_time
-
     use = Use.parse(behavior)
-    if ago is None:
-        ago = reaction_time.of(getpass.getuser()) or None
-    else:
-        reaction_time.check(ago)
     with connection(swarm) as swarm_up:
         due, seen = _due(swarm_up, agent, ago) if ago else (0.0, 0)
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
@@ -85,13 +78,13 @@ def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
 
     import psutil  # type: ignore[import-untyped]
 
-    from hitab_client import reaction_time
+    from hitab_client.demonstrating import simulated
 
     swarm_up.agents.await_agent(agent)
     swarm_up.await_world()
     world = swarm_up.world
     due, passed = (
-        reaction_time.simulated(seconds, world.status, world.speed)
+        simulated(seconds, world.status, world.speed)
         for seconds in (ago, time.time() - psutil.Process().create_time())
     )
     if world.status is None:

@@ -29,8 +29,6 @@ from hitab_core.training.moments import (
     readable,
     state_of,
 )
-from hitab_core.training.responses import responded
-from hitab_core.training.silence import Silence, Stretch
 from hitab_core.training.situations import Situations
 from hitab_core.use import Use
 
@@ -70,7 +68,6 @@ class Perceived:
         self.readable = (*found, *(use for use in chosen if use not in found))
         self.moments = Moments()
         self.situations = Situations()
-        self.silence = Silence()
         self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
         self._column = {use: i for i, use in enumerate(self.readable)}
         self._discrete = [
@@ -115,7 +112,6 @@ class Perceived:
         moment = Moment(cycle, time, state_of(running.active), self._read(running))
         self.moments.add(moment)
         self._meet(moment)
-        self.silence.see(moment)
 
     def _meet(self, moment: Moment) -> None:
         values = (moment.readings[i] for i in self._discrete)
@@ -147,7 +143,6 @@ class Perceived:
     def begin(self) -> None:
         """Forget what was, since it has nothing to do with what follows."""
         self.moments = Moments()
-        self.silence.end()
         self._entered = None
 
     def restart(self) -> None:
@@ -167,7 +162,6 @@ class Perceived:
         cycle: int,
         ago: float,
         seen: int,
-        corrects: str = "",
     ) -> Moment:
         """Return the moment for which a command is meant.
 
@@ -176,7 +170,6 @@ class Perceived:
             features: of the automaton in training.
             cycle: of the world, now.
             ago, seen: see `Moments.due`.
-            corrects: see `responded`.
 
         Raises:
             TrainingError: if that moment is not kept.
@@ -188,18 +181,10 @@ class Perceived:
             entered = self._entered
             if entered is not None and due.time <= entered.time:
                 due = entered  # no command was due before the one that the person gave before it
-            if ago:
-                scale_of = running.context.repertoire.domain.scale_of
-                columns = {
-                    self._column[use]: scale_of(use) for use in features if use not in TIMERS
-                }
-                moments = self._since_entered()
-                answered = responded(moments, due, ago, columns, corrects)
-                if not self.shows(answered, features):  # nothing was sensed for a moment
-                    near = [m for m in moments if abs(m.time - due.time) <= ago]
-                    shown = [m for m in near if self.shows(m, features)]
-                    answered = nearest(shown, due.time) if shown else answered
-                due = answered
+            if not self.shows(due, features):  # nothing was sensed for a moment
+                near = [m for m in self._since_entered() if abs(m.time - due.time) <= ago]
+                shown = [m for m in near if self.shows(m, features)]
+                due = nearest(shown, due.time) if shown else due
             if latest is not None and due.time < latest.time:
                 return due
         # The present one, with the values that the next decision would use.
@@ -210,10 +195,10 @@ class Perceived:
         return Moment(cycle, self.time, state_of(running.active), tuple(readings))
 
     def _since_entered(self) -> Sequence[Moment]:
-        """Return what a command can respond to, after what was responded to before it."""
+        """Return the moments for which a command can be meant, after that of the one before it."""
         entered, kept = self._entered, self.moments.since(-math.inf)
         if entered is None:
-            return (*kept[:1], *kept)
+            return kept
         return (entered, *(moment for moment in kept if moment.time > entered.time))
 
     def in_moment(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
@@ -382,11 +367,6 @@ class Perceived:
             return late, among
         late = replace(late, changed=float(delays[changed]), corrects=corrects)
         return late, (*among, moments[changed])
-
-    def silent(self, stretch: Stretch, features: Sequence[Use]) -> LateCommand:
-        """Return a silent time, as a command of which is known only that it did not come."""
-        values = np.array([self.in_moment(one, features) for one in stretch.moments])
-        return LateCommand(stretch.state, "", np.array(stretch.waits), values)
 
     def window(self, command: int) -> tuple[float, tuple[Moment, ...]] | None:
         """Return when a command was given, s, and the moments that are kept around it."""
