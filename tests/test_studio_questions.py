@@ -83,19 +83,20 @@ def test_who_corrects_is_offered_to_remove_the_mistake_that_caused_it(swarm, per
 @needs_browser
 def test_an_unsure_agent_says_why_and_does_what_was_chosen_for_that(swarm, person):
     begin(person, "Careful")
-    for distance, behavior, examples in ((3.0, "GoFast", 2), (1.5, "Stop", 4)):
+    for distance, behavior, examples in ((3.0, "GoFast", 2), (1.5, "Stop", 4), (3.0, "GoFast", 6)):
         away_from_everybody(swarm, distance)
         person.click(f"do-{behavior}")
         person.sees("counts", f"{examples} examples")
     person.click("caution-change")
     person.page.select_option('[data-test="caution-what"]', "halt")
-    person.type("caution-support", "2")
+    person.type("caution-distance", "2")
     person.click("caution-set")
     person.sees("caution-change", "halt")
     try:
+        away_from_everybody(swarm, 8.0)
         person.click("toggle")
         person.sees("mode", "Testing")
         swarm.world.step(2)
-        person.sees("unsure", "in Stop: it rests on 1 example")
+        person.sees("unsure", "spreads of the examples from the nearest one")
     finally:
         swarm.agents.set_caution(ONE, "go_on")

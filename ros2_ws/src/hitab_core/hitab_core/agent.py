@@ -150,7 +150,7 @@ class Agent:
         """What a person can do about `faults`, and about what its repertoire lacks."""
         lost = [Do.CHECK_LIBRARY()] if self.edition.losses else []
         damaged = [Do.DISCARD(agent=self.name)] if self.journal.damage else []
-        return (*lost, *damaged, *self.repertoire.remedies)
+        return (*lost, *damaged)
 
     @property
     def active_path(self) -> list[str]:

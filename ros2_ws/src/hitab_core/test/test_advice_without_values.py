@@ -2,10 +2,7 @@
 
 import math
 
-import pytest
-
 from hitab_core.advice.ambiguity import ambiguities
-from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
 from hitab_core.domain import BOOLEAN_SCALE, Scale
 from hitab_core.example import Example, ExampleKind
@@ -33,12 +30,3 @@ def test_examples_and_readings_may_lack_values():
     assert ambiguities(evidence(rows), readings) == []  # the values there tell which
     (question,) = ambiguities(evidence(CHASING), readings)
     assert question.situation == (12.5, 1.0)
-
-
-def test_an_example_that_lacks_the_tested_value_supports_every_leaf_in_part():
-    rows = [("S", (1.0,), "A", False), ("S", (9.0,), "B", False), ("S", (9.5,), "B", False)]
-    given = evidence([*rows, ("S", (math.nan,), "B", False)], [METERS], ["Range"], ["m"])
-    rate = Confidences(given.learn(), given)
-    supports = [rate([v]).support for v in (1.0, 9.0)]
-    assert sum(supports) == pytest.approx(4)
-    assert supports[0] == pytest.approx(1 + 1 / 3)
