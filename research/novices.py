@@ -65,7 +65,6 @@ class Novice(Person):
             UNCOUNTED,
             estimated=estimated,
             answers=answers,
-            unlearns=False,
         )
         # Whoever sees a robot do the wrong thing presses the key of the right one.
         self.contradicts = self.trusts = True

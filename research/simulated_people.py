@@ -53,7 +53,6 @@ class Person:
         estimated: whether the agent estimates how late the person's commands come.
         reviews: whether the person looks through what was recorded after each trial.
         answers: whether the person answers the keeper's questions.
-        unlearns: whether the person answers those about mistakes, too.
         slows: whether the person slows the world down where commands come too late.
     """
 
@@ -67,7 +66,6 @@ class Person:
         estimated: bool = False,
         reviews: bool = False,
         answers: bool = False,
-        unlearns: bool = True,
         slows: bool = False,
     ) -> None:
         self.intention = intention
@@ -78,7 +76,7 @@ class Person:
         self.estimated = estimated
         self.contradicts = reviews or estimated
         self.reviews, self.slows = reviews, slows
-        self.answers, self.unlearns = answers, unlearns
+        self.answers = answers
         self.trusts = self.answers_between = False
 
     # -- the whole course -------------------------------------------------------------------
@@ -248,14 +246,7 @@ class Course:
 
     def _second_thoughts(self) -> SecondThoughts:
         person = self.person
-        return SecondThoughts(
-            self.pupil,
-            self.plan,
-            person.habits,
-            person.random,
-            person.diary,
-            unlearns=person.unlearns,
-        )
+        return SecondThoughts(self.pupil, self.plan, person.habits, person.random, person.diary)
 
     def _next(self, scenes: Callable[[Random, int], Scene]) -> Scene:
         self.turn += 1

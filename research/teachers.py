@@ -57,13 +57,12 @@ AIDS = (
     "ahead",
     "review",
     "questions",
-    "unlearning",
     "pace",
 )
 """Aids of the engine: it estimates when commands were due; they outrank default examples; one
 among default examples holds for a side of a circle; trees look one step ahead; people look through
-what was recorded, move and delete commands; they answer the agent's questions; among these are
-those whether an example was a mistake; people slow the world down where they come too late."""
+what was recorded, move and delete commands; they answer the agent's questions; people slow the
+world down where they come too late."""
 
 NOTHING = Habits(reaction=(0.0, 0.0), waver=0.0, inattention=0.0, wrong=0.0)
 
@@ -156,7 +155,6 @@ def person_of(number: int, setting: Setting) -> Person:
         estimated="reaction" in setting.aids,
         reviews="review" in setting.aids,
         answers="questions" in setting.aids,
-        unlearns="unlearning" in setting.aids,
         slows="pace" in setting.aids,
     )
 

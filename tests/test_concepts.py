@@ -20,7 +20,6 @@ FILES = {
     "saving": "hitab_core/hitab_core/saving.py",
     "swarm file": "hitab_bringup/hitab_bringup/swarm_file.py",
     "undo": "hitab_core/hitab_core/training/undo.py",
-    "unlearning": "hitab_core/hitab_core/advice/unlearning.py",
 }
 
 

@@ -8,18 +8,16 @@ the decision that it corrects.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from hitab_core.advice.proposals import Correction
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START, as_entered
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError
-from hitab_core.example import Example
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.training.lateness import LateCommand, Lateness
 from hitab_core.training.moments import (
@@ -76,7 +74,7 @@ class Perceived:
             if use not in TIMERS and not domain.scale_of(use).kind.is_measured
         ]
         self._entered: Moment | None = None
-        self._corrected: dict[int, tuple[Moment, str, str]] = {}
+        self._corrected: set[int] = set()
         self._paces: dict[int, float] = {}
 
     @property
@@ -251,11 +249,8 @@ class Perceived:
         }
         if pace:
             record["pace"] = pace
-        if taken_over_in:
-            moment, wrong = self._wrong_decision(due, taken_over_in)
-            if wrong != commanded:
-                corrected = {"at": moment.to_record(), "wrong": wrong, "right": commanded}
-                record["corrected"] = corrected
+        if taken_over_in and self._wrong_decision(due, taken_over_in) != commanded:
+            record["corrects"] = True
         return record
 
     def keep_around(self, command: int, record: Mapping[str, Any]) -> None:
@@ -265,13 +260,11 @@ class Perceived:
         moments = tuple(map(Moment.from_record, record.get("moments", ())))
         if moments:
             self._windows[command] = (float(record["time"]), moments)
-        if "corrected" in record:
-            corrected = record["corrected"]
-            at = Moment.from_record(corrected["at"])
-            self._corrected[command] = (at, corrected["wrong"], corrected["right"])
+        if "corrects" in record:
+            self._corrected.add(command)
 
-    def _wrong_decision(self, due: Moment, active: str) -> tuple[Moment, str]:
-        """Return the decision that a person corrects: its situation, and what was decided.
+    def _wrong_decision(self, due: Moment, active: str) -> str:
+        """Return the state to which the decision led that a person corrects.
 
         It is the first change of state after the command was due, whatever followed before the
         person took over; else the last one before, if that was not long before; else that the
@@ -290,29 +283,8 @@ class Perceived:
         ]
         for moment, after in changes:
             if moment.time >= due.time:
-                return moment, after
-        if changes:
-            return changes[-1]
-        return due, due.state
-
-    def corrections(
-        self, examples: Iterable[Example], features: Sequence[Use]
-    ) -> Iterator[Correction]:
-        """Yield what the automaton did wrong by itself before commands that were not undone.
-
-        Args:
-            examples: of the training.
-            features: of the corrections' values.
-        """
-        by_command = {e.command: e for e in examples if not e.is_default}
-        last = {e.command: e.number for e in examples}
-        for command, (at, wrong, right) in self._corrected.items():
-            example = by_command.get(command)
-            if example is not None:
-                same = (example.state, example.cycle) == (at.state, at.cycle)
-                number = example.number if same else 0
-                values = self.in_moment(at, features)
-                yield Correction(at.state, values, wrong, right, number, last[command])
+                return after
+        return changes[-1][1] if changes else due.state
 
     def late(
         self,

@@ -1,10 +1,9 @@
 """What an agent asks its demonstrator about the examples of a training, and what answers do.
 
-There are five kinds of questions. Two commands in the same situation contradict each other; an
-example made the agent do what was then corrected, and was perhaps a mistake; the examples say too
-little where it was corrected; several explanations fit the examples; a situation was met in which
-nothing like it was shown. Each is found again from the examples as they are (`hitab_core.advice`),
-so an answer that changes them ends its question, and undoing the answer asks it again.
+There are three kinds of questions. Two commands in the same situation contradict each other;
+several explanations fit the examples; a situation was met in which nothing like it was shown. Each
+is found again from the examples as they are (`hitab_core.advice`), so an answer that changes them
+ends its question, and undoing the answer asks it again.
 """
 
 from __future__ import annotations
@@ -16,8 +15,6 @@ import numpy as np
 
 from hitab_core.advice.ambiguity import Ambiguity, ambiguities
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.proposals import Proposal, ProposalKind
-from hitab_core.advice.unlearning import propose, suspects
 from hitab_core.advice.unshown import Unshown, unshown
 from hitab_core.arrays import Booleans
 from hitab_core.automaton import FLAGS, START
@@ -26,8 +23,6 @@ from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.training import question_texts
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.question import (
-    KEEP,
-    REMOVE,
     Choice,
     Material,
     Question,
@@ -108,7 +103,7 @@ class Questions:
         if self._searched == news:
             return
         found: list[tuple[tuple[float, ...], Question]] = []
-        for ranked in self._found(self._material(), self._contradicting):
+        for ranked in self._found(self._material()):
             if ranked is not None:
                 found.append(ranked)
             yield
@@ -161,27 +156,12 @@ class Questions:
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(
-        self, given: Material, known: Sequence[Question]
-    ) -> Iterator[tuple[tuple[float, ...], Question] | None]:
-        """Yield those that take long to find, besides those that are known, with their rank.
+    def _found(self, given: Material) -> Iterator[tuple[tuple[float, ...], Question] | None]:
+        """Yield those that take long to find, with their rank.
 
-        The least rank is the most useful: what made the robot do the wrong thing, then what was
-        not shown where it did, then what has several explanations. None is yielded in between.
+        The least rank is the most useful: what was not shown, then what has several explanations.
+        None is yielded in between.
         """
-        numbers: set[int] = set()
-        contradicted = {number for question in known for number in question.examples}
-        proposals = propose(given.examples, given.scales, given.corrections, given.names)
-        yield None
-        proposals += suspects(given.examples, given.scales, given.names)
-        yield None
-        for proposal in proposals:
-            if contradicted.isdisjoint(proposal.examples):
-                question = self._of_proposal(proposal, given)
-                if question.number not in numbers:
-                    numbers.add(question.number)
-                    sparse = question.kind is QuestionKind.SPARSE
-                    yield (sparse, not proposal.corrections, -proposal.score), question
         for state in (START, *given.labels):
             evidence = given.evidence(state)
             if len(set(evidence.next_states)) > 1:
@@ -220,24 +200,6 @@ class Questions:
                 )
             )
         return sorted(found, key=lambda question: -max(question.examples))
-
-    def _of_proposal(self, proposal: Proposal, given: Material) -> Question:
-        numbers, state, place = proposal.examples, proposal.state, proposal.place
-        if proposal.kind is ProposalKind.MISTAKE:
-            deletes = {"do": "delete", "numbers": list(numbers)}
-            remove = Choice(REMOVE, question_texts.removed(proposal), deletes)
-            keep = Choice(KEEP, "changes nothing", None)
-            text = question_texts.mistaken(proposal, given.examples)
-            return self._question(
-                QuestionKind.MISTAKE, (numbers,), text, state, (remove, keep), numbers
-            )
-        assert place is not None
-        text = question_texts.unshown(proposal, given.evidence(state))
-        labels = [label for label in (proposal.instead, *given.labels) if label]
-        choices = _commands(state, place, labels)
-        return self._question(
-            QuestionKind.SPARSE, (state, place), text, state, choices, numbers, place
-        )
 
     def _of_unshown(self, found: Unshown, evidence: Evidence) -> Question:
         state, place = found.state, found.situation

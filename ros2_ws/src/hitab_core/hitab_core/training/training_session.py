@@ -429,7 +429,6 @@ class TrainingSession:
             self.curriculum.classifier,
             tuple(self.states),
             tuple(map(str, self.curriculum.states)) or tuple(self.states),
-            tuple(self.perception.corrections(examples, features)),
             tuple((m.state, self.perception.in_moment(m, features)) for m in met),
         )
 
