@@ -37,7 +37,6 @@ from teachers import Setting, intention_of, person_of, pupil_of
 
 import foraging_world
 import keepaway_world
-from hitab_core.advice.ambiguity import ambiguities
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.unshown import unshown
 from hitab_core.domain import load_domain
@@ -87,8 +86,6 @@ CONSTANTS = [
     *_of(NOVICES, "training.perceived", "BLAMED_SECONDS"),
     *_of(NOVICES, "training.situations", "KEPT"),
     *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING FAR LEAST"),
-    *_of(NOVICES, "advice.support", "CLEAR SURE"),
-    *_of(NOVICES, "advice.ambiguity", "NEARLY POINT"),
     *_of(ENGINEERS, "training.questions", "CORRECTED"),
     *_of(NOVICES, "training.moments", "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"),
 ]
@@ -146,8 +143,6 @@ def questions() -> dict[str, str]:
         met = [(e.state, e.features) for e in examples]
         for evidence in evidences:
             own = [e for e in examples if e.state == evidence.state and e.is_learned]
-            for ambiguity in ambiguities(evidence, met):
-                found[f"{name} {ambiguity.key}"] = str(ambiguity.situation)
             assumed = np.array([e.is_default for e in own])
             asked = unshown(evidence, [values for _, values in met], [], assumed)
             if asked is not None:

@@ -26,7 +26,7 @@ from itertools import product
 import numpy as np
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.support import situation_in_words
+from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.arrays import Floats
 from hitab_core.default_example import superseding
 from hitab_core.domain import FeatureKind, Scale

@@ -6,7 +6,6 @@ from mentions import ROOT
 PACKAGES = ROOT / "ros2_ws/src"
 
 FILES = {
-    "ambiguity": "hitab_core/hitab_core/advice/ambiguity.py",
     "caution": "hitab_core/hitab_core/caution.py",
     "default example": "hitab_core/hitab_core/default_example.py",
     "distribution": "hitab_agent/hitab_agent/distribution.py",

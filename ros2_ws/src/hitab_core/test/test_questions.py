@@ -148,26 +148,6 @@ def test_a_question_that_was_dismissed_is_not_asked_again_also_after_a_crash(
     assert len(cart.session.examples) == 8
 
 
-def test_two_explanations_end_in_a_question_and_the_answer_in_the_right_automaton(
-    tmp_path: Path,
-) -> None:
-    """It stopped at 5 with a bump: because of the place or of the bump."""
-    cart = Driven(tmp_path, "Position", "Bump")
-    cart.show(0.0, "Right")
-    cart.at(2.0)
-    cart.at(9.0)  # seen on the way: farther, and no bump
-    cart.at(3.0, 1.0)
-    cart.show(5.0, "Stop", bump=1.0)
-    question = cart.asked("ambiguity")
-    far = dict(zip(("Position", "Bump"), question.situation, strict=True))
-    right = "Stop" if far["Position"] >= 5.0 else "Right"  # the person means the place
-    cart.session.answer(question.number, right)
-    function = cart.session.automaton().transitions["Right"]
-    for position, bump in ((9.0, 0.0), (3.0, 1.0), (5.0, 0.0), (0.0, 1.0)):
-        wanted = "Stop" if position >= 5.0 else "Right"
-        assert function.predict([[position, bump]])[0] == wanted
-
-
 def test_two_older_commands_outweigh_a_newer_one_but_not_a_correction(cart: Driven) -> None:
     def proposed() -> str:
         (question,) = [q for q in cart.session.asked.find() if q.kind == "contradiction"]

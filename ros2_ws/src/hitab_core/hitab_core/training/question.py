@@ -19,7 +19,6 @@ class QuestionKind(StrEnum):
     """What a question is about."""
 
     CONTRADICTION = "contradiction"
-    AMBIGUITY = "ambiguity"
     UNSHOWN = "unshown"
 
 

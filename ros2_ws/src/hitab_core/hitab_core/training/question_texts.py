@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.support import situation_in_words
+from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.advice.unshown import Unshown
 from hitab_core.example import Example
 from hitab_core.wording import numbered, some

@@ -1,9 +1,9 @@
 """What an agent asks its demonstrator about the examples of a training, and what answers do.
 
-There are three kinds of questions. Two commands in the same situation contradict each other;
-several explanations fit the examples; a situation was met in which nothing like it was shown. Each
-is found again from the examples as they are (`hitab_core.advice`), so an answer that changes them
-ends its question, and undoing the answer asks it again.
+There are two kinds of questions: two commands in the same situation contradict each other; or a
+situation was met, and nothing like it was shown. Each is found again from the examples as they are
+(`hitab_core.advice`), so an answer that changes them ends its question, and undoing the answer
+asks it again.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from hitab_core.advice.ambiguity import Ambiguity, ambiguities
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.unshown import Unshown, unshown
 from hitab_core.arrays import Booleans
@@ -102,14 +101,14 @@ class Questions:
         examples, news = self._about, self._situations.news
         if self._searched == news:
             return
-        found: list[tuple[tuple[float, ...], Question]] = []
+        found: list[tuple[float, Question]] = []
         for ranked in self._found(self._material()):
             if ranked is not None:
                 found.append(ranked)
             yield
             if self._about is not examples:
                 return
-        found.sort(key=lambda ranked: ranked[0])
+        found.sort(key=lambda ranked: -ranked[0])
         # What is asked already stays: somebody may be reading it, or about to answer it.
         asked = [q for q in self.known() if q not in self._contradicting]
         others = [question for _, question in found if question not in asked]
@@ -156,24 +155,16 @@ class Questions:
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(self, given: Material) -> Iterator[tuple[tuple[float, ...], Question] | None]:
-        """Yield those that take long to find, with their rank.
-
-        The least rank is the most useful: what was not shown, then what has several explanations.
-        None is yielded in between.
-        """
+    def _found(self, given: Material) -> Iterator[tuple[float, Question] | None]:
+        """Yield those that take long to find, with what their answers tell; None in between."""
         for state in (START, *given.labels):
+            if state in FLAGS:
+                continue
             evidence = given.evidence(state)
-            if len(set(evidence.next_states)) > 1:
-                for ambiguity in ambiguities(evidence, given.met):
-                    rank = (2, not ambiguity.here, -ambiguity.share)
-                    yield rank, self._of_ambiguity(ambiguity)
-                yield None
-            if state not in FLAGS:
-                found = unshown(evidence, *_about(state, given))
-                if found is not None:
-                    yield (0, 0, -found.told), self._of_unshown(found, evidence)
-                yield None
+            found = unshown(evidence, *_about(state, given))
+            if found is not None:
+                yield found.told, self._of_unshown(found, evidence)
+            yield None
 
     def _contradictions(self, examples: Sequence[Example]) -> list[Question]:
         recorded: dict[int, list[int]] = {}
@@ -207,14 +198,6 @@ class Questions:
         choices = _commands(state, place, found.next_states, bisects=found.bisects)
         about = (state, place)
         return self._question(QuestionKind.UNSHOWN, about, text, state, choices, situation=place)
-
-    def _of_ambiguity(self, found: Ambiguity) -> Question:
-        state, place = found.state, found.situation
-        labels = [side.next_state for side in (found.learned, found.other)]
-        choices = _commands(state, place, labels)
-        return self._question(
-            QuestionKind.AMBIGUITY, found.key, found.text, state, choices, situation=place
-        )
 
 
 def _about(

@@ -15,7 +15,6 @@ WHEN_UNSURE = {
 TITLES = {
     Question.CONTRADICTION: "Two commands disagree",
     Question.UNSHOWN: "Never shown",
-    Question.AMBIGUITY: "Two explanations fit",
 }
 
 
