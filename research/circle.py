@@ -11,6 +11,7 @@ the agent asks about what it has met, and the person answers.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from random import Random
 from statistics import fmean
 from typing import Annotated, Any
@@ -20,9 +21,10 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.evidence import Evidence, answer_kind, on_circles
 from hitab_core.advice.unshown import unshown
 from hitab_core.domain import FeatureKind, Scale
+from hitab_core.example import ExampleKind
 
 CIRCLE = Scale(FeatureKind.TOROIDAL, 360.0)
 GO, STAY = "Go", "Stay"
@@ -66,9 +68,22 @@ def taught(arc: Arc, questions: int, random: Random, classifier: str) -> list[An
         question = unshown(evidence, met, [GO], assumed)
         if question is not None:
             place = question.situation
-            evidence = evidence.with_answer(place, meant(arc, place[0]), bisects=question.bisects)
+            evidence = _with_answer(evidence, place, meant(arc, place[0]), question.bisects)
         found.append(right(arc, evidence))
     return found
+
+
+def _with_answer(
+    evidence: Evidence, place: Sequence[float], next_state: str, bisects: bool
+) -> Evidence:
+    """Return the evidence with one more example."""
+    kind = answer_kind(evidence.state, next_state, bisects=bisects)
+    return replace(
+        evidence,
+        values=np.vstack([evidence.values, on_circles(np.array([place]), evidence.scales)]),
+        next_states=(*evidence.next_states, next_state),
+        default=np.append(evidence.default, kind is ExampleKind.DEFAULT),
+    )
 
 
 def anything(random: Random) -> Arc:

@@ -59,10 +59,10 @@ class CountingPupil(InProcessPupil):
         """Return the examples held, or too many if no more commands are taken."""
         return ENOUGH if len(self.learning) >= self.most else super().held
 
-    def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
+    def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper, and learn from it at once."""
         began = time.perf_counter()
-        taught = super().command(state, ago, pace)
+        taught = super().command(state, pace)
         if any(example.state == START for example in self._session.examples):
             self._session.automaton()
         self.learning.append(time.perf_counter() - began)

@@ -44,9 +44,9 @@ class WatchedPupil(InProcessPupil):
         super().__init__(seed)
         self.estimates: list[float] = []
 
-    def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
+    def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper; see `Pupil.command`."""
-        taught = super().command(state, ago, pace)
+        taught = super().command(state, pace)
         if pace:
             self.estimates.append(self.lateness)
         return taught

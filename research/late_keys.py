@@ -131,7 +131,7 @@ class PagePupil(RealTimePupil):
         self.page.goto(url)
         self.page.click(f'[data-test="agent-{PUPIL}"]')
 
-    def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
+    def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Press the key of a behavior; see `Pupil.command`."""
         before = max((e.command for e in self.examples()), default=0)
         told = self._too_late()

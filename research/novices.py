@@ -58,10 +58,16 @@ class Novice(Person):
         answers: bool = True,
         estimated: bool = True,
     ) -> None:
-        super().__init__(intention, habits, seed, UNCOUNTED, answers=answers, unlearns=False)
+        super().__init__(
+            intention,
+            habits,
+            seed,
+            UNCOUNTED,
+            estimated=estimated,
+            answers=answers,
+        )
         # Whoever sees a robot do the wrong thing presses the key of the right one.
         self.contradicts = self.trusts = True
-        self.estimated = estimated
         # The agent asks when the person is not commanding: after each trial.
         self.answers_between = answers
 

@@ -23,7 +23,7 @@ import numpy as np
 from hitab_core import START, Automaton, Example, ExampleKind, HandWritten, Scale, Use
 from hitab_core.arrays import Floats
 from hitab_core.learning import learn_transitions
-from hitab_core.learning.feature_encoding import FeatureEncoding
+from hitab_core.learning.feature_encoding import encoding_of
 from hitab_core.transition_function import TransitionFunction
 
 
@@ -162,7 +162,7 @@ def _cloned(
     X = np.minimum(np.array([c.readings for c in commands], dtype=np.float64), largest)
     missing = np.where(np.isnan(X).all(axis=0), 0.0, np.nanmean(_some(X), axis=0))
     X = np.where(np.isnan(X), missing, X)
-    encoding = FeatureEncoding.of(X, scales)
+    encoding = encoding_of(X, scales)
     y = np.array([behaviors.index(command.behavior) for command in commands])
     choose = _LEARNERS[name](encoding(X), y, dict(options))
 

@@ -14,24 +14,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
 
 from hitab_core import Agent, BehaviorLibrary, Repertoire, Use
 from hitab_core.default_example import marked
 from hitab_core.example import Example
-from hitab_core.training import (
-    Curriculum,
-    Question,
-    TrainingSession,
-    example_log,
-    perceived,
-)
-from hitab_core.training.moments import Moment
+from hitab_core.training import Curriculum, Question, TrainingSession, example_log
 from hitab_core.training.question import QuestionKind
-from hitab_core.training.responses import responded
-from hitab_core.training.silence import Silence, Stretch
 from hitab_world import Placement
 from keepaway_world.domain import DOMAIN
 from keepaway_world.parameters import PAPER, KeepawayParameters
@@ -86,13 +77,12 @@ class Pupil(Protocol):
     def step(self) -> Sight:
         """Let the world run for one cycle."""
 
-    def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
+    def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper.
 
         Args:
             state: to perform.
-            ago: how much earlier the command was due, s.
-            pace: simulated seconds in a second of a person who does not know; 0: it is in time.
+            pace: simulated seconds in a second of a person who is late; 0: it is in time.
 
         Returns:
             The examples that it added; none if it came when its episode was over.
@@ -137,22 +127,9 @@ def learner(*, sides: bool = True, ahead: bool = True) -> str:
     return f"tree(all_around={not sides}, look_ahead={ahead})"
 
 
-def _when_due(moments: Sequence[Moment], due: Moment, *rest: Any) -> Moment:
-    """Return the moment at which a command was due, whatever happened around it."""
-    return due
-
-
 def _unmarked(example: Example, contradicted: bool) -> Example:
     """Return an example, learned from whether a command contradicts it or not."""
     return example
-
-
-class _Inattentive(Silence):
-    """Learns nothing from silence."""
-
-    def broken(self, time: float, pace: float) -> list[Stretch]:
-        """Return no silent times."""
-        return []
 
 
 class InProcessPupil:
@@ -161,9 +138,7 @@ class InProcessPupil:
     Args:
         seed: of the world and the agents.
         parameters: of the game.
-        events: record late commands with the events that they responded to.
         supersede: let commands outrank the default examples that they contradict.
-        silence: learn from what people let pass.
         sides: let a command among default examples hold for a side of the circle.
         ahead: let trees look one step ahead.
         world: makes the world of its parameters and seed.
@@ -177,19 +152,15 @@ class InProcessPupil:
         *,
         world: Callable[[KeepawayParameters, int], KeepawayWorld] = KeepawayWorld,
         library: Path | None = None,
-        events: bool = True,
         supersede: bool = True,
-        silence: bool = True,
         sides: bool = True,
         ahead: bool = True,
     ) -> None:
         self.given = 0
         self._held_before = Counter[str]()
         self._plan = ""
-        # The engine has no such switches, since nobody should want them.
+        # The engine has no such switch, since nobody should want it.
         setattr(example_log, "marked", marked if supersede else _unmarked)  # noqa: B010
-        setattr(perceived, "responded", responded if events else _when_due)  # noqa: B010
-        setattr(perceived, "Silence", Silence if silence else _Inattentive)  # noqa: B010
         self._classifier = learner(sides=sides, ahead=ahead)
         self._folder = tempfile.TemporaryDirectory(prefix="hitab-teachers-")
         if library is not None:
@@ -239,9 +210,9 @@ class InProcessPupil:
         self._perceive(restart=ended)
         return self._sight(ended=ended)
 
-    def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
+    def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper; see `Pupil.command`."""
-        taught = self._pupil.command(Use.parse(state), ago=ago, pace=pace)
+        taught = self._pupil.command(Use.parse(state), pace=pace)
         self.given += len(taught)
         return taught
 

@@ -25,9 +25,6 @@ LONGEST = 1.5
 LATER = 2
 """How many cycles later than recorded a person looks for it at first."""
 
-MISTAKE = "mistake"
-"""The kind of the questions that propose to unlearn an example."""
-
 ANSWERS = 3
 """The most questions that a person answers at a time."""
 
@@ -45,7 +42,6 @@ class SecondThoughts:
         pupil: has recorded them.
         plan: what is intended.
         habits, random, diary: of the person.
-        unlearns: whether the person says if an example was a mistake when the agent asks.
     """
 
     def __init__(
@@ -55,11 +51,9 @@ class SecondThoughts:
         habits: Habits,
         random: Random,
         diary: Diary,
-        *,
-        unlearns: bool = True,
     ) -> None:
         self.pupil, self.plan, self.habits = pupil, plan, habits
-        self.random, self.diary, self.unlearns = random, diary, unlearns
+        self.random, self.diary = random, diary
 
     def judge(self) -> Callable[[str, Seen], str]:
         """Return what the person would do next, given a state and what is seen, as of now."""
@@ -204,20 +198,9 @@ class SecondThoughts:
     def _answer(self, question: Question, *, again: bool = False) -> None:
         """Answer by the intention; dismiss what it does not decide, or has decided before."""
         choice = ""
-        if question.kind == MISTAKE:
-            choice = self._was_meant(question) if self.unlearns else ""
-        elif question.situation and not any(map(math.isnan, question.situation)) and not again:
+        if question.situation and not any(map(math.isnan, question.situation)) and not again:
             seen = as_seen(self.plan, question.situation)
             wished = self.judge()(question.state, seen)
             choice = wished if wished in {c.name for c in question.choices} else ""
         self.pupil.answer(question.number, choice)
         self.diary.counts["answers" if choice else "dismissed"] += 1
-
-    def _was_meant(self, question: Question) -> str:
-        """Return whether to keep or to remove an example that was perhaps a mistake."""
-        (example, *_) = [e for e in self.pupil.examples() if e.number in question.examples]
-        meant = self._may_be_meant(example)
-        remove, keep = (choice.name for choice in question.choices)
-        if not meant:
-            self.diary.counts["unlearned"] += 1
-        return keep if meant else remove

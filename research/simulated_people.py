@@ -50,11 +50,9 @@ class Person:
         habits: how the person acts.
         seed: of everything that the person draws.
         budget: the most examples that the trainings may hold, default ones counted.
-        says_ago: whether the person's measured reaction time is applied to the commands.
-        contradicts: whether a command can be meant for the decision that it contradicts.
+        estimated: whether the agent estimates how late the person's commands come.
         reviews: whether the person looks through what was recorded after each trial.
         answers: whether the person answers the keeper's questions.
-        unlearns: whether the person answers those about mistakes, too.
         slows: whether the person slows the world down where commands come too late.
     """
 
@@ -65,11 +63,9 @@ class Person:
         seed: int,
         budget: int = 60,
         *,
-        says_ago: bool = False,
-        contradicts: bool = False,
+        estimated: bool = False,
         reviews: bool = False,
         answers: bool = False,
-        unlearns: bool = True,
         slows: bool = False,
     ) -> None:
         self.intention = intention
@@ -77,13 +73,11 @@ class Person:
         self.budget = budget
         self.diary = Diary()
         self.random = Random(f"person {seed}")
-        low, high = habits.reaction
-        measured = (low + high) / 2.0 + self.random.uniform(-0.02, 0.02)
-        self.ago = measured if says_ago and high > 0.0 else 0.0
-        self.contradicts = reviews or (contradicts and self.ago > 0.0)
+        self.estimated = estimated
+        self.contradicts = reviews or estimated
         self.reviews, self.slows = reviews, slows
-        self.answers, self.unlearns = answers, unlearns
-        self.trusts = self.estimated = self.answers_between = False
+        self.answers = answers
+        self.trusts = self.answers_between = False
 
     # -- the whole course -------------------------------------------------------------------
 
@@ -252,14 +246,7 @@ class Course:
 
     def _second_thoughts(self) -> SecondThoughts:
         person = self.person
-        return SecondThoughts(
-            self.pupil,
-            self.plan,
-            person.habits,
-            person.random,
-            person.diary,
-            unlearns=person.unlearns,
-        )
+        return SecondThoughts(self.pupil, self.plan, person.habits, person.random, person.diary)
 
     def _next(self, scenes: Callable[[Random, int], Scene]) -> Scene:
         self.turn += 1
@@ -276,7 +263,6 @@ class Course:
             person.diary,
             self.memory,
             self.allowance,
-            person.ago,
             contradicts=person.contradicts,
             slows=person.slows,
             trusts=person.trusts,

@@ -53,20 +53,16 @@ HOPELESS = (20, 0.4)
 AIDS = (
     "reaction",
     "supersede",
-    "events",
-    "silence",
     "sides",
     "ahead",
     "review",
     "questions",
-    "unlearning",
     "pace",
 )
-"""Aids of the engine: commands are recorded for when they were due; they outrank default examples;
-they were due when what they respond to happened; what people let pass counts; one among default
-examples holds for a side of a circle; trees look one step ahead; people look through what was
-recorded, move and delete commands; they answer the agent's questions; among these are those
-whether an example was a mistake; people slow the world down where they come too late."""
+"""Aids of the engine: it estimates when commands were due; they outrank default examples; one
+among default examples holds for a side of a circle; trees look one step ahead; people look through
+what was recorded, move and delete commands; they answer the agent's questions; people slow the
+world down where they come too late."""
 
 NOTHING = Habits(reaction=(0.0, 0.0), waver=0.0, inattention=0.0, wrong=0.0)
 
@@ -156,11 +152,9 @@ def person_of(number: int, setting: Setting) -> Person:
         setting.habits,
         setting.seed_of(number),
         setting.budget,
-        says_ago="reaction" in setting.aids,
-        contradicts="events" in setting.aids,
+        estimated="reaction" in setting.aids,
         reviews="review" in setting.aids,
         answers="questions" in setting.aids,
-        unlearns="unlearning" in setting.aids,
         slows="pace" in setting.aids,
     )
 
@@ -171,9 +165,7 @@ def pupil_of(number: int, setting: Setting) -> InProcessPupil | TopicPupil:
         return TopicPupil(setting.seed_of(number))
     return InProcessPupil(
         setting.seed_of(number),
-        events="events" in setting.aids,
         supersede="supersede" in setting.aids,
-        silence="silence" in setting.aids,
         sides="sides" in setting.aids,
         ahead="ahead" in setting.aids,
     )

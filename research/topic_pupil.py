@@ -115,9 +115,9 @@ class TopicPupil:
         self._plan, self._path = plan.name, [START]
         self.examples()
 
-    def command(self, state: str, ago: float = 0.0, pace: float = 0.0) -> Sequence[Example]:
+    def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper; see `Pupil.command`."""
-        self._agents.command(PUPIL, state, ago=ago, pace=pace)
+        self._agents.command(PUPIL, state, pace=pace)
         if self._path[0] != state:
             self._path = [state]
         examples = self.examples()

@@ -35,14 +35,12 @@ class _Press:
     Attributes:
         state: that is meant.
         at: the cycle in which the finger arrives.
-        due: the cycle in which it was due.
         seen: what the person saw then.
         left: the state that the keeper was seen in then.
     """
 
     state: str
     at: int
-    due: int
     seen: Seen
     left: str = START
 
@@ -82,7 +80,6 @@ class Trial:
         diary: of the person.
         memory: of the training of this plan.
         allowance: the most examples that all trainings may hold.
-        ago: how long before they arrive the person's commands were due, as far as known, s.
         contradicts: whether the person corrects a wrong change of state by commanding what should
             have been done instead, since the command can be meant for that decision.
         slows: whether the person lets the world run slower once an episode was over before a
@@ -105,7 +102,6 @@ class Trial:
         diary: Diary,
         memory: Memory,
         allowance: int,
-        ago: float,
         *,
         contradicts: bool = False,
         slows: bool = False,
@@ -116,7 +112,7 @@ class Trial:
     ) -> None:
         self.pupil, self.plan, self.habits = pupil, plan, habits
         self.random, self.diary, self.memory = random, diary, memory
-        self.allowance, self.ago, self.contradicts = allowance, ago, contradicts
+        self.allowance, self.contradicts = allowance, contradicts
         self.pace, self.slows, self.settle = memory.pace, slows, settle
         self.trusts, self.estimated = trusts, estimated
         self.below, self.troubled = below, set[str]()
@@ -160,7 +156,7 @@ class Trial:
         self.guiding = first or not begins(self.pupil) or (guided and not shown)
         if self.guiding:
             self.pupil.take_over()
-            self.press(_Press(begin, 0, 0, seen.values), paused=True)
+            self.press(_Press(begin, 0, seen.values), paused=True)
         else:
             self.pupil.test(restart=True)
         over = False
@@ -197,7 +193,7 @@ class Trial:
             self.fresh()
             wished = self.wish(seen.state, seen.values)
             if wished != seen.state and not self.exhausted:
-                press = _Press(wished, self.now, self.now, seen.values, seen.state)
+                press = _Press(wished, self.now, seen.values, seen.state)
                 self.press(press, paused=True)
 
     # -- deciding ---------------------------------------------------------------------------
@@ -346,7 +342,6 @@ class Trial:
         """Decide to command; the finger follows after the reaction time, unless distracted."""
         if self.exhausted:
             return
-        due = self.now if self.late is None else self.late
         if self.late is None and self.random.random() < self.habits.inattention:
             if self.random.random() < 0.5:
                 self.blind = self.now + self.cycles(self.random.uniform(*self.habits.away))
@@ -358,7 +353,7 @@ class Trial:
                 self.diary.counts["not given"] += 1
             return
         at = self.now + self.cycles(self.habits.reacts(self.random))
-        press = _Press(wished, at, due, self.last.values, state)
+        press = _Press(wished, at, self.last.values, state)
         if press.at == self.now:
             self.pending = None
             self.press(press)
@@ -381,13 +376,8 @@ class Trial:
         wrong = self.random.random() < self.habits.wrong
         if wrong:
             state = self.random.choice([s for s in self.plan.states if s != meant])
-        waited = (self.now - press.due) * self.pupil.cycle_seconds
         late = self.late is not None
-        ago = 0.0 if paused else self.ago * self.pace
-        if late and ago:
-            ago = min(waited * self.random.uniform(0.75, 1.25), 2.0)
-        unknown = self.pace if self.estimated and not paused else 0.0
-        taught = self.pupil.command(state, ago, unknown)
+        taught = self.pupil.command(state, self.pace if self.estimated and not paused else 0.0)
         if not taught:
             self.diary.counts["not given"] += 1
             return
@@ -406,7 +396,7 @@ class Trial:
             self.diary.counts["wrong"] += 1
             self.slip = (self.now + self.cycles(self.random.uniform(*self.habits.notices)), meant)
             self.blind = self.slip[0]
-        elif late and not ago and self.random.random() < self.habits.repairs:
+        elif late and self.random.random() < self.habits.repairs:
             self.pupil.delete([example.number for example in taught])
             self.memory.shown.discard(shown)
             self.diary.counts["taken back"] += 1
@@ -423,4 +413,4 @@ class Trial:
             self.diary.counts["taken back"] += 1
         elif not force and not self.exhausted:
             at = self.now + self.cycles(self.habits.reacts(self.random))
-            self.pending = _Press(meant, at, self.now, self.last.values, self.last.state)
+            self.pending = _Press(meant, at, self.last.values, self.last.state)

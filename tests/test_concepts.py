@@ -6,7 +6,6 @@ from mentions import ROOT
 PACKAGES = ROOT / "ros2_ws/src"
 
 FILES = {
-    "ambiguity": "hitab_core/hitab_core/advice/ambiguity.py",
     "caution": "hitab_core/hitab_core/caution.py",
     "default example": "hitab_core/hitab_core/default_example.py",
     "distribution": "hitab_agent/hitab_agent/distribution.py",
@@ -14,13 +13,12 @@ FILES = {
     "keys": "hitab_studio/hitab_studio/static/keys.js",
     "lockstep": "hitab_world/hitab_world/lockstep.py",
     "order": "hitab_core/hitab_core/commanding/order.py",
-    "reaction time": "hitab_client/hitab_client/reaction_time.py",
+    "lateness": "hitab_core/hitab_core/training/lateness.py",
     "recording": "hitab_client/hitab_client/recording/recordings.py",
     "retiming": "hitab_core/hitab_core/training/retiming.py",
     "saving": "hitab_core/hitab_core/saving.py",
     "swarm file": "hitab_bringup/hitab_bringup/swarm_file.py",
     "undo": "hitab_core/hitab_core/training/undo.py",
-    "unlearning": "hitab_core/hitab_core/advice/unlearning.py",
 }
 
 

@@ -54,48 +54,22 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
 
 
 @needs_browser
-def test_who_corrects_is_offered_to_remove_the_mistake_that_caused_it(swarm, person):
-    begin(person, "Chase")
-    wrong = (6.7, "Stop")
-    for distance, behavior in (
-        *((9.0, "GoFast"), (7.4, "GoFast"), (6.0, "GoFast"), wrong),
-        *((8.2, "GoFast"), (1.0, "Stop")),
-    ):
-        away_from_everybody(swarm, distance)
-        swarm.agents.command(ONE, behavior)
-    number = next(e.number for e in swarm.agents.training(ONE).examples if e.next_state == "Stop")
-    away_from_everybody(swarm, 9.0)
-    swarm.agents.set_mode(ONE, "testing", restart=True)
-    swarm.world.step(1)
-    away_from_everybody(swarm, wrong[0])
-    swarm.world.step(1)
-    person.sees("mode", "Testing")
-    person.page.wait_for_selector('[data-test="do-Stop"].active')  # it stops, far from the ball
-    person.click("do-GoFast")
-    person.sees("questions", "a mistake?")
-    person.page.keyboard.press("a")
-    person.waits_until(
-        lambda: number not in [e.number for e in swarm.agents.training(ONE).examples],
-        "it was not removed",
-    )
-
-
-@needs_browser
 def test_an_unsure_agent_says_why_and_does_what_was_chosen_for_that(swarm, person):
     begin(person, "Careful")
-    for distance, behavior, examples in ((3.0, "GoFast", 2), (1.5, "Stop", 4)):
+    for distance, behavior, examples in ((3.0, "GoFast", 2), (1.5, "Stop", 4), (3.0, "GoFast", 6)):
         away_from_everybody(swarm, distance)
         person.click(f"do-{behavior}")
         person.sees("counts", f"{examples} examples")
     person.click("caution-change")
     person.page.select_option('[data-test="caution-what"]', "halt")
-    person.type("caution-support", "2")
+    person.type("caution-distance", "2")
     person.click("caution-set")
     person.sees("caution-change", "halt")
     try:
+        away_from_everybody(swarm, 8.0)
         person.click("toggle")
         person.sees("mode", "Testing")
         swarm.world.step(2)
-        person.sees("unsure", "in Stop: it rests on 1 example")
+        person.sees("unsure", "spreads of the examples from the nearest one")
     finally:
         swarm.agents.set_caution(ONE, "go_on")

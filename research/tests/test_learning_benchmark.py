@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from hitab_client.shipped import shipped
 from hitab_core import START, BehaviorLibrary, FeatureKind, Scale, Use
-from hitab_core.learning.feature_encoding import FeatureEncoding
+from hitab_core.learning.feature_encoding import encoding_of
 
 SCALES = [Scale(), Scale(FeatureKind.TOROIDAL, 2 * math.pi), Scale(FeatureKind.BOOLEAN)]
 BEHAVIORS = ("GoFast", "GoSlow", "Stop")
@@ -62,7 +62,7 @@ def test_a_clone_decides_as_scikit_learn_does(name, made):
     given, asked = commands(18), commands(200, seed=4)
     X = np.array([command.readings for command in given])
     rows = np.array([command.readings for command in asked])
-    encoding = FeatureEncoding.of(X, SCALES)
+    encoding = encoding_of(X, SCALES)
     for options in OPTIONS[name]:
         policy = learn(name, given, SCALES, options=options)
         # Classes in the order in which they were first commanded, which decides ties.

@@ -63,7 +63,7 @@ def test_a_perfect_person_places_thresholds_where_they_were_intended(pupil):
     assert 1.5 <= commands["GoMedium", "GoSlow"] <= 2.5
 
 
-def test_a_late_person_commands_late_unless_the_reaction_time_is_applied():
+def test_a_late_person_commands_late_unless_the_agent_estimates_the_delay():
     def threshold(**options):
         pupil = InProcessPupil(seed=3)
         examples = trained(replace(NOTHING, reaction=(0.3, 0.3)), pupil, **options)
@@ -71,7 +71,7 @@ def test_a_late_person_commands_late_unless_the_reaction_time_is_applied():
         return next(e.features[0] for e in examples if e.next_state == "GoMedium")
 
     assert threshold() < 3.5
-    assert 3.9 <= threshold(says_ago=True) <= 5.0
+    assert 3.9 <= threshold(estimated=True) <= 6.0  # people are later than this one as a rule
 
 
 def test_no_training_holds_more_than_the_budget(pupil):
@@ -131,7 +131,7 @@ def test_a_wrong_command_is_noticed_and_taken_back(pupil):
     habits, diary, memory = replace(NOTHING, wrong=1.0, repairs=1.0), Diary(), Memory()
     person = Person(LESSONS, habits, 1)
     pupil.begin(APPROACH)
-    Trial(pupil, APPROACH, habits, person.random, diary, memory, 60, 0.0).play(
+    Trial(pupil, APPROACH, habits, person.random, diary, memory, 60).play(
         approaching(person.random, 0), guided=True
     )
     assert diary.counts["wrong"] == diary.counts["taken back"] > 0

@@ -150,8 +150,8 @@ class AgentNode(AgentBase):
             )
 
     def load_domain(self, name: str) -> Domain:
-        """Return the domain that the parameter ``domain`` names, without what was taken out."""
-        return self.shared.domain(name, self.settings.without)
+        """Return the domain that the parameter ``domain`` names."""
+        return self.shared.domain(name)
 
     def join(self) -> None:
         """Start to listen and answer; call this once the name is known to be free."""

@@ -217,7 +217,7 @@ class AgentServices:
         return TrainingError("it is not training anything", *(do(agent=agent) for do in ways))
 
     def _set_caution(self, request: srv.SetCaution.Request, response: Any) -> str:
-        caution = Caution.parse(request.when_unsure, request.support, request.distance)
+        caution = Caution.parse(request.when_unsure, request.distance)
         self._agent.monitor.set(caution)
         return f"{self._agent.name}: {caution}"
 

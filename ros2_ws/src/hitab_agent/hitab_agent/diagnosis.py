@@ -18,8 +18,7 @@ def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
         *((Level.WARN if key.startswith(MILD) else Level.ERROR, faults[key]) for key in faults),
     ]
     unsure = f"unsure: {agent.monitor.unsure}" if agent.monitor.unsure else ""
-    missing = (*agent.faults, *agent.repertoire.vacancies)
-    warnings = (status.refusal, unsure, status.notice, *missing)
+    warnings = (status.refusal, unsure, status.notice, *agent.faults)
     found += [(Level.WARN, text) for text in warnings if text]
     if not agent.context.senses.perceived and TICK not in faults:
         found.append((Level.STALE, "nothing perceived yet: no sensors, and no world"))

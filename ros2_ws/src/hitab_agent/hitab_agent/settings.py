@@ -23,7 +23,6 @@ class AgentSettings:
     """How one agent is set up; each field is a ROS parameter."""
 
     domain: str = _is("", "name of an installed domain: what the agent can do and perceive")
-    without: tuple[str, ...] = _is((), "hand-written automata to take out, such as [GotoBall]")
     library: str = _is("", "folder of trained behaviors; empty: library in its part of state_dir")
     state_dir: str = _is(
         "~/.local/state/hitab",

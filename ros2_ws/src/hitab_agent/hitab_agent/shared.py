@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,7 +45,7 @@ class Shared:
         diagnostics: publishes what is wrong with the agents.
         on_demand: offers services when a client asks; None: each agent offers its own at once.
         links: of all agents of a host to their worlds, by the world's name.
-        domains: the loaded domains, by name and what was taken out.
+        domains: the loaded domains, by name.
         told: faults of libraries that are in the log.
     """
 
@@ -112,21 +111,12 @@ class Shared:
             self._libraries[key] = BehaviorLibrary(folder, domain, editions=editions)
         return self._libraries[key]
 
-    def domain(self, name: str, without: Sequence[str] = ()) -> Domain:
+    def domain(self, name: str) -> Domain:
         """Return the installed domain with a name; see `load_domain`.
 
-        Args:
-            name: of the domain.
-            without: hand-written automata to take out; see `Domain.without`.
-
         Raises:
-            HitabError: if there is none, or it has no such hand-written automata.
+            HitabError: if there is none.
         """
         if name not in self.domains:
             self.domains[name] = load_domain(name)
-        if not without:
-            return self.domains[name]
-        rest = f"{name} without {', '.join(sorted(without))}"
-        if rest not in self.domains:
-            self.domains[rest] = self.domains[name].without(without)
-        return self.domains[rest]
+        return self.domains[name]

@@ -102,14 +102,9 @@ class StatusPublisher:
         """The lasting faults, each shown until its cause is gone."""
         refusal = self.refusal
         waits = shown([refusal] if refusal else [])
-        missing = shown(self._missing)
+        missing = shown(self._agent.faults)
         began = shown(filter(None, [self._beginning.fault]))
         return [*waits, *self._guard.faults.texts(), *self._shared.faults, *missing, *began]
-
-    @property
-    def _missing(self) -> tuple[str, ...]:
-        """What the agent has lost, and what was taken out of its domain."""
-        return (*self._agent.faults, *self._agent.repertoire.vacancies)
 
     def report_error(self, error: Exception | None) -> None:
         """Publish the reason for a refusal or, without one, the lasting faults."""
@@ -157,7 +152,6 @@ class StatusPublisher:
         status.remarks = len(agent.remarks())
         status.unsure = agent.monitor.unsure
         status.when_unsure = agent.monitor.caution.when_unsure.value
-        status.unsure_support = agent.monitor.caution.support
         status.unsure_distance = agent.monitor.caution.distance
         status.cycle = agent.cycle
         status.perceived = agent.context.senses.perceived
@@ -178,7 +172,7 @@ class StatusPublisher:
 
     def _log_missing(self) -> None:
         """Log what the agent lacks, once for all agents of the process."""
-        for fault in self._missing:
+        for fault in self._agent.faults:
             if fault not in self._shared.told:
                 self._shared.told.add(fault)
                 self._guard.log(fault)

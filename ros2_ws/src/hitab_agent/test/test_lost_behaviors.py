@@ -11,7 +11,7 @@ from hitab_msgs import msg, srv
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.shared import Shared
-from hitab_core import Automaton, BehaviorLibrary, VocabularyError
+from hitab_core import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.training import Curriculum
 from hitab_core.use import Use
@@ -36,8 +36,6 @@ class Walkers:
         self.agents: dict[str, Any] = {}
 
     def start(self, name: str, domain: Domain = DOMAIN, **settings: Any) -> AgentNode:
-        without = settings.get("without", ())
-        domain = domain.without(without) if without else domain
         shared = self._shared
         self.agents[name] = self._start(domain, name, shared=shared, swarm="s", **settings)
         return self.agents[name].node
@@ -117,33 +115,3 @@ def test_a_sound_copy_that_is_distributed_brings_back_what_was_lost(walkers: Wal
     walkers.process.until(lambda: walkers.status("one").behavior == "Stroll")
     assert walkers.status("one").faults == []
     assert sorted(walkers.library("one").load()) == ["Stroll", "Walk"]
-
-
-def test_what_was_taken_out_is_shown_until_it_is_loaded(walkers: Walkers) -> None:
-    marchers = Domain.of(
-        "marchers",
-        "1",
-        NumberBody,
-        behaviors=DOMAIN.behaviors.values(),
-        features=DOMAIN.features.values(),
-        automata=[Automaton("Walk", (Use("Go"),), (), {})],
-    )
-    whole = walkers.start("whole", domain=marchers, behavior="Walk")
-    rest = walkers.start("rest", domain=marchers, behavior="Walk", without=["Walk"])
-    status = walkers.status("rest")
-    assert status.behavior == "Walk"
-    assert [fault.split(";")[0] for fault in status.faults] == [
-        '"Walk" was taken out, and nothing is done in its place'
-    ]
-    assert status.last_error == status.faults[0]
-    assert list(walkers.status("whole").faults) == []
-
-    teach(whole, "Walk", "Go")
-    rest.agent.library.install(whole.agent.edition.texts)
-    answer = walkers.ask("rest", srv.LoadLibrary, names.LOAD_LIBRARY)
-    assert answer.success, answer.message
-    walkers.process.until(lambda: not walkers.status("rest").faults)
-    assert walkers.status("rest").behavior == "Walk"
-
-    with pytest.raises(VocabularyError, match='cannot be without "Wait", which is a basic'):
-        walkers.start("wrong", domain=marchers, without=["Wait"])

@@ -72,7 +72,6 @@ def part_of(
     *,
     domain: str = "",
     kind: CommanderKind | None = None,
-    without: Sequence[str] = (),
     versions: Mapping[str, int] | None = None,
 ) -> Part:
     """Return what an agent performs that has a library.
@@ -82,7 +81,6 @@ def part_of(
         behavior: of the library or the domain; empty: what it is ordered.
         domain: of an agent without a library.
         kind: of a commander; None: it is an agent.
-        without: hand-written automata that are taken out.
         versions: of behaviors of the library, instead of the present ones.
 
     Raises:
@@ -90,7 +88,7 @@ def part_of(
     """
     use = Use.parse(behavior) if behavior else None
     if library is None:
-        repertoire = Repertoire(load_domain(domain).without(without))
+        repertoire = Repertoire(load_domain(domain))
         if use is not None:
             repertoire.check_performable(use)
         return Part(repertoire, use)
@@ -101,7 +99,7 @@ def part_of(
     versions = versions or {}
     for name, number in versions.items():
         automata[name] = opened.shelf.version(name, number).automaton
-    repertoire = Repertoire(opened.domain.without(without), automata)
+    repertoire = Repertoire(opened.domain, automata)
     if use is not None:
         if use.name not in repertoire:
             there = [*automata, *opened.domain.automata]
@@ -250,7 +248,6 @@ class Cast:
                 behavior,
                 domain=member.domain,
                 kind=kind,
-                without=member.without,
                 versions=self._versions.get(name),
             )
         if not parts:
@@ -320,7 +317,7 @@ def _commanded(
 def _library(part: Part, leaving: ExitStack) -> BehaviorLibrary:
     """Return a library with what a part can perform, a copy if that is not what its own has."""
     domain = part.repertoire.domain
-    if part.opened is not None and not part.versions and not domain.taken_out:
+    if part.opened is not None and not part.versions:
         return part.opened
     folder = leaving.enter_context(TemporaryDirectory(prefix="hitab-"))
     made = BehaviorLibrary(folder, domain)

@@ -68,7 +68,7 @@ PANELS = {
     "Swarm": "swarm.up swarm.down status.status logs.logs recording.record doctor.doctor",
     "Train": "commanding.demonstrate driving.drive driving.joystick training.train "
     "training.start_testing training.undo training.redo training.save training.discard "
-    "questions.questions reaction.reaction",
+    "questions.questions",
     "Perform": "commanding.perform commanding.distribute commanding.vocabulary "
     "perceiving.perceive perceiving.why evaluate.evaluate exporting.export "
     "emergency.stop emergency.go emergency.arm",

@@ -10,7 +10,7 @@
     agents:
       keeper_1: {}
       keeper_2: {behavior: ""}     # everything above can be set per agent
-      keeper_3: {without: [ServoBall]}   # a hand-written automaton taken out of the domain
+      keeper_3: {}
       scout: {count: 100, per_process: 50}   # scout_1 ... scout_100 in two processes
     hosts: 4                       # processes for all agents without a process of their own
     kinds:
@@ -86,7 +86,6 @@ class AgentDescription:
         library: its library folder; None: a folder in the run folder, kept between runs.
         start_from: a library to copy into its own library if that is empty.
         behavior: to start with, such as ``Keepaway``; empty: nothing.
-        without: hand-written automata of its domain that are taken out.
         remap: the names that its node uses, each with the one to use instead.
         parameters: of its node, such as those of its link; a nested one has dots in its name.
         process: that it runs in; its own name unless it shares one.
@@ -105,7 +104,6 @@ class AgentDescription:
     library_name: str = ""
     superior: str = ""
     role: str = ""
-    without: tuple[str, ...] = ()
     remap: Mapping[str, str] = field(default_factory=dict)
     parameters: Mapping[str, Any] = field(default_factory=dict)
 

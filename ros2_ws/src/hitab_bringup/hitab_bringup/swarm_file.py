@@ -34,7 +34,7 @@ from hitab_client import DescriptionError
 from hitab_client.run_folder import state_home
 from hitab_commander import CommanderKind, KindRecord, kind_in, read_kind
 from hitab_commander.commander_domain import commander_domain
-from hitab_core import HitabError, has, load_domain
+from hitab_core import HitabError, has
 from hitab_core.library import SUFFIX
 from hitab_core.library.yaml_models import open_record
 from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
@@ -48,7 +48,7 @@ FILE = ".py"
 """Of a world in one file, and of the words of its agents."""
 
 NODES = {"remap", SIM_TIME}
-MEMBERS = {*NODES, "library", "start_from", "behavior", "seed", "parameters", "domain", "without"}
+MEMBERS = {*NODES, "library", "start_from", "behavior", "seed", "parameters", "domain"}
 ROS_WORDS = {*NODES, "namespace", "parameters", "agents"}
 """Keys with which a process is a node of ROS; another program takes no ROS arguments."""
 
@@ -252,18 +252,12 @@ class _Reader:
                 AgentDescription(
                     domain=own.domain,
                     process=self._process(line, key, name, index),
-                    without=own.without,
                     **self._common(own, key, name),
                 )
                 for index, name in enumerate(names)
             ]
             wrong_domain = self._words.wrong_domain(own.domain)
             self._tell_at(("agents", key), line, "domain", wrong_domain)
-            if not wrong_domain and own.without:
-                try:
-                    load_domain(own.domain).without(own.without)
-                except HitabError as error:
-                    self._tell_at(("agents", key), line, "without", f"`without:` {error}")
             wrong = self._words.wrong_behavior(groups[key][0])
             self._tell_at(("agents", key), line, "behavior", wrong)
         return groups

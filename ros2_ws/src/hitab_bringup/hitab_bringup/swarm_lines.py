@@ -46,7 +46,7 @@ RESERVED = (WORLD, "hosts", "distribution", "distribution_ack", "clock")
 SET = ("commander", "roles", "state_dir", "subordinates", "asks_position", "swarm", "world")
 """Parameters of agents and worlds that a swarm sets by itself."""
 
-OWN_LINES = ("domain", "library", "behavior", "seed", "without", "role", SIM_TIME)
+OWN_LINES = ("domain", "library", "behavior", "seed", "role", SIM_TIME)
 """Parameters of agents that a line has keys for."""
 
 _PART = r"[A-Za-z_][A-Za-z0-9_]*"
@@ -218,7 +218,6 @@ class AgentSettings(MemberSettings):
     """What a file says of all its agents."""
 
     domain: str = ""
-    without: Texts = ()
 
 
 class AgentLine(AgentSettings):

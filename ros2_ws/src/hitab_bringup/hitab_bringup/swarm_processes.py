@@ -158,8 +158,6 @@ def _settings(member: AgentDescription, folder: Path) -> dict[str, Any]:
         "behavior": member.behavior,
         "seed": member.seed,
     }
-    if member.without:
-        settings["without"] = member.without
     if member.superior:
         settings |= {"commander": member.superior, "role": member.role}
     if isinstance(member, CommanderDescription):

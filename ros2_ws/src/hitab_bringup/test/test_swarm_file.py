@@ -34,30 +34,6 @@ def test_what_is_no_swarm_file_is_told_apart(tmp_path, monkeypatch):
     assert find_file("keepaway", "swarms", "swarm").name == "keepaway.yaml"
 
 
-def test_hand_written_automata_can_be_taken_out_for_all_or_for_one():
-    swarm = parse_swarm(
-        "format: 2\ndomain: keepaway_handcoded\nwithout: [GotoBall]\n"
-        "agents:\n  a: {}\n  b: {without: []}\n  c: {without: ControlBall}\n",
-        HERE,
-    )
-    assert [a.without for a in swarm.agents] == [("GotoBall",), (), ("ControlBall",)]
-    told = {p.name: p.parameters.get("without") for p in processes(swarm, Path("/run"))}
-    assert told == {"a": ("GotoBall",), "b": None, "c": ("ControlBall",)}
-
-
-def test_what_is_no_hand_written_automaton_cannot_be_taken_out():
-    text = "domain: keepaway_handcoded\nwithout: [GotoBal]\nagents:\n  a: {}\n  b: {}\n"
-    assert complaint(text) == (
-        '/somewhere/team.yaml:2: `without:` domain "keepaway_handcoded" cannot be without '
-        '"GotoBal", which is unknown; only hand-written automata can be taken out (known: '
-        'ControlBall, GotoBall, Keepaway. Did you mean "GotoBall"?)'
-    )
-    for_one = "domain: keepaway_handcoded\nagents:\n  a: {without: [Pass]}\n"
-    assert 'team.yaml:3: `without:` domain "keepaway_handcoded" cannot be without "Pass", ' in (
-        complaint(for_one)
-    )
-
-
 def test_many_likes_take_one_line_and_few_processes():
     swarm = parse_swarm(
         "domain: keepaway\nagents:\n  ant: {count: 5, per_process: 2}\n  queen: {}\n", HERE

@@ -36,7 +36,6 @@ COMMANDS = {
     Do.DELETE: "library delete {behavior} -l {folder}",
     Do.SEND: "distribute {agent} {behavior}",
     Do.RELOAD: "library reload --swarm {swarm}",
-    Do.IMPORT: "library import {file} --agent {agent}",
     Do.NEXT_GENERATION: "bootstrap next {agent}",
     Do.GO_BACK: "bootstrap back {agent} {behavior} {generation}",
     Do.GENERATIONS: "bootstrap list {agent} {behavior}",
@@ -53,7 +52,6 @@ COMMANDS = {
     Do.LOGS: "logs {node}",
     Do.DOCTOR: "doctor",
     Do.RECORD: "record",
-    Do.MEASURE_REACTION: "reaction --measure",
 }
 """What is typed after the name of the command. Some remedies are not done with it."""
 

@@ -331,17 +331,10 @@ class SwarmClient(AgentPresence):
             dismiss=dismiss,
         )
 
-    def set_caution(
-        self, agent: str, when_unsure: str, *, support: float = 0.0, distance: float = 0.0
-    ) -> Any:
+    def set_caution(self, agent: str, when_unsure: str, *, distance: float = 0.0) -> Any:
         """Say what the agent does when it is unsure; see SetCaution.srv."""
         return self.ask(
-            agent,
-            SetCaution,
-            names.SET_CAUTION,
-            when_unsure=when_unsure,
-            support=support,
-            distance=distance,
+            agent, SetCaution, names.SET_CAUTION, when_unsure=when_unsure, distance=distance
         )
 
     def report(self, agent: str, automaton: str = "") -> list[TrainingCost]:

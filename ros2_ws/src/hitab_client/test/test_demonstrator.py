@@ -7,7 +7,7 @@ import pytest
 from hitab_msgs.msg import AgentStatus, Behavior, WorldState, WorldStatus
 from sensor_msgs.msg import Joy
 
-from hitab_client import SwarmError, reaction_time
+from hitab_client import SwarmError
 from hitab_client.demonstrating import (
     Demonstrator,
     JoystickInput,
@@ -111,7 +111,7 @@ class Agents:
         return SimpleNamespace(message=f"{agent} is {mode}")
 
     def command(self, agent: str, behavior: str, **fields: Any) -> AgentStatus:
-        self.done.append(("command", agent, behavior, fields["ago"], fields["seen"]))
+        self.done.append(("command", agent, behavior, fields["pace"], fields["seen"]))
         self.become(agent, "training", behavior)
         return self.statuses[agent]
 
@@ -169,23 +169,21 @@ def test_a_behavior_is_commanded_in_training_and_performed_otherwise(desk):
     assert desk.agents.done == [("perform", ONE, "Forward")]
     desk.agents.become(ONE, "testing", "Forward")
     assert desk.press("1").startswith(f"{ONE} performs Forward; Wander has")
-    assert desk.agents.done[1:] == [("training", ONE), ("command", ONE, "Forward", 0.0, 0)]
+    assert desk.agents.done[1:] == [("training", ONE), ("command", ONE, "Forward", 1.0, 0)]
 
 
 def test_a_command_counts_for_what_was_seen_when_the_key_was_pressed(desk):
-    reaction_time.keep("ann", 0.25)
     desk.agents.become(ONE, "training", "Start")
-    desk.demonstrator.press_behavior("Forward")
-    desk.now += 0.5  # until an agent has answered
-    desk.demonstrator.work()
-    assert desk.agents.done[-1][3:] == (pytest.approx(0.75), 0), "a robot's time went on"
     desk.world.status = WorldStatus(mode="running", pace="realtime", factor=2.0)
     desk.world.state = WorldState(cycle=70)
     desk.demonstrator.press_behavior("Forward")
-    desk.now += 0.5
+    desk.now += 0.5  # until an agent has answered
     desk.world.state = WorldState(cycle=80)
     desk.demonstrator.work()
-    assert desk.agents.done[-1][3:] == (pytest.approx(0.5), 70)
+    assert desk.agents.done[-1][3:] == (2.0, 70), "two simulated seconds in one of the person"
+    desk.world.status.mode = "paused"
+    assert "Forward" in desk.press("1")
+    assert desk.agents.done[-1][3:] == (0.0, 0), "the situation has waited for the person"
 
 
 def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
@@ -210,7 +208,7 @@ def test_undo_does_not_take_back_another_command_than_the_one_that_was_left_out(
     desk.demonstrator.work()
     assert desk.agents.done == ["undo"], "one is for the command before"
     assert desk.press("1", "u")
-    assert desk.agents.done[1:] == [("command", ONE, "Forward", 0.0, 0), "undo"]
+    assert desk.agents.done[1:] == [("command", ONE, "Forward", 1.0, 0), "undo"]
 
 
 def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):

@@ -149,7 +149,7 @@ class Agent:
     def remedies(self) -> tuple[Remedy, ...]:
         """What a person can do about `faults`, and about what its repertoire lacks."""
         damaged = [Do.DISCARD(agent=self.name)] if self.journal.damage else []
-        return (*self.edition.losses.ways_out, *damaged, *self.repertoire.remedies)
+        return (*self.edition.losses.ways_out, *damaged)
 
     @property
     def active_path(self) -> list[str]:

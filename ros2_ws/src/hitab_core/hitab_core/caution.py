@@ -1,7 +1,7 @@
 """Caution: what an agent does when it is unsure; it goes on, halts, or hands back to the person.
 
-A decision is unsure if it rests on few examples, or if the situation is far from all examples of
-the state (`hitab_core.advice.confidence`). That is judged before the agent decides, for each level
+A decision is unsure if the situation is far from all examples of the state
+(`hitab_core.advice.confidence`). That is judged before the agent decides, for each level
 of what it performs, so that nothing is done that has to be taken back. Which state takes numbers
 is known only afterwards: far from the moments that showed them, it does nothing (`Reach`).
 """
@@ -37,17 +37,15 @@ class Caution:
 
     Attributes:
         when_unsure: what it does.
-        support: it is unsure with fewer examples in the leaf that decides.
         distance: it is unsure farther than this from any example, in spreads of the state's
             examples; 0: any distance will do.
     """
 
     when_unsure: WhenUnsure = WhenUnsure.GO_ON
-    support: float = 0.0
     distance: float = 0.0
 
     @classmethod
-    def parse(cls, when_unsure: str, support: float, distance: float) -> Caution:
+    def parse(cls, when_unsure: str, distance: float) -> Caution:
         """Return what was asked for.
 
         Raises:
@@ -55,30 +53,26 @@ class Caution:
         """
         if when_unsure not in list(WhenUnsure):
             raise TrainingError(unknown("caution", when_unsure, list(WhenUnsure)))
-        for option, number in (("support", support), ("distance", distance)):
-            if not 0 <= number < float("inf"):
-                raise TrainingError(f"{option} must be a number of at least 0, not {number:g}")
-        asks = when_unsure != WhenUnsure.GO_ON
-        if asks and not (support or distance):
+        if not 0 <= distance < math.inf:
+            raise TrainingError(f"distance must be a number of at least 0, not {distance:g}")
+        if when_unsure != WhenUnsure.GO_ON and not distance:
             raise TrainingError(
-                f'"{when_unsure}" needs to know when an agent is unsure: with how few examples '
-                "(support), or how far from any (distance)",
+                f'"{when_unsure}" needs to know when an agent is unsure: how far from any example '
+                "(distance)",
                 Do.CAUTION(when_unsure=when_unsure),
             )
-        return cls(WhenUnsure(when_unsure), support, distance)
+        return cls(WhenUnsure(when_unsure), distance)
 
     def __str__(self) -> str:
         """Return it in words.
 
         Examples:
-            >>> str(Caution(WhenUnsure.HALT, 2, 3))
-            'when it has fewer than 2 examples, or is farther than 3 from any example: halt'
+            >>> str(Caution(WhenUnsure.HALT, 3))
+            'when it is farther than 3 from any example: halt'
         """
         if self.when_unsure is WhenUnsure.GO_ON:
             return "when it is unsure: go_on"
-        fewer = [f"has fewer than {self.support:g} examples"] if self.support else []
-        farther = [f"is farther than {self.distance:g} from any example"] if self.distance else []
-        return f"when it {', or '.join(fewer + farther)}: {self.when_unsure}"
+        return f"when it is farther than {self.distance:g} from any example: {self.when_unsure}"
 
 
 class CautionMonitor:
@@ -163,7 +157,7 @@ class CautionMonitor:
             rated = function, Confidences(function, evidence)
             self._rated[id(function), state] = rated
         values = list(map(running.look, features))
-        return rated[1](values).doubts(self.caution.support, self.caution.distance)
+        return rated[1].doubts(values, self.caution.distance)
 
     def _halt(self, running: Running | None) -> None:
         """Stop the basic behavior that is performed, until it is released."""

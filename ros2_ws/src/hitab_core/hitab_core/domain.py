@@ -11,7 +11,7 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Container, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 from importlib import import_module
@@ -178,7 +178,6 @@ class Domain:
         automata: hand-written automata, usable beside trained ones, by name.
         link: ``"module:Class"`` of the ROS side of the body, unless it is the standard link to a
             world node (percepts in, actions out).
-        taken_out: names of the hand-written automata that were taken out; see `without`.
         version_of: returns the version of some of its words, where what they mean is data; None:
             all have the domain's.
     """
@@ -191,7 +190,6 @@ class Domain:
     targets: Mapping[str, Target] = field(default_factory=dict)
     automata: Mapping[str, Automaton] = field(default_factory=dict)
     link: str = ""
-    taken_out: frozenset[str] = frozenset()
     version_of: Callable[[Container[str]], str] | None = None
 
     @classmethod
@@ -254,44 +252,6 @@ class Domain:
                     )
         made = [{thing.name: thing for thing in group} for group in groups]
         return cls(name, version, body, made[0], made[1], made[2], made[3], link)
-
-    def without(self, names: Iterable[str]) -> Domain:
-        """Return this domain with some of its hand-written automata taken out.
-
-        Each keeps its name, its parameters and its place in the others, but is empty: it does
-        nothing until a trained automaton of its name takes that place. The signature stays, so
-        that what is trained then also fits the whole domain.
-
-        Raises:
-            VocabularyError: if one of them is not a hand-written automaton of the domain.
-
-        Examples:
-            >>> from hitab_core import Automaton
-            >>> wait = BasicBehavior("Wait")
-            >>> patrol = Automaton("Patrol", (Use("Wait"),), (), {})
-            >>> whole = Domain.of(
-            ...     "guard", "1", object, behaviors=[wait], features=[], automata=[patrol]
-            ... )
-            >>> rest = whole.without(["Patrol"])
-            >>> rest.automata["Patrol"].states, sorted(rest.taken_out)
-            ((), ['Patrol'])
-        """
-        automata = dict(self.automata)
-        for name in names:
-            if name not in automata:
-                what = "a basic behavior" if name in self.behaviors else "unknown"
-                raise VocabularyError(
-                    f'domain "{self.name}" cannot be without "{name}", which is {what}; only '
-                    f"hand-written automata can be taken out {has(automata, name)}"
-                )
-            automata[name] = replace(
-                automata[name],
-                states=(),
-                features=(),
-                transitions={},
-                description="taken out: does nothing until it is trained, or loaded from a file",
-            )
-        return replace(self, automata=automata, taken_out=self.taken_out | {*names})
 
     @cached_property
     def signature(self) -> str:

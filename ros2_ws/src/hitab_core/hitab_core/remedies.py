@@ -45,7 +45,6 @@ class Do(Enum):
     PUT_INTACT = "put an intact file in the place of {file}"
     SEND = 'have an agent that has "{behavior}" send it'
     RELOAD = "have the agents of {swarm} read their libraries again"
-    IMPORT = "load it from a file of behaviors"
     # generations
     NEXT_GENERATION = "make a generation of what {agent} trains"
     GO_BACK = 'go back to generation {generation} of "{behavior}" with {agent}'
@@ -66,7 +65,6 @@ class Do(Enum):
     DOCTOR = "look for the cause"
     RECORD = "record it"
     # demonstrators
-    MEASURE_REACTION = "measure how late commands come"
 
     def __call__(self, **arguments: object) -> Remedy:
         """Return the remedy with these arguments."""

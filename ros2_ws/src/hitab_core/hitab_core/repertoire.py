@@ -10,7 +10,7 @@ from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.number import numbers_of, without_numbers
-from hitab_core.remedies import Do, Remedy
+from hitab_core.remedies import Do
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
 
@@ -57,33 +57,6 @@ class Repertoire:
             _refuse(circle)
         for automaton in self.automata.values():
             self._check_uses(automaton)
-
-    @property
-    def vacancies(self) -> tuple[str, ...]:
-        """What is missing because it was taken out of the domain and not trained since.
-
-        One text per behavior, with what it is needed for. A trained behavior that is lost leaves
-        no vacancy, but takes along what is made of it; see `lost`.
-        """
-        return tuple(
-            f'"{name}" was taken out, and nothing is done in its place{self._need(name)}'
-            for name in self._vacant
-        )
-
-    @property
-    def remedies(self) -> tuple[Remedy, ...]:
-        """What a person can do about the vacancies."""
-        trained = [Do.TRAIN(behavior=name) for name in self._vacant]
-        return (*trained, Do.IMPORT()) if trained else ()
-
-    @property
-    def _vacant(self) -> list[str]:
-        out, automata = sorted(self.domain.taken_out), self.domain.automata
-        return [name for name in out if self.automata.get(name) is automata[name]]
-
-    def _need(self, name: str) -> str:
-        users = [user for user in self.automata if name in self.needed_by(user)[:-1]]
-        return f"; it is needed for {', '.join(sorted(users))}" if users else ""
 
     def __contains__(self, name: object) -> bool:
         return name in self._parameters

@@ -33,32 +33,6 @@ def spreads(values: Floats, scales: Sequence[Scale]) -> Floats:
     return found
 
 
-def distances(values: Floats, scales: Sequence[Scale], spread: Floats) -> Floats:
-    """Return how far situations are apart from one another in each feature, from 0 to 1.
-
-    A difference d counts d / (d + spread), so that half is a usual difference and 1 an endless
-    one; a feature that compares by equality counts 0 or 1. Where one value is missing the distance
-    is one half, where both are, 0.
-
-    Args:
-        values, scales: see `spreads`.
-        spread: shape (m,), the usual differences.
-
-    Returns:
-        shape (m, n, n).
-    """
-    found = np.zeros((len(scales), len(values), len(values)))
-    for f, scale in enumerate(scales):
-        apart = differences(values[:, f], values[:, f], scale)
-        if scale.kind.is_measured:
-            apart /= apart + spread[f]
-        lacking = np.isnan(values[:, f])
-        apart[lacking[:, None] | lacking] = 0.5
-        apart[lacking[:, None] & lacking] = 0.0
-        found[f] = apart
-    return found
-
-
 def differences(some: Floats, others: Floats, scale: Scale) -> Floats:
     """Return how much values of a feature differ from others, shape (k, n); NaN: one is missing.
 

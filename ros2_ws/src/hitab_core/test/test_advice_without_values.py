@@ -1,44 +1,23 @@
-"""Advice where examples, readings or the situation asked about lack values."""
+"""Advice where examples, or the situation asked about, lack values."""
 
 import math
 
-import pytest
+import numpy as np
 
-from hitab_core.advice.ambiguity import ambiguities
-from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
+from hitab_core.advice.unshown import unshown
 from hitab_core.domain import BOOLEAN_SCALE, Scale
-from hitab_core.example import Example, ExampleKind
+from hitab_core.example import Example
 
-METERS = Scale()
-NAMES = ("Taker", "Kickable")
-SCALES = (METERS, BOOLEAN_SCALE)
-UNITS = ("m", "")
-CHASING = [
-    ("Go", (12.0, 0.0), "Go", True),
-    ("Go", (8.0, 1.0), "Stop", False),
-]
+SCALES = (Scale(), BOOLEAN_SCALE)
 
 
-def evidence(rows, scales=SCALES, names=NAMES, units=UNITS):
-    """Return the evidence of rows (state, values, next state, is default)."""
-    kinds = (ExampleKind.DEMONSTRATED, ExampleKind.DEFAULT)
-    examples = [Example(*row[:3], kinds[row[3]]) for row in rows]
-    return Evidence.of(rows[0][0], examples, scales, names, units)
-
-
-def test_examples_and_readings_may_lack_values():
-    rows = [*CHASING, ("Go", (math.nan, 0.0), "Go", False), ("Go", (math.nan, 1.0), "Stop", False)]
-    readings = [("At", v) for v in ([12.5, 1.0], [math.nan, 0.0], [3.0, math.nan])]
-    assert ambiguities(evidence(rows), readings) == []  # the values there tell which
-    (question,) = ambiguities(evidence(CHASING), readings)
-    assert question.situation == (12.5, 1.0)
-
-
-def test_an_example_that_lacks_the_tested_value_supports_every_leaf_in_part():
-    rows = [("S", (1.0,), "A", False), ("S", (9.0,), "B", False), ("S", (9.5,), "B", False)]
-    given = evidence([*rows, ("S", (math.nan,), "B", False)], [METERS], ["Range"], ["m"])
-    rate = Confidences(given.learn(), given)
-    supports = [rate([v]).support for v in (1.0, 9.0)]
-    assert sum(supports) == pytest.approx(4)
-    assert supports[0] == pytest.approx(1 + 1 / 3)
+def test_examples_and_what_was_met_may_lack_values():
+    rows = [((12.0, 0.0), "Go"), ((11.0, math.nan), "Go"), ((8.0, 1.0), "Stop")]
+    examples = [Example("Go", values, to) for values, to in rows]
+    given = Evidence.of("Go", examples, SCALES, ("Taker", "Kickable"), ("m", ""))
+    met = [[200.0, math.nan], [12.0, 0.0]]
+    found = unshown(given, met, (), np.zeros(3, np.bool_))
+    assert found is not None
+    assert found.situation[0] == 200.0
+    assert found.decided == "Go", "what is most probable there"

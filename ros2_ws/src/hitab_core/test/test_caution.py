@@ -33,11 +33,12 @@ def test_far_from_what_it_was_shown_it_halts_until_it_is_sure(cart: LearningAgen
     assert cart.agent.monitor.unsure == ""
 
 
-def test_with_too_few_examples_it_hands_back_to_the_demonstrator(cart: LearningAgent) -> None:
-    cart.agent.monitor.set(Caution(WhenUnsure.HAND_BACK, support=50))
-    cart.step([3.0])
+def test_far_from_what_it_was_shown_it_hands_back_to_the_demonstrator(cart: LearningAgent) -> None:
+    cart.agent.monitor.set(Caution(WhenUnsure.HAND_BACK, distance=3.0))
+    assert cart.decide([3.0]) == "Right"
+    cart.step([900.0])
     assert cart.agent.mode == "training"
-    assert "rests on" in cart.agent.monitor.unsure
+    assert "from the nearest one" in cart.agent.monitor.unsure
     cart.step([3.0], "Left")
     assert len(cart.examples) == 10
 
@@ -57,11 +58,12 @@ def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
 
 
 def test_a_caution_that_means_nothing_is_refused() -> None:
-    for when, support, distance, why in [
-        ("stop", 1.0, 1.0, 'unknown caution "stop"'),
-        ("halt", -1.0, 0.0, "support must be a number of at least 0, not -1"),
-        ("halt", 0.0, float("nan"), "at least 0"),
-        ("halt", 0.0, 0.0, "say when an agent is unsure"),
+    for when, distance, why in [
+        ("stop", 1.0, 'unknown caution "stop"'),
+        ("halt", -1.0, "distance must be a number of at least 0, not -1"),
+        ("halt", float("nan"), "at least 0"),
+        ("halt", float("inf"), "at least 0"),
+        ("halt", 0.0, "say when an agent is unsure"),
     ]:
         with pytest.raises(TrainingError, match=why):
-            Caution.parse(when, support, distance)
+            Caution.parse(when, distance)

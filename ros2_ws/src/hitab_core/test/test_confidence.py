@@ -1,4 +1,4 @@
-"""How sure a decision is: what it rests on, and how far it is from what was demonstrated."""
+"""How sure a decision is: how far it is from what was demonstrated."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_core.advice.confidence import Confidence, Confidences
+from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import UNKNOWN, Nearness
 from hitab_core.automaton import Automaton
@@ -51,17 +51,11 @@ BALL = [
 ]
 
 
-def test_support_is_the_number_of_examples_in_the_leaf():
-    rate = rated(BALL, [METERS, BOOLEAN_SCALE])
-    assert rate([8.5, 0.0]).support == 3
-    assert rate([8.5, 1.0]).support == 1
-
-
 def test_distance_on_a_line_is_in_median_differences_of_the_examples():
     rate = rated([((0.0,), "A", False), ((2.0,), "B", False), ((4.0,), "B", False)], [METERS])
-    assert rate([5.0]).distance == pytest.approx(1 / 2)  # the differences are 2, 2 and 4
-    assert rate([-3.0]).distance == pytest.approx(3 / 2)
-    assert rate([1.2]).distance == pytest.approx(0.8 / 2)
+    assert rate.distance([5.0]) == pytest.approx(1 / 2)  # the differences are 2, 2 and 4
+    assert rate.distance([-3.0]) == pytest.approx(3 / 2)
+    assert rate.distance([1.2]) == pytest.approx(0.8 / 2)
 
 
 def test_values_that_are_missing_are_left_out():
@@ -73,27 +67,27 @@ def test_values_that_are_missing_are_left_out():
     assert Nearness(values, [METERS, METERS], ())([1.0, 2.0]) == 0
 
 
-def test_a_decision_without_a_tested_value_is_as_sure_as_its_weakest_leaf():
+def test_a_decision_without_a_tested_value_is_as_far_away_as_its_farthest_leaf():
     rate = rated(BALL, [METERS, BOOLEAN_SCALE])
-    assert rate([8.5, None]) == rate([8.5, math.nan])
-    assert rate([8.5, None]).support == 1
+    assert rate.distance([8.5, 0.0]) == rate.distance([8.5, 1.0]) == 0
+    assert rate.distance([8.5, None]) == rate.distance([8.5, math.nan]) == UNKNOWN
 
 
-def test_of_what_is_no_tree_only_the_distance_is_known():
+def test_of_what_is_no_tree_the_distance_is_known_too():
     known = evidence([((0.0, 0.0), "A", False), ((2.0, 0.0), "B", False)], [METERS, METERS])
-    found = Confidences(HandWritten(lambda first: "A", (0,)), known)([3.0, None])
-    assert math.isnan(found.support)
-    assert found.distance == pytest.approx(0.5)
-    assert found.doubts(2, 0) == ""
-    assert found.doubts(2, 0.4) == "it is 0.5 spreads of the examples from the nearest one"
+    rate = Confidences(HandWritten(lambda first: "A", (0,)), known)
+    assert rate.distance([3.0, None]) == pytest.approx(0.5)
+    assert rate.doubts([3.0, None], 0.6) == ""
+    why = "it is 0.5 spreads of the examples from the nearest one"
+    assert rate.doubts([3.0, None], 0.4) == why
 
 
-def test_an_automaton_is_rated_by_state_and_its_superseded_examples_support_nothing():
+def test_an_automaton_is_rated_by_state_without_its_superseded_examples():
     features = (1.0,)
     examples = (
         Example("Start", features, "Go"),
         Example("Go", features, "Go", ExampleKind.SUPERSEDED),
-        Example("Go", features, "Stop", ExampleKind.CORRECTION),
+        Example("Go", (7.0,), "Stop", ExampleKind.CORRECTION),
     )
     shuttle = Automaton(
         "Shuttle",
@@ -108,7 +102,8 @@ def test_an_automaton_is_rated_by_state_and_its_superseded_examples_support_noth
     }
     assert [state for state, of in evidence.items() if of.next_states] == ["Start", "Go"]
     rated = Confidences(shuttle.transitions["Go"], evidence["Go"])
-    assert rated([1.0]) == Confidence(1, 0)
+    assert rated.distance([1.0]) == 0.0, "one example alone has no threshold"
+    assert evidence["Go"].values.tolist() == [[7.0]]
 
 
 @given(
@@ -127,10 +122,7 @@ def test_the_distance_is_that_of_the_nearest_example_in_the_tested_features(rows
     tree = known.learn()
     rate = Confidences(tree, known)
     tested = tree.retrace(situation, ("a", "b", "c")).features
-    found = rate([v if f in tested else None for f, v in enumerate(situation)])
-    assert found.distance == pytest.approx(
-        Nearness(known.values, scales, sorted(tested))(situation)
-    )
-    assert found.support >= 1
+    found = rate.distance([v if f in tested else None for f, v in enumerate(situation)])
+    assert found == pytest.approx(Nearness(known.values, scales, sorted(tested))(situation))
     for row in known.values.tolist():
-        assert rate(row).distance == pytest.approx(0, abs=1e-9)
+        assert rate.distance(row) == pytest.approx(0, abs=1e-9)

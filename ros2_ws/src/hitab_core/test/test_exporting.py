@@ -102,7 +102,10 @@ def library(tmp_path: Path) -> BehaviorLibrary:
         ("Bound", "takes 1 target, not 0; write, for example, Bound.home."),
         ("Bound(hame)", 'Did you mean "home"'),
         ("Ro am", "write Name or Name.target."),
-        ("Neighborly", '"Neighborly" cannot be exported.*classifier.*train it further as a tree'),
+        (
+            "Neighborly",
+            '"Neighborly" .*learned by sklearn.*KNeighborsClassifier.*as a tree',
+        ),
         ("Errand", '"GoTo" in it is an action.*export a behavior that does without'),
         ("Parade", '"Pace" cannot be exported: it is written by hand.*train a behavior'),
     ],

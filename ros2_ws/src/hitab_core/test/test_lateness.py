@@ -168,3 +168,18 @@ def test_a_pace_that_no_world_has_is_refused(tmp_path: Path, pace: float) -> Non
     course.sense(5.0)
     with pytest.raises(TrainingError, match="pace"):
         course.agent.command(Use("Go"), pace=pace)
+
+
+def test_a_wrong_beginning_is_corrected_where_it_was_decided(tmp_path: Path) -> None:
+    course = Course(tmp_path)
+    course.sense(9.0)
+    course.agent.command(Use("Go"))
+    course.agent.test()
+    course.agent.restart(1, 1)
+    for _ in range(12):
+        course.sense(9.0)
+    assert course.agent.active_path == ["Go"]
+    course.agent.take_over()
+    taught = course.agent.command(Use("Turn"), pace=1.0)[0]
+    assert (taught.state, taught.next_state) == ("Start", "Turn")
+    assert course.agent.active_path == ["Turn"]

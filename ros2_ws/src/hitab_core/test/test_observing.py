@@ -6,6 +6,7 @@ import logging
 import math
 import random
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -222,19 +223,16 @@ def test_an_explanation_of_a_hand_written_function_does_not_call_it_again() -> N
     assert (why.tests, why.features, chooses.calls) == (("hand-written",), (0,), 0)
 
 
-def test_an_explanation_of_a_classifier_does_not_predict_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_explanation_of_a_classifier_does_not_predict_again() -> None:
     function: Any = learn_transition(
-        NEAREST, SCALES[:1], [[0.0], [1.0], [4.0], [5.0]], ["A", "A", "A", "B"]
+        NEAREST, SCALES[:1], [[0.0], [1.0], [4.0], [5.0]], ["A", "A", "B", "B"]
     )
     predictions: list[Any] = []
-    predict = type(function.classifier).predict_proba
-    monkeypatch.setattr(
-        type(function.classifier),
-        "predict_proba",
-        lambda self, X: predictions.append(X) or predict(self, X),
+    choose = function.predicts.choose
+    watched = replace(
+        function.predicts, choose=lambda *row: predictions.append(row) or choose(*row)
     )
+    function = replace(function, predicts=watched)
     decide = function.compile([0], {"A": 0, "B": 1})
     assert decide([4.6], lambda slot: math.nan, lambda: 0.9) == 1
     assert len(predictions) == 1

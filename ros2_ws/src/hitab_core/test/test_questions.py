@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from hitab_core import (
     Use,
     plain_domain,
 )
+from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.training import Curriculum, Question, moments
 
 CART = plain_domain(
@@ -86,9 +88,19 @@ def test_commands_that_contradict_each_other_are_asked_about_at_once(cart: Drive
     assert [choice.name for choice in question.choices] == ["Stop", "Left"]
     cart.session.answer(question.number, "Stop")
     assert [e.number for e in cart.session.examples] == [1, 2, 5, 6, 7, 8], "with its default one"
+    assert [(cost.proposals, cost.finished) for cost in cart.agent.journal.costs()] == [(1, False)]
     assert "contradiction" not in cart.kinds()
     cart.session.undo()
     assert "contradiction" in cart.kinds(), "undo asks again"
+
+
+def test_contradictions_are_between_ordinary_examples_of_one_state_with_all_values_equal() -> None:
+    nan = math.nan
+    rows = [((0.0, nan), "Stop"), ((-0.0, nan), "Left"), ((0.0, 1.0), "Right")]
+    there = [Example("Right", values, to, number=n) for n, (values, to) in enumerate(rows, 1)]
+    default = Example("Right", (0.0, 1.0), "Right", ExampleKind.DEFAULT, 9)
+    elsewhere = Example("Start", (0.0, 1.0), "Left", number=10)
+    assert contradictions([*there, default, elsewhere]) == [there[:2]]
 
 
 def test_a_training_without_features_can_be_asked_about(cart: Driven) -> None:
@@ -134,50 +146,6 @@ def test_a_question_that_was_dismissed_is_not_asked_again_also_after_a_crash(
     cart.agent = cart.made()
     assert "contradiction" not in cart.kinds()
     assert len(cart.session.examples) == 8
-
-
-def test_a_mistaken_example_is_found_by_the_correction_of_what_it_made_the_robot_do(
-    cart: Driven,
-) -> None:
-    for start in range(3):
-        cart.show(0.0 + start / 10, "Right")
-        cart.show(5.0 + start / 10, "Left")
-        cart.show(0.2 + start / 10, "Right")
-    cart.show(2.4, "Stop")  # pressed the wrong key
-    wrong = cart.session.examples[-2].number
-    cart.show(2.5, "Right")
-    cart.agent.test()
-    for position in (1.0, 2.0, 2.4):
-        cart.at(position)
-    assert cart.agent.active_path == ["Stop"], "it does what it was taught"
-    cart.agent.take_over()
-    cart.agent.command(Use("Right"))
-    question = cart.asked("mistake")
-    assert wrong in question.examples
-    cart.session.answer(question.number)
-    assert wrong not in [e.number for e in cart.session.examples]
-    cost = cart.agent.journal.costs()
-    assert [(c.proposals, c.finished) for c in cost] == [(1, False)]
-
-
-def test_two_explanations_end_in_a_question_and_the_answer_in_the_right_automaton(
-    tmp_path: Path,
-) -> None:
-    """It stopped at 5 with a bump: because of the place or of the bump."""
-    cart = Driven(tmp_path, "Position", "Bump")
-    cart.show(0.0, "Right")
-    cart.at(2.0)
-    cart.at(9.0)  # seen on the way: farther, and no bump
-    cart.at(3.0, 1.0)
-    cart.show(5.0, "Stop", bump=1.0)
-    question = cart.asked("ambiguity")
-    far = dict(zip(("Position", "Bump"), question.situation, strict=True))
-    right = "Stop" if far["Position"] >= 5.0 else "Right"  # the person means the place
-    cart.session.answer(question.number, right)
-    function = cart.session.automaton().transitions["Right"]
-    for position, bump in ((9.0, 0.0), (3.0, 1.0), (5.0, 0.0), (0.0, 1.0)):
-        wanted = "Stop" if position >= 5.0 else "Right"
-        assert function.predict([[position, bump]])[0] == wanted
 
 
 def test_two_older_commands_outweigh_a_newer_one_but_not_a_correction(cart: Driven) -> None:

@@ -18,6 +18,7 @@ from hitab_core import (
 )
 from hitab_core.example import Example
 from hitab_core.training import Curriculum
+from hitab_core.training.moments import Moment, nearest
 
 CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position", "Speed"])
 STEP = 0.1
@@ -84,6 +85,12 @@ def test_a_sensor_that_was_silent_for_a_moment_does_not_have_a_late_command_refu
     taught = cart.command("Right", ago=0.4)
     assert taught.features == (taught.cycle,)
     assert abs(taught.cycle - 6) <= 1
+
+
+def test_the_nearest_moment_counts_and_of_two_as_near_the_later_one() -> None:
+    kept = [Moment(i, i * STEP, "Go", (0.0,)) for i in range(8)]
+    times = [0.0, 0.11, 0.19, 0.25, 0.26, 9.0, -1.0]
+    assert [nearest(kept, time).cycle for time in times] == [0, 1, 2, 3, 3, 7, 0]
 
 
 def test_the_time_counts_from_what_the_demonstrator_saw(cart: Driven) -> None:

@@ -187,9 +187,9 @@ def test_an_unsure_agent_does_nothing_in_the_tick_that_enters_a_state_far_from_i
     agent = trained()
     agent.step([1.0, 900.0], command="Anchor")
     agent.step([1.0, 9.0], command="Sail(direction=0, speed=1)")
-    for distance, sailed in ((0.0, 2), (3.0, 0)):
+    for distance, sailed in ((1e6, 2), (3.0, 0)):
         agent.learn()
-        agent.agent.monitor.set(Caution(WhenUnsure.HALT, 1, distance))
+        agent.agent.monitor.set(Caution(WhenUnsure.HALT, distance))
         assert agent.step([0.0, 9.0])
         assert agent.step([1.0, 1.0]) == (0.0,)
         assert len(agent.step([1.0, 300.0])) == sailed
@@ -215,7 +215,7 @@ def test_a_behavior_that_lacks_numbers_is_stopped_and_begins_again():
     agent.step([0.0, 9.0], command="Sail(direction=170, speed=1)")
     agent.step([1.0, 9.0], command="Sail(direction=170, speed=0.5)")
     agent.learn()
-    agent.agent.monitor.set(Caution(WhenUnsure.HALT, 1, 3.0))
+    agent.agent.monitor.set(Caution(WhenUnsure.HALT, 3.0))
     done.clear()
     for depth in (9.0, 900.0, 900.0, 9.0):
         agent.step([0.0, depth])

@@ -634,7 +634,6 @@ def test_an_arc_of_radians_is_written_in_degrees_with_the_lower_end_first():
         around = [math.radians(place) % math.tau for place in (start, end)]
         node = Fork(0, Arc(*around, math.tau), (1, 1), (Leaf((1, 0)), Leaf((0, 1))))
         assert tree_text.conditions([(node, 0)], [turn], ["a"]) == (f"a {words}",)
-        assert tree_text.conditions([(node, 0)], [turn], ["a"], ["rad"]) == (f"a {words}",)
 
 
 def test_an_explanation_tells_the_tests_in_order_and_the_features_looked_at():

@@ -8,8 +8,6 @@ from itertools import product
 from types import MappingProxyType
 from typing import Any
 
-from hitab_msgs.srv import GetBehavior
-
 from hitab_client import Learned
 from hitab_core import OWN_FEATURES, START, Example, Number, Use, contradictions, with_numbers
 from hitab_ros.conversions import numbers_of_behaviors
@@ -88,11 +86,6 @@ def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use
 def _by_name(words: Sequence[Any], what: str) -> Mapping[str, str]:
     """Return what is said of each behavior or feature, by name without parameters."""
     return MappingProxyType({Use.parse(word.name).name: getattr(word, what) for word in words})
-
-
-def is_taken_out(behavior: Learned) -> bool:
-    """Whether this is a hand-written automaton that was taken out of the domain: it is empty."""
-    return behavior.origin == GetBehavior.Response.HAND_WRITTEN and not behavior.states
 
 
 def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:

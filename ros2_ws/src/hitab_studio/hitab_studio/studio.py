@@ -21,7 +21,7 @@ from hitab_studio.swarm_link import SwarmLink
 REPLAY_SECONDS = 0.1
 
 OF_NO_SWARM = frozenset(
-    {"help", "label", "reaction", "release", "rename-recording", "delete-recording"}
+    {"help", "label", "name", "release", "rename-recording", "delete-recording"}
 )
 """Dialogs that stay open when the swarm ends."""
 

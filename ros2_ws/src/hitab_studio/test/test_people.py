@@ -1,10 +1,9 @@
-"""People at the pages have names, under which their reaction times are kept."""
+"""People at the pages have names, which their commands carry."""
 
 import asyncio
 import json
 from pathlib import Path
 
-from hitab_client import reaction_time
 from hitab_client.run_folder import state_home
 from hitab_client.users import user_name
 from hitab_studio.page import perform
@@ -20,9 +19,9 @@ def test_people_of_one_name_are_told_apart_and_what_is_no_name_is_refused(tmp_pa
         assert [one.name, two.name, three.name] == ["Anna", "Anna (2)", user_name()]
         assert two.demonstrator == "Anna", "commands carry the name that was entered"
         for name, why in (("", "Enter"), ("A" * 61, "at most 60"), ("A\0", "control characters")):
-            await perform(three, {"do": "reaction-set", "values": {"demonstrator": name}})
+            await perform(three, {"do": "name-set", "values": {"demonstrator": name}})
             assert why in three.messages.shown[-1].text
-        await perform(three, {"do": "reaction-set", "values": {"demonstrator": " Anna (2) "}})
+        await perform(three, {"do": "name-set", "values": {"demonstrator": " Anna (2) "}})
         assert three.name == "Anna (2) (2)"
 
     asyncio.run(run())
@@ -41,23 +40,14 @@ def test_a_user_without_a_name_as_in_a_container_gets_one_from_the_id(monkeypatc
     assert state_home() == Path("/.local/state/hitab"), "it is looked for, though not there"
 
 
-def test_a_reaction_time_is_kept_for_whom_the_page_is_used_by(tmp_path, monkeypatch):
+def test_the_browser_remembers_the_name_of_its_person(tmp_path, monkeypatch):
     monkeypatch.setenv("HITAB_HOME", str(tmp_path))
 
     async def run() -> None:
         session = Studio(lambda: None).open()  # type: ignore[arg-type,return-value]
-        values = {"demonstrator": "Änne", "seconds": "0.4"}
-        await perform(session, {"do": "reaction-set", "values": values})
-        assert reaction_time.kept() == {"Änne": 0.4}
+        await perform(session, {"do": "name-set", "values": {"demonstrator": "Änne"}})
         assert session.demonstrator == "Änne"
         told = [json.loads(message) for message in session.outgoing]
-        assert {"t": "demonstrator", "name": "Änne"} in told, "the browser remembers it"
-        for seconds in ("soon", "-1", "nan", "90"):
-            await perform(session, {"do": "reaction-set", "values": values | {"seconds": seconds}})
-            assert session.messages.shown[-1].kind == "bad"
-        await perform(session, {"do": "reaction-measured", "seconds": 0.256})
-        assert reaction_time.kept() == {"Änne": 0.26}
-        await perform(session, {"do": "reaction-set", "values": values | {"seconds": ""}})
-        assert reaction_time.kept() == {}
+        assert {"t": "demonstrator", "name": "Änne"} in told
 
     asyncio.run(run())

@@ -148,7 +148,7 @@ def test_what_was_typed_last_opens_no_dialog_that_is_closed():
     """An empty dialog took the Esc that was meant for the training."""
 
     async def use(session: Session) -> None:
-        for late in ("new-name", "new-parameter", "reaction-who"):
+        for late in ("new-name", "new-parameter"):
             await perform(session, {"do": late, "value": "A"})
             assert session.dialog == {}
 

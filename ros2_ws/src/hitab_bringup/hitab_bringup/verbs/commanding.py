@@ -8,7 +8,7 @@ import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain, tell_faults
-from hitab_client import console, user_name
+from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_client.commands import called, with_commands
 from hitab_core import Do, FeatureKind, HitabError, Use, quantity
@@ -36,11 +36,11 @@ def demonstrate(
     that it is already performing to say: keep going here. `hitab train` begins a training.
 
     A command that comes late is recorded with the situation of some time before you pressed Enter,
-    if you say how long: with --ago, or for all commands with `hitab reaction`.
+    if you say how long with --ago.
 
     Args:
         behavior: A behavior, such as GoFast, or GoTo(ball).
-        ago: How long ago it was due, s of your time. Default: your reaction time.
+        ago: How long ago it was due, s of your time. Default: it counts when it arrives.
         unrecorded: Only bring the agent into that state, such as to correct what it does there;
             no example is recorded.
 
@@ -52,13 +52,7 @@ def demonstrate(
       hitab demonstrate keeper_1 Done
       hitab demonstrate keeper_1 TurnToBall --unrecorded
     """
-    from hitab_client import reaction_time
-
     use = Use.parse(behavior)
-    if ago is None:
-        ago = reaction_time.of(user_name()) or None
-    else:
-        reaction_time.check(ago)
     with connection(swarm) as swarm_up:
         due, seen = _due(swarm_up, agent, ago) if ago and not unrecorded else (0.0, 0)
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
@@ -89,13 +83,13 @@ def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
 
     import psutil  # type: ignore[import-untyped]
 
-    from hitab_client import reaction_time
+    from hitab_client.demonstrating import simulated
 
     swarm_up.agents.await_agent(agent)
     swarm_up.await_world()
     world = swarm_up.world
     due, passed = (
-        reaction_time.simulated(seconds, world.status, world.speed)
+        simulated(seconds, world.status, world.speed)
         for seconds in (ago, time.time() - psutil.Process().create_time())
     )
     if world.status is None:

@@ -96,7 +96,6 @@ def start_testing(
     agent: AgentName,
     restart: Annotated[bool, typer.Option("--restart")] = False,
     when_unsure: Annotated[str, typer.Option(metavar="go_on|halt|hand_back")] = "",
-    support: Annotated[float, typer.Option(show_default=False)] = 0.0,
     distance: Annotated[float, typer.Option(show_default=False)] = 0.0,
     swarm: SwarmName = None,
 ) -> None:
@@ -109,7 +108,6 @@ def start_testing(
         restart: Begin at Start, not at the active state.
         when_unsure: From now on, when it is unsure: go on, do nothing until it is sure, or give
             control to the demonstrator.
-        support: Unsure of a decision that rests on fewer examples than this. Default: any.
         distance: Unsure farther than this from every example; 1 is about as far as the examples
             are apart. Default: any.
 
@@ -118,10 +116,8 @@ def start_testing(
       hitab test keeper_1 --when-unsure halt --distance 3
     """
     with connection(swarm) as swarm_up:
-        if when_unsure or support or distance:
-            cautious = swarm_up.agents.set_caution(
-                agent, when_unsure, support=support, distance=distance
-            )
+        if when_unsure or distance:
+            cautious = swarm_up.agents.set_caution(agent, when_unsure, distance=distance)
             console.say(cautious.message)
         answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
         status = swarm_up.agents.statuses[agent]

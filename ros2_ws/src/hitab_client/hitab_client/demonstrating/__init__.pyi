@@ -5,6 +5,7 @@ from .commanding import command as command
 from .commanding import other_mode as other_mode
 from .commanding import outcome as outcome
 from .commanding import put_earlier as put_earlier
+from .commanding import simulated as simulated
 from .demonstrator import Demonstrator as Demonstrator
 from .joystick import JoystickInput as JoystickInput
 from .joystick_mapping import read_mapping as read_mapping

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from hitab_msgs.msg import AgentStatus, WorldState, WorldStatus
 
-from hitab_client import reaction_time
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import ACKNOWLEDGE_SECONDS, SwarmClient
 from hitab_client.world_client import WorldClient
@@ -20,7 +19,6 @@ def command(
     agent: str,
     behavior: str,
     *,
-    reaction: float,
     seen: int,
     sequence: int = 0,
     seconds: float = ACKNOWLEDGE_SECONDS,
@@ -35,8 +33,8 @@ def command(
         world: that the person sees.
         agent: to command.
         behavior: with its targets.
-        reaction: the person's reaction time, s; 0: the agent estimates it.
-        seen: the world's cycle that the person saw; 0: the last one.
+        seen: the world's cycle that the person saw; 0: the last one. While the world runs, the
+            agent estimates how long before it the command was due.
         sequence: number of the command; 0: a new one.
         seconds: how long to wait for the agent's acknowledgement.
         demonstrator: who commands; empty: whoever the client says.
@@ -51,13 +49,12 @@ def command(
         return f"{agent} performs {behavior}; it learns from commands only in training{kept}"
     if status.mode == AgentStatus.TESTING:
         agents.set_mode(agent, AgentStatus.TRAINING)
-    ago, seen = due(world, reaction, seen)
+    paused = world.status is not None and world.status.mode == WorldState.PAUSED
     status = agents.command(
         agent,
         behavior,
-        ago=ago,
-        seen=seen,
-        pace=0.0 if reaction else reaction_time.simulated(1.0, world.status, world.speed),
+        seen=0 if paused else seen,  # the situation has waited for the person
+        pace=simulated(1.0, world.status, world.speed),
         sequence=sequence,
         seconds=seconds,
         demonstrator=demonstrator,
@@ -66,18 +63,19 @@ def command(
     return outcome(agent, behavior, status)
 
 
-def due(world: WorldClient, reaction: float, seen: int) -> tuple[float, int]:
-    """Return how long before which of the world's cycles a command counts, in simulated seconds.
+def simulated(seconds: float, status: WorldStatus | None, speed: float = 1.0) -> float:
+    """Return how much simulated time passes for a person in some time of their own.
 
     Args:
-        world: that the person sees.
-        reaction: the person's reaction time, s.
-        seen: the cycle that the person saw; 0: the last one.
+        seconds: of the person.
+        status: of the world; None: there is none, or it is a robot's, where time is the person's.
+        speed: of a world in lockstep, as seen: simulated seconds in a second.
     """
-    status = world.status
-    if status is not None and status.mode == WorldState.PAUSED:
-        return 0.0, 0  # the situation has waited for the person
-    return reaction_time.simulated(reaction, status, world.speed), seen
+    if status is None:
+        return seconds
+    if status.mode == WorldState.PAUSED:
+        return 0.0  # the situation waits for the person
+    return seconds * (status.factor if status.pace == "realtime" else speed)
 
 
 def earlier(world: WorldClient) -> float:
@@ -88,7 +86,7 @@ def earlier(world: WorldClient) -> float:
     status = world.status
     if status is not None:
         status = WorldStatus(mode=WorldState.RUNNING, pace=status.pace, factor=status.factor)
-    return reaction_time.simulated(EARLIER_SECONDS, status, world.speed) or EARLIER_SECONDS
+    return simulated(EARLIER_SECONDS, status, world.speed) or EARLIER_SECONDS
 
 
 def outcome(agent: str, behavior: str, status: AgentStatus) -> str:

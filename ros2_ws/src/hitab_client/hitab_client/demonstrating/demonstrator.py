@@ -16,7 +16,6 @@ from dataclasses import replace
 from hitab_msgs.msg import AgentStatus, WorldState
 from hitab_msgs.srv import Control
 
-from hitab_client import reaction_time
 from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.commanding import command, other_mode, put_earlier
 from hitab_client.demonstrating.pressed import Asked, Pressed, UnseenOutcomes
@@ -152,7 +151,7 @@ class Demonstrator:
         now = self._clock()
         state = self._world.state
         seen = 0 if state is None or self._world.status is None else int(state.cycle)
-        return Pressed(what or behavior, self.agent, behavior, now, now, seen)
+        return Pressed(what or behavior, self.agent, behavior, now, seen)
 
     def press_behavior(self, behavior: str, first: Pressed | None = None) -> None:
         """Have a behavior be commanded, or in no training performed.
@@ -324,18 +323,7 @@ class Demonstrator:
             return ""
         use = Use.parse(pressed.behavior)
         words.check_bound(use, agent)
-        reaction = reaction_time.of(agents.demonstrator)
-        if reaction and not pressed.seen:
-            reaction += self._clock() - pressed.due
-        return command(
-            agents,
-            self._world,
-            agent,
-            str(use),
-            reaction=reaction,
-            seen=pressed.seen,
-            seconds=TAKEN_S,
-        )
+        return command(agents, self._world, agent, str(use), seen=pressed.seen, seconds=TAKEN_S)
 
     def _ask(self, pressed: Pressed, words: Words) -> bool:
         """Ask for a target or a number that is still to be given; return whether one is."""

@@ -33,7 +33,6 @@ class Pressed:
         agent: whom it is for.
         behavior: that is commanded; empty: none.
         at: when, s, by the demonstrator's clock.
-        due: when what it answers was seen, s; differs from `at` if more had to be given first.
         seen: the world's cycle that the person saw; 0: unknown.
     """
 
@@ -41,7 +40,6 @@ class Pressed:
     agent: str
     behavior: str
     at: float
-    due: float
     seen: int
 
 

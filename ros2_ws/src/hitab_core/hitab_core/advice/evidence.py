@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import TREE
 from hitab_core.learning.boundaries import on_circle
 from hitab_core.learning.classifier_spec import ClassifierSpec
-from hitab_core.learning.splits import Choose
 from hitab_core.learning.transition_tree import TransitionTree
 
 
@@ -79,24 +78,8 @@ class Evidence:
         """Return the values of a situation, toroidal ones in [0, period)."""
         return tuple(on_circles(np.array([values], np.float64), self.scales)[0].tolist())
 
-    def with_answer(
-        self, values: Sequence[float], next_state: str, *, bisects: bool = False
-    ) -> Evidence:
-        """Return the evidence with one more example; the arguments are those of `answer_kind`."""
-        row = on_circles(np.array([values], np.float64), self.scales)
-        kind = answer_kind(self.state, next_state, bisects=bisects)
-        return replace(
-            self,
-            values=np.vstack([self.values, row]),
-            next_states=(*self.next_states, next_state),
-            default=np.append(self.default, kind is ExampleKind.DEFAULT),
-        )
-
-    def learn(self, choose: Choose | None = None) -> TransitionTree | None:
+    def learn(self) -> TransitionTree | None:
         """Return the tree that is learned from it; None without examples or if it is no tree.
-
-        Args:
-            choose: see `TransitionTree.fit`.
 
         Raises:
             VocabularyError, FeatureValueError, ValueError: as `TransitionTree.fit`.
@@ -105,7 +88,7 @@ class Evidence:
         if spec.name != TREE or not self.next_states:
             return None
         tree = TransitionTree(self.scales, feature_names=list(self.names), **spec.arguments)
-        return tree.fit(self.values, list(self.next_states), self.default, choose=choose)
+        return tree.fit(self.values, list(self.next_states), self.default)
 
 
 def answer_kind(state: str, next_state: str, *, bisects: bool = False) -> ExampleKind:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from enum import Enum, unique
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.support import situation_in_words
+from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.automaton import Automaton, as_entered
 from hitab_core.default_example import superseding
 from hitab_core.example import Example

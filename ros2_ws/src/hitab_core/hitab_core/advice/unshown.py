@@ -33,7 +33,6 @@ import numpy as np
 
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.nearness import apart
-from hitab_core.advice.support import SupportedTree
 from hitab_core.arrays import Booleans, Floats
 from hitab_core.automaton import START
 from hitab_core.domain import FeatureKind
@@ -122,9 +121,10 @@ def unshown(
         return None
     situation = tuple(situations[place].tolist())
     tree = evidence.learn()
-    decision = None if tree is None else SupportedTree(tree, evidence).decide(situation)
     # Without examples a state stays as it is.
-    decided = decision.next_state if decision is not None else "" if shown else evidence.state
+    decided = "" if shown else evidence.state
+    if tree is not None:
+        decided = str(tree.predict([situation])[0])
     order = [likely[i] for i in np.argsort(-weights[:, place], kind="stable").tolist()]
     next_states = tuple(dict.fromkeys(label for label in (decided, *order) if label))
     return Unshown(evidence.state, situation, decided, next_states, most, bisects)

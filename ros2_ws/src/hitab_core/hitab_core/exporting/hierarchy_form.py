@@ -14,12 +14,13 @@ from hitab_core.automaton import FLAGS, OWN_FEATURES, START, Automaton
 from hitab_core.errors import VocabularyError
 from hitab_core.hierarchy import in_order
 from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_choice
+from hitab_core.learning.scikit_learn_adapter import ClassifierFunction
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.number import Number
 from hitab_core.regression import Neighbors, Table
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.senses import checks_of
-from hitab_core.transition_function import HandWritten, TransitionFunction
+from hitab_core.transition_function import TransitionFunction
 from hitab_core.use import Use
 
 OWN = tuple(map(str, OWN_FEATURES))
@@ -241,10 +242,10 @@ def _numbers(
 
 
 def _refuse(name: str, function: TransitionFunction) -> NoReturn:
-    if isinstance(function, HandWritten):
-        why = "it is written by hand, and code is not exported; train a behavior in its place"
+    if isinstance(function, ClassifierFunction):
+        why = f"it was learned by {function.spec}, which is no tree; train it further as a tree"
     else:
-        why = "it was learned by another classifier than a tree; train it further as a tree"
+        why = "it is written by hand, and code is not exported; train a behavior in its place"
     raise VocabularyError(f'automaton "{name}" cannot be exported: {why}')
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -11,50 +10,38 @@ from hitab_core.arrays import Floats
 from hitab_core.domain import FeatureKind, Scale
 
 
-@dataclass(frozen=True, slots=True)
-class FeatureEncoding:
-    """Encodes feature values for a classifier that accepts only plain numbers.
+def encoding_of(X: Floats, scales: Sequence[Scale]) -> Callable[[Floats], Floats]:
+    """Return what encodes feature values, fitted to those of examples.
 
     A continuous feature is standardized by the mean and standard deviation of the examples, since
     many classifiers measure distances, in which meters must not outweigh radians. A toroidal one
     becomes the cosine and sine of its angle, so that zero is not special. A categorical one is
     one-hot encoded; a boolean one stays 0 or 1.
+
+    Args:
+        X: shape (n, m), of the examples.
+        scales: how the values of each of the m features compare.
+
+    Returns:
+        A function from shape (k, m) to shape (k, number of columns).
     """
+    means, deviations = X.mean(axis=0), X.std(axis=0)
+    deviations[deviations == 0] = 1.0
 
-    scales: tuple[Scale, ...]
-    means: tuple[float, ...]
-    deviations: tuple[float, ...]
-    n_categories: tuple[int, ...]
-
-    @classmethod
-    def of(cls, X: Floats, scales: Sequence[Scale]) -> FeatureEncoding:
-        """Fit the encoding to examples, shape (n, m)."""
-        means, deviations, largest = X.mean(axis=0), X.std(axis=0), X.max(axis=0)
-        n_categories = tuple(
-            len(scale.categories) or int(largest[f]) + 1
-            if scale.kind is FeatureKind.CATEGORICAL
-            else 0
-            for f, scale in enumerate(scales)
-        )
-        return cls(
-            tuple(scales),
-            tuple(means.tolist()),
-            tuple(np.where(deviations > 0, deviations, 1.0).tolist()),
-            n_categories,
-        )
-
-    def __call__(self, X: Floats) -> Floats:
-        """Return the encoded values: shape (n, number of columns), from shape (n, m)."""
+    def encoded(values: Floats) -> Floats:
         columns: list[Floats] = []
-        for f, scale in enumerate(self.scales):
-            values = X[:, f]
+        for f, scale in enumerate(scales):
+            column = values[:, f]
             if scale.kind is FeatureKind.TOROIDAL:
-                angle = values * (2 * np.pi / scale.period)
+                angle = column * (2 * np.pi / scale.period)
                 columns += [np.cos(angle), np.sin(angle)]
             elif scale.kind is FeatureKind.CATEGORICAL:
-                columns += [values == c for c in range(self.n_categories[f])]
+                count = len(scale.categories) or int(X[:, f].max()) + 1
+                columns += [column == c for c in range(count)]
             elif scale.kind is FeatureKind.CONTINUOUS:
-                columns.append((values - self.means[f]) / self.deviations[f])
+                columns.append((column - means[f]) / deviations[f])
             else:
-                columns.append(values)
-        return np.column_stack(columns) if columns else np.zeros((len(X), 1))
+                columns.append(column)
+        return np.column_stack(columns) if columns else np.zeros((len(values), 1))
+
+    return encoded

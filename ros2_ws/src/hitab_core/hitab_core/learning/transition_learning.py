@@ -13,9 +13,9 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain, Scale
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
-from hitab_core.learning.classifier_replacement import classifier_maker, learn_replacement
 from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.learning.feature_values import feature_values
+from hitab_core.learning.scikit_learn_adapter import classifier_maker, learn_with_classifier
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.regression import learn_numbers
 from hitab_core.transition_function import LearnedTransition
@@ -48,7 +48,7 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
     spec = ClassifierSpec.parse(classifier)
     if spec.name != TREE:
         make = classifier_maker(spec)
-        return lambda X, y, default: learn_replacement(spec, make, scales, X, y, names)
+        return lambda X, y, default: learn_with_classifier(spec, make, scales, X, y, names)
     known = sorted({f.name for f in fields(TransitionTree)} - {"scales", "feature_names"})
     for name in spec.arguments:
         if name not in known:

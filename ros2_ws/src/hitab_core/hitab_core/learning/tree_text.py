@@ -78,10 +78,7 @@ def in_degrees(scale: Scale) -> bool:
 
 
 def conditions(
-    path: Sequence[Step],
-    scales: Sequence[Scale],
-    names: Sequence[str],
-    units: Sequence[str] = (),
+    path: Sequence[Step], scales: Sequence[Scale], names: Sequence[str]
 ) -> tuple[str, ...]:
     """Return the conditions on a path, with all tests of a feature merged into one.
 
@@ -89,18 +86,16 @@ def conditions(
         path: the tests.
         scales: of the features.
         names: of the features.
-        units: of the features, to be written behind numbers; empty: none. Degrees always are.
     """
     by_feature: dict[int, list[Step]] = {}
     for step in path:
         by_feature.setdefault(step[0].feature, []).append(step)
     return tuple(
-        _condition(steps, scales[feature], names[feature], units[feature] if units else "")
-        for feature, steps in by_feature.items()
+        _condition(steps, scales[feature], names[feature]) for feature, steps in by_feature.items()
     )
 
 
-def _condition(steps: Sequence[Step], scale: Scale, name: str, unit: str) -> str:
+def _condition(steps: Sequence[Step], scale: Scale, name: str) -> str:
     low, high = -math.inf, math.inf
     arcs: list[Interval] = [(0.0, math.inf)]
     for node, branch in steps:
@@ -115,10 +110,10 @@ def _condition(steps: Sequence[Step], scale: Scale, name: str, unit: str) -> str
         else:
             low = test.threshold
     if scale.kind is FeatureKind.TOROIDAL:
-        return f"{name} {_arcs(arcs, scale, unit)}"
+        return f"{name} {_arcs(arcs, scale)}"
     if scale.kind is FeatureKind.BOOLEAN:
         return name if low > 0 else f"not {name}"
-    return _range(low, high, name) + (f" {unit}" if unit else "")
+    return _range(low, high, name)
 
 
 def _range(low: float, high: float, name: str) -> str:
@@ -175,16 +170,15 @@ def _common(some: Sequence[Interval], others: Sequence[Interval]) -> list[Interv
     return sorted(interval for interval in common if interval[0] < interval[1])
 
 
-def _arcs(intervals: list[Interval], scale: Scale, unit: str) -> str:
+def _arcs(intervals: list[Interval], scale: Scale) -> str:
     if len(intervals) > 1 and intervals[0][0] == 0.0 and intervals[-1][1] == scale.period:
         intervals = [*intervals[1:-1], (intervals[-1][0], intervals[0][1])]
-    behind = DEGREES if in_degrees(scale) else unit
-    return " or ".join(_arc(start, end, scale, behind) for start, end in intervals)
+    return " or ".join(_arc(start, end, scale) for start, end in intervals)
 
 
-def _arc(start: float, end: float, scale: Scale, unit: str) -> str:
+def _arc(start: float, end: float, scale: Scale) -> str:
     first, last = (_place(place, scale) for place in (start, end))
-    behind = f" {unit}" if unit else ""
+    behind = f" {DEGREES}" if in_degrees(scale) else ""
     if first == last:
         equal = "=" if (end - start) % scale.period < scale.period / 2 else "!="
         return f"{equal} {first}{behind if first != '0' else ''}"

@@ -25,7 +25,7 @@ class Curriculum:
         states: that may be commanded; empty: anything in the repertoire.
         parameters: its free variables.
         arguments: the targets that the parameters are bound to during training.
-        classifier: ``"tree"`` or a scikit-learn classifier (`classifier_replacement`).
+        classifier: ``"tree"`` or a scikit-learn classifier (`scikit_learn_adapter`).
     """
 
     name: str

@@ -84,10 +84,7 @@ class LateCommands:
                 found[e.command] = kept.late(e.command, e.next_state, features, lateness, at)
         late = {command: one for command, one in found.items() if one is not None}
         before = self._before.get(who, Lateness())
-        silent = [kept.silent(stretch, features) for stretch in kept.silence.kept]
-        places, self.people[who] = settled(
-            [one for one, _ in late.values()], scales, before, silent
-        )
+        places, self.people[who] = settled([one for one, _ in late.values()], scales, before)
         dues: dict[int, tuple[float, Moment]] = {}
         for (command, (_, among)), place in zip(late.items(), places, strict=True):
             window = kept.window(command)

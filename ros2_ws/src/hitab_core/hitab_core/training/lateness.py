@@ -1,4 +1,4 @@
-"""When late commands were due, learned from the commands themselves.
+"""Lateness: when late commands were due, learned from the commands themselves.
 
 A person who commands a moving robot is late, by how much nobody knows before. But commands of one
 kind (leave this state, go to that one) have something in common: all of them answer to the same
@@ -129,10 +129,7 @@ _erfc = np.vectorize(math.erfc, otypes=[np.float64])
 
 
 def settled(
-    commands: Sequence[LateCommand],
-    scales: Sequence[Scale],
-    before: Lateness,
-    silent: Sequence[LateCommand] = (),
+    commands: Sequence[LateCommand], scales: Sequence[Scale], before: Lateness
 ) -> tuple[list[int], Lateness]:
     """Return for which of its moments each command was meant, and how late the person is.
 
@@ -140,7 +137,6 @@ def settled(
         commands: of one person.
         scales: of the features.
         before: what was known of the person before these commands.
-        silent: times in which the person did not command.
 
     Returns:
         Indices of moments, -1 for the change of state that a command corrects; and the lateness.
@@ -151,7 +147,7 @@ def settled(
     log_odds = np.log(before.odds + TINY)
     found = {}
     for kind, members in kinds.items():
-        others = [c for c in (*commands, *silent) if c.state == kind[0] and c.label != kind[1]]
+        others = [c for c in commands if c.state == kind[0] and c.label != kind[1]]
         found[kind] = _explanations([commands[i] for i in members], others, scales)
         log_odds += _log_sum(found[kind].log_likelihood)
     odds = np.exp(log_odds - log_odds.max())

@@ -8,18 +8,16 @@ the decision that it corrects.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from hitab_core.advice.proposals import Correction
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START, as_entered
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError
-from hitab_core.example import Example
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.training.lateness import LateCommand, Lateness
 from hitab_core.training.moments import (
@@ -29,8 +27,6 @@ from hitab_core.training.moments import (
     readable,
     state_of,
 )
-from hitab_core.training.responses import responded
-from hitab_core.training.silence import Silence, Stretch
 from hitab_core.training.situations import Situations
 from hitab_core.use import Use
 
@@ -70,7 +66,6 @@ class Perceived:
         self.readable = (*found, *(use for use in chosen if use not in found))
         self.moments = Moments()
         self.situations = Situations()
-        self.silence = Silence()
         self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
         self._column = {use: i for i, use in enumerate(self.readable)}
         self._discrete = [
@@ -79,7 +74,7 @@ class Perceived:
             if use not in TIMERS and not domain.scale_of(use).kind.is_measured
         ]
         self._entered: Moment | None = None
-        self._corrected: dict[int, tuple[Moment, str, str]] = {}
+        self._corrected: set[int] = set()
         self._paces: dict[int, float] = {}
 
     @property
@@ -115,7 +110,6 @@ class Perceived:
         moment = Moment(cycle, time, state_of(running.active), self._read(running))
         self.moments.add(moment)
         self._meet(moment)
-        self.silence.see(moment)
 
     def _meet(self, moment: Moment) -> None:
         values = (moment.readings[i] for i in self._discrete)
@@ -147,7 +141,6 @@ class Perceived:
     def begin(self) -> None:
         """Forget what was, since it has nothing to do with what follows."""
         self.moments = Moments()
-        self.silence.end()
         self._entered = None
 
     def restart(self, state: str = START) -> None:
@@ -168,7 +161,6 @@ class Perceived:
         cycle: int,
         ago: float,
         seen: int,
-        corrects: str = "",
     ) -> Moment:
         """Return the moment for which a command is meant.
 
@@ -177,7 +169,6 @@ class Perceived:
             features: of the automaton in training.
             cycle: of the world, now.
             ago, seen: see `Moments.due`.
-            corrects: see `responded`.
 
         Raises:
             TrainingError: if that moment is not kept.
@@ -189,18 +180,10 @@ class Perceived:
             entered = self._entered
             if entered is not None and due.time <= entered.time:
                 due = entered  # no command was due before the one that the person gave before it
-            if ago:
-                scale_of = running.context.repertoire.domain.scale_of
-                columns = {
-                    self._column[use]: scale_of(use) for use in features if use not in TIMERS
-                }
-                moments = self._since_entered()
-                answered = responded(moments, due, ago, columns, corrects)
-                if not self.shows(answered, features):  # nothing was sensed for a moment
-                    near = [m for m in moments if abs(m.time - due.time) <= ago]
-                    shown = [m for m in near if self.shows(m, features)]
-                    answered = nearest(shown, due.time) if shown else answered
-                due = answered
+            if not self.shows(due, features):  # nothing was sensed for a moment
+                near = [m for m in self._since_entered() if abs(m.time - due.time) <= ago]
+                shown = [m for m in near if self.shows(m, features)]
+                due = nearest(shown, due.time) if shown else due
             if latest is not None and due.time < latest.time:
                 return due
         # The present one, with the values that the next decision would use.
@@ -211,10 +194,10 @@ class Perceived:
         return Moment(cycle, self.time, state_of(running.active), tuple(readings))
 
     def _since_entered(self) -> Sequence[Moment]:
-        """Return what a command can respond to, after what was responded to before it."""
+        """Return the moments for which a command can be meant, after that of the one before it."""
         entered, kept = self._entered, self.moments.since(-math.inf)
         if entered is None:
-            return (*kept[:1], *kept)
+            return kept
         return (entered, *(moment for moment in kept if moment.time > entered.time))
 
     def in_moment(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
@@ -267,11 +250,8 @@ class Perceived:
         }
         if pace:
             record["pace"] = pace
-        if taken_over_in:
-            moment, wrong = self._wrong_decision(due, taken_over_in)
-            if wrong != commanded:
-                corrected = {"at": moment.to_record(), "wrong": wrong, "right": commanded}
-                record["corrected"] = corrected
+        if taken_over_in and self._wrong_decision(due, taken_over_in) != commanded:
+            record["corrects"] = True
         return record
 
     def keep_around(self, command: int, record: Mapping[str, Any]) -> None:
@@ -281,13 +261,11 @@ class Perceived:
         moments = tuple(map(Moment.from_record, record.get("moments", ())))
         if moments:
             self._windows[command] = (float(record["time"]), moments)
-        if "corrected" in record:
-            corrected = record["corrected"]
-            at = Moment.from_record(corrected["at"])
-            self._corrected[command] = (at, corrected["wrong"], corrected["right"])
+        if "corrects" in record:
+            self._corrected.add(command)
 
-    def _wrong_decision(self, due: Moment, active: str) -> tuple[Moment, str]:
-        """Return the decision that a person corrects: its situation, and what was decided.
+    def _wrong_decision(self, due: Moment, active: str) -> str:
+        """Return the state to which the decision led that a person corrects.
 
         It is the first change of state after the command was due, whatever followed before the
         person took over; else the last one before, if that was not long before; else that the
@@ -306,29 +284,8 @@ class Perceived:
         ]
         for moment, after in changes:
             if moment.time >= due.time:
-                return moment, after
-        if changes:
-            return changes[-1]
-        return due, due.state
-
-    def corrections(
-        self, examples: Iterable[Example], features: Sequence[Use]
-    ) -> Iterator[Correction]:
-        """Yield what the automaton did wrong by itself before commands that were not undone.
-
-        Args:
-            examples: of the training.
-            features: of the corrections' values.
-        """
-        by_command = {e.command: e for e in examples if not e.is_default}
-        last = {e.command: e.number for e in examples}
-        for command, (at, wrong, right) in self._corrected.items():
-            example = by_command.get(command)
-            if example is not None:
-                same = (example.state, example.cycle) == (at.state, at.cycle)
-                number = example.number if same else 0
-                values = self.in_moment(at, features)
-                yield Correction(at.state, values, wrong, right, number, last[command])
+                return after
+        return changes[-1][1] if changes else due.state
 
     def late(
         self,
@@ -383,11 +340,6 @@ class Perceived:
             return late, among
         late = replace(late, changed=float(delays[changed]), corrects=corrects)
         return late, (*among, moments[changed])
-
-    def silent(self, stretch: Stretch, features: Sequence[Use]) -> LateCommand:
-        """Return a silent time, as a command of which is known only that it did not come."""
-        values = np.array([self.in_moment(one, features) for one in stretch.moments])
-        return LateCommand(stretch.state, "", np.array(stretch.waits), values)
 
     def window(self, command: int) -> tuple[float, tuple[Moment, ...]] | None:
         """Return when a command was given, s, and the moments that are kept around it."""

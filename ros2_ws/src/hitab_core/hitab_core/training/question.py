@@ -9,22 +9,16 @@ from enum import StrEnum
 from typing import Any
 
 from hitab_core.advice.evidence import Evidence, answer_kind
-from hitab_core.advice.proposals import Correction
 from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.vocabulary import has
-
-REMOVE, KEEP = "remove", "keep"
 
 
 class QuestionKind(StrEnum):
     """What a question is about."""
 
     CONTRADICTION = "contradiction"
-    MISTAKE = "mistake"
-    SPARSE = "sparse"
-    AMBIGUITY = "ambiguity"
     UNSHOWN = "unshown"
 
 
@@ -84,7 +78,6 @@ class Material:
         classifier: that learns from them.
         labels: of the states, without Start.
         goals: labels of what may be right: the chosen states, or those of the states.
-        corrections: of what the automaton did by itself.
         met: the features' values in a sample of what was met, each with the state of that time.
     """
 
@@ -95,7 +88,6 @@ class Material:
     classifier: str
     labels: tuple[str, ...]
     goals: tuple[str, ...] = ()
-    corrections: tuple[Correction, ...] = ()
     met: tuple[tuple[str, tuple[float, ...]], ...] = ()
 
     def evidence(self, state: str) -> Evidence:

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.proposals import Proposal
-from hitab_core.advice.support import situation_in_words
+from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.advice.unshown import Unshown
 from hitab_core.example import Example
 from hitab_core.wording import numbered, some
-
-REASONS = 2
-"""How many reasons a question gives; the strongest come first."""
 
 SHOWN = 4
 """Of a situation with more values, those are named that the decision depends on."""
@@ -31,25 +27,6 @@ def commanded(group: Sequence[Example]) -> str:
         by_label.setdefault(example.next_state, []).append(example.number)
     said = [f"{label} ({numbered('example', n)})" for label, n in by_label.items()]
     return f"In {group[0].state}, in the same situation, you commanded {_and(said)}: which holds?"
-
-
-def mistaken(proposal: Proposal, examples: Iterable[Example]) -> str:
-    """Return a question about a command that was perhaps a mistake."""
-    them = [e for e in examples if e.number in proposal.examples]
-    first = next((e for e in them if not e.is_default), them[0])
-    what = f"the command {first.next_state} in {first.state}"
-    return (
-        f"Was {what} ({numbered('example', proposal.examples)}) a mistake? "
-        f"{sentences(proposal.evidence[:REASONS])} "
-        f"Perhaps {proposal.instead} was meant ({proposal.score:.0%} likely a mistake)."
-    )
-
-
-def unshown(proposal: Proposal, evidence: Evidence) -> str:
-    """Return a question about a situation in which too little was shown."""
-    assert proposal.place is not None
-    where = situation(evidence, proposal.place)
-    return f"What is right in {proposal.state}{where}? {sentences(proposal.evidence[:REASONS])}"
 
 
 def never_shown(found: Unshown, evidence: Evidence) -> str:
@@ -75,21 +52,6 @@ def answered(state: str, next_state: str) -> str:
     if next_state == state:
         return f"adds an example: stay in {state} there"
     return f"adds an example: go to {next_state} there"
-
-
-def removed(proposal: Proposal) -> str:
-    """Return what deleting a mistake does."""
-    return f"deletes {numbered('example', proposal.examples)}; {proposal.change}"
-
-
-def sentences(texts: Iterable[str]) -> str:
-    """Return texts as sentences.
-
-    Examples:
-        >>> sentences(["it is late", "nobody knows"])
-        'It is late. Nobody knows.'
-    """
-    return " ".join(f"{text[:1].upper()}{text[1:]}." for text in texts if text)
 
 
 def _and(texts: Sequence[str]) -> str:

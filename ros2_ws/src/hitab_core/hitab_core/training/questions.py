@@ -1,10 +1,9 @@
 """What an agent asks its demonstrator about the examples of a training, and what answers do.
 
-There are five kinds of questions. Two commands in the same situation contradict each other; an
-example made the agent do what was then corrected, and was perhaps a mistake; the examples say too
-little where it was corrected; several explanations fit the examples; a situation was met in which
-nothing like it was shown. Each is found again from the examples as they are (`hitab_core.advice`),
-so an answer that changes them ends its question, and undoing the answer asks it again.
+There are two kinds of questions: two commands in the same situation contradict each other; or a
+situation was met, and nothing like it was shown. Each is found again from the examples as they are
+(`hitab_core.advice`), so an answer that changes them ends its question, and undoing the answer
+asks it again.
 """
 
 from __future__ import annotations
@@ -14,10 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from hitab_core.advice.ambiguity import Ambiguity, ambiguities
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.proposals import Proposal, ProposalKind
-from hitab_core.advice.unlearning import propose, suspects
 from hitab_core.advice.unshown import Unshown, unshown
 from hitab_core.arrays import Booleans
 from hitab_core.automaton import FLAGS, START
@@ -26,8 +22,6 @@ from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.training import question_texts
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.question import (
-    KEEP,
-    REMOVE,
     Choice,
     Material,
     Question,
@@ -107,14 +101,14 @@ class Questions:
         examples, news = self._about, self._situations.news
         if self._searched == news:
             return
-        found: list[tuple[tuple[float, ...], Question]] = []
-        for ranked in self._found(self._material(), self._contradicting):
+        found: list[tuple[float, Question]] = []
+        for ranked in self._found(self._material()):
             if ranked is not None:
                 found.append(ranked)
             yield
             if self._about is not examples:
                 return
-        found.sort(key=lambda ranked: ranked[0])
+        found.sort(key=lambda ranked: -ranked[0])
         # What is asked already stays: somebody may be reading it, or about to answer it.
         asked = [q for q in self.known() if q not in self._contradicting]
         others = [question for _, question in found if question not in asked]
@@ -161,39 +155,16 @@ class Questions:
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(
-        self, given: Material, known: Sequence[Question]
-    ) -> Iterator[tuple[tuple[float, ...], Question] | None]:
-        """Yield those that take long to find, besides those that are known, with their rank.
-
-        The least rank is the most useful: what made the robot do the wrong thing, then what was
-        not shown where it did, then what has several explanations. None is yielded in between.
-        """
-        numbers: set[int] = set()
-        contradicted = {number for question in known for number in question.examples}
-        proposals = propose(given.examples, given.scales, given.corrections, given.names)
-        yield None
-        proposals += suspects(given.examples, given.scales, given.names)
-        yield None
-        for proposal in proposals:
-            if contradicted.isdisjoint(proposal.examples):
-                question = self._of_proposal(proposal, given)
-                if question.number not in numbers:
-                    numbers.add(question.number)
-                    sparse = question.kind is QuestionKind.SPARSE
-                    yield (sparse, not proposal.corrections, -proposal.score), question
+    def _found(self, given: Material) -> Iterator[tuple[float, Question] | None]:
+        """Yield those that take long to find, with what their answers tell; None in between."""
         for state in (START, *given.labels):
+            if state in FLAGS:
+                continue
             evidence = given.evidence(state)
-            if len(set(evidence.next_states)) > 1:
-                for ambiguity in ambiguities(evidence, given.met):
-                    rank = (2, not ambiguity.here, -ambiguity.share)
-                    yield rank, self._of_ambiguity(ambiguity)
-                yield None
-            if state not in FLAGS:
-                found = unshown(evidence, *_about(state, given))
-                if found is not None:
-                    yield (0, 0, -found.told), self._of_unshown(found, evidence)
-                yield None
+            found = unshown(evidence, *_about(state, given))
+            if found is not None:
+                yield found.told, self._of_unshown(found, evidence)
+            yield None
 
     def _contradictions(self, examples: Sequence[Example]) -> list[Question]:
         recorded: dict[int, list[int]] = {}
@@ -221,38 +192,12 @@ class Questions:
             )
         return sorted(found, key=lambda question: -max(question.examples))
 
-    def _of_proposal(self, proposal: Proposal, given: Material) -> Question:
-        numbers, state, place = proposal.examples, proposal.state, proposal.place
-        if proposal.kind is ProposalKind.MISTAKE:
-            deletes = {"do": "delete", "numbers": list(numbers)}
-            remove = Choice(REMOVE, question_texts.removed(proposal), deletes)
-            keep = Choice(KEEP, "changes nothing", None)
-            text = question_texts.mistaken(proposal, given.examples)
-            return self._question(
-                QuestionKind.MISTAKE, (numbers,), text, state, (remove, keep), numbers
-            )
-        assert place is not None
-        text = question_texts.unshown(proposal, given.evidence(state))
-        labels = [label for label in (proposal.instead, *given.labels) if label]
-        choices = _commands(state, place, labels)
-        return self._question(
-            QuestionKind.SPARSE, (state, place), text, state, choices, numbers, place
-        )
-
     def _of_unshown(self, found: Unshown, evidence: Evidence) -> Question:
         state, place = found.state, found.situation
         text = question_texts.never_shown(found, evidence)
         choices = _commands(state, place, found.next_states, bisects=found.bisects)
         about = (state, place)
         return self._question(QuestionKind.UNSHOWN, about, text, state, choices, situation=place)
-
-    def _of_ambiguity(self, found: Ambiguity) -> Question:
-        state, place = found.state, found.situation
-        labels = [side.next_state for side in (found.learned, found.other)]
-        choices = _commands(state, place, labels)
-        return self._question(
-            QuestionKind.AMBIGUITY, found.key, found.text, state, choices, situation=place
-        )
 
 
 def _about(

@@ -36,7 +36,6 @@ from hitab_core.training.perceived import Perceived
 from hitab_core.training.question import Material, Question, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
-from hitab_core.training.silence import Stretch
 from hitab_core.training.trial import Trial
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
@@ -228,8 +227,6 @@ class TrainingSession:
                 self._make(edit)
             if record["do"] == "command":
                 self._keep(record)
-                silent = map(Stretch.from_record, record.get("silent", ()))
-                self.perception.silence.keep(list(silent))
             elif "request" in record:
                 self.edits.append(Request.from_record(record))
             if record["do"] == "dismiss":
@@ -270,8 +267,7 @@ class TrainingSession:
             state: the behavior with its targets and numbers, or a flag.
             cycle: of the world, stored with the examples.
             ago: how long before what the demonstrator saw the command was due, s of simulated
-                time, as far as a person knows. The examples are of what happened about then
-                (`hitab_core.training.responses`) and leave the state that was active then.
+                time. The examples are of that moment, and leave the state that was active then.
             seen: the world's cycle that the demonstrator saw; 0: the last one.
             pace: simulated seconds that pass for the demonstrator in a second; 0: the situation
                 has waited. Without ``ago``, how late the command comes is then estimated
@@ -344,7 +340,6 @@ class TrainingSession:
         self._check_state(state)
         label = str(state)
         perception, chosen, running = self.perception, self.curriculum.features, self.running
-        corrects = label if self._taken_over else ""
         who = request.demonstrator if request is not None else ""
         if not 0.0 <= pace <= PACE_MAX:
             raise TrainingError(
@@ -356,11 +351,9 @@ class TrainingSession:
         if pace:
             due = perception.moments.due(self.late.usual(who, pace), seen)
         else:
-            due = perception.due(running, chosen, cycle, ago, seen, corrects)
+            due = perception.due(running, chosen, cycle, ago, seen)
         around = perception.around(due, running.active if self._taken_over else "", label, pace)
         settled: list[Example] = []
-        silent = perception.silence.broken(perception.time, pace)
-        perception.silence.keep(silent)
         if pace:
             scales = list(map(self.context.repertoire.domain.scale_of, chosen))
             due, settled = self.late.settle(
@@ -380,7 +373,6 @@ class TrainingSession:
         record = {"do": "command", "examples": [example_record(e) for e in taught], **around}
         if pace:
             record |= {"settled": [example_record(e) for e in settled], "who": who}
-            record["silent"] = [stretch.to_record() for stretch in silent]
         if request is not None:
             record["request"] = list(request)
         self._write(record)
@@ -454,7 +446,6 @@ class TrainingSession:
             self.curriculum.classifier,
             tuple(self.states),
             tuple(map(str, self.curriculum.states)) or tuple(self.states),
-            tuple(self.perception.corrections(examples, features)),
             tuple((m.state, self.perception.in_moment(m, features)) for m in met),
         )
 

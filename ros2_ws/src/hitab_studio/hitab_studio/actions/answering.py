@@ -28,14 +28,10 @@ async def caution(session: Session, data: Data) -> None:
     """Say what the agent does when it is unsure."""
     values = data["values"]
     try:
-        support, distance = (float(values.get(n) or 0.0) for n in ("support", "distance"))
+        distance = float(values.get("distance") or 0.0)
     except ValueError:
-        raise SwarmError(
-            "Give two numbers: of examples, such as 2, and of usual distances, such as 3."
-        ) from None
+        raise SwarmError("Give a number of usual distances, such as 3.") from None
     when_unsure = str(values["when_unsure"])
-    answer = await session.request(
-        SwarmClient.set_caution, when_unsure, support=support, distance=distance
-    )
+    answer = await session.request(SwarmClient.set_caution, when_unsure, distance=distance)
     session.close_dialog()
     session.tell(answer.message)

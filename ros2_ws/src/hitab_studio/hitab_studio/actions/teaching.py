@@ -12,7 +12,6 @@ from hitab_client import (
     SwarmError,
     demonstrating,
     is_answered,
-    reaction_time,
 )
 from hitab_core import Use, with_numbers
 from hitab_studio.actions.arranging import paused
@@ -82,8 +81,6 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
     # An agent that was restarted meanwhile has to be discovered first.
     seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
     demonstrator = session.demonstrator
-    # What is sent again was considered: it counts for what the person sees now.
-    reaction = 0.0 if sequence else reaction_time.of(demonstrator)
 
     def job(swarm: Connected, agent: str) -> None:
         nonlocal sent
@@ -93,7 +90,6 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
             swarm.world,
             agent,
             behavior,
-            reaction=reaction,
             seen=seen,
             sequence=number,
             seconds=seconds,

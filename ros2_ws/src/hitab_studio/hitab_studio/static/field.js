@@ -2,7 +2,6 @@
 // screen.
 import { MANY, draw } from "./drawing.js";
 import { cancelDrag, listen } from "./pointing.js";
-import { playReactionGame } from "./reaction.js";
 import { Robots } from "./robots.js";
 import { openStream } from "./stream.js";
 
@@ -51,7 +50,6 @@ class Field {
     else if (message.t === "heard") window.studioHeard(message.nth);
     else if (message.t === "replay") this.replay = message.on;
     else if (message.t === "chosen") this.chosen = new Set(message.names);
-    else if (message.t === "reaction-game") playReactionGame(message);
     else if (message.t === "demonstrator") rememberDemonstrator(message.name);
     else this.robots.take(message);
     this.redraw();

@@ -6,7 +6,6 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from hitab_client import SwarmError, reaction_time
 from hitab_core import FLAGS, FeatureKind, Use, shown_unit
 from hitab_studio.actions.library_changes import users_of
 from hitab_studio.graph import Graph, graph
@@ -69,13 +68,8 @@ def context(session: Session) -> dict[str, Any]:
             "when_unsure": WHEN_UNSURE,
             "now_unsure": session.status.when_unsure if session.status is not None else "",
         }
-    if kind == "reaction":
-        found |= {
-            "demonstrator": _demonstrator(session),
-            "seconds": _reaction(session),
-            "longest": reaction_time.LONGEST,
-            "longest_name": LONGEST_NAME,
-        }
+    if kind == "name":
+        found |= {"demonstrator": session.demonstrator, "longest_name": LONGEST_NAME}
     if kind == "distribute":
         found["receivers"] = [agent for agent in session.agents if agent != dialog["agent"]]
     if kind in ("rename-behavior", "delete-behavior"):
@@ -111,19 +105,6 @@ def _graph(session: Session) -> Graph | None:
     if preview is None or preview.automaton is None:
         return None
     return graph(preview.automaton, [*session.watched.behaviors])
-
-
-def _demonstrator(session: Session) -> str:
-    return str(session.dialog.get("demonstrator", session.demonstrator))
-
-
-def _reaction(session: Session) -> str:
-    """Return the reaction time that is kept for the name in the dialog, s; "" if none is."""
-    try:
-        seconds = reaction_time.of(_demonstrator(session))
-    except SwarmError:
-        return ""
-    return f"{seconds:g}" if seconds else ""
 
 
 def _feature(session: Session, text: str, use: Use) -> Feature:

@@ -8,7 +8,6 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Use, with_numbers
 from hitab_studio.graph import graph
-from hitab_studio.learned import is_taken_out
 from hitab_studio.session import Session
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
@@ -36,7 +35,6 @@ def context(session: Session) -> dict[str, Any]:
         "levels": levels,
         "level": shown,
         "behavior": behavior,
-        "taken_out": behavior is not None and is_taken_out(behavior),
         "graph": graph(automaton, automata) if automaton else None,
         "state": state,
         "last": next((e for e in events if _label(e) == shown["label"]), None),

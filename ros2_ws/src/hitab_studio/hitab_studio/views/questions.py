@@ -14,10 +14,7 @@ WHEN_UNSURE = {
 
 TITLES = {
     Question.CONTRADICTION: "Two commands disagree",
-    Question.MISTAKE: "Was an example a mistake?",
-    Question.SPARSE: "Too few examples here",
     Question.UNSHOWN: "Never shown",
-    Question.AMBIGUITY: "Two explanations fit",
 }
 
 

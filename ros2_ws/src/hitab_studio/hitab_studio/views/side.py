@@ -18,9 +18,8 @@ TABS = {
 }
 
 AGO_MEANS = (
-    "Seconds from the situation of the example until the command reached the agent. Even without "
-    "a reaction time this is a little: the field shows the world a cycle or two late, and the "
-    "command counts for what it showed."
+    "Seconds from the situation of the example until the command reached the agent, as the agent "
+    "estimates them from your commands. Type another number to correct it."
 )
 
 IN_REPLAY = ("learned", "record")

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_client import SwarmError, reaction_time
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio.learned import superseding
-from hitab_studio.remedy_words import in_studio, told
+from hitab_studio.remedy_words import in_studio
 from hitab_studio.session import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
@@ -37,7 +36,6 @@ def context(session: Session) -> dict[str, Any]:
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
         "given_up": _given_up(session),
-        "reaction": _reaction(session),
         "cost": training.cost if training else None,
         "questions": training.questions if training else (),
         "remarks": training.remarks if training else (),
@@ -55,17 +53,6 @@ def _given_up(session: Session) -> int:
     if training is None or training.cost is None:
         return 0
     return max(0, training.cost.wasted - sum(not e.is_learned for e in training.examples))
-
-
-def _reaction(session: Session) -> str:
-    """Say for when the person's commands count."""
-    try:
-        seconds = reaction_time.of(session.demonstrator)
-    except SwarmError as error:
-        return told(error)
-    if seconds:
-        return f"Commands count for what the field showed {seconds:g} s before you press the key."
-    return "Commands count for what the field shows when you press the key."
 
 
 def _values(session: Session, example: Example) -> list[tuple[str, str]]:

@@ -4,9 +4,8 @@ import math
 from random import Random
 
 import pytest
+from unlearning import Correction, ProposalKind, propose, suspects
 
-from hitab_core.advice.proposals import Correction, ProposalKind
-from hitab_core.advice.unlearning import propose, suspects
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, contradictions
@@ -169,13 +168,6 @@ def test_of_two_that_contradict_each_other_alone_neither_is_removed():
     pair = shown(((1.0,), "GoSlow"), ((1.0,), "GoFast"))
     assert suspects(pair, [METERS]) == []
     assert contradictions([*pair, *shown(((2.0,), "GoFast"), numbered_from=3)]) == [pair]
-
-
-def test_contradictions_are_between_ordinary_examples_of_one_state_with_all_values_equal():
-    there = shown(((0.0, math.nan), "Stop"), ((-0.0, math.nan), "GoFast"), ((0.0, 1.0), "Pass"))
-    default = Example("GoMedium", (0.0, 1.0), "GoMedium", ExampleKind.DEFAULT, 9)
-    elsewhere = Example("Start", (0.0, 1.0), "GoFast", number=10)
-    assert contradictions([*there, default, elsewhere]) == [there[:2]]
 
 
 def test_the_same_input_gives_the_same_proposals_whatever_the_order_of_examples():

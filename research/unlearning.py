@@ -11,6 +11,8 @@ Each of these counts with the probability that no boundary lies in between, whic
 exponentially with the distance (M. Balog and others, The Mondrian Kernel, UAI 2016). Which
 features matter, and how sharply votes decide, is taken from how well examples predict one another.
 The objective is from K. Sullivan and others, Unlearning from Demonstration, IJCAI 2013.
+
+Not part of the engine, since no simulated person's team was better for it; see unlearning.md.
 """
 
 from __future__ import annotations
@@ -18,20 +20,20 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from itertools import product
 
 import numpy as np
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.proposals import Correction, Proposal, ProposalKind
-from hitab_core.advice.support import situation_in_words
+from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.arrays import Floats
 from hitab_core.default_example import superseding
 from hitab_core.domain import FeatureKind, Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.spread import distances, spreads
+from hitab_core.spread import differences, spreads
 from hitab_core.wording import quantity
 
 LIKELY = 0.3
@@ -70,6 +72,64 @@ SHARPNESS = (1.0, 2.0, 4.0, 8.0, 16.0)
 
 TOUCHING = 0.05
 """Boundary probability between two equal situations, since sensors and hands waver."""
+
+
+class ProposalKind(StrEnum):
+    """Why a robot did the wrong thing, and so what to do about it."""
+
+    MISTAKE = "mistake"  # an example says what the person did not mean: remove it
+    SPARSE = "sparse"  # too little was shown there: add an example
+
+
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """A command against what the automaton did by itself.
+
+    Attributes:
+        state: label of the state in which it decided.
+        features: the values that it saw, in the order of the automaton's features; NaN: missing.
+        wrong: label of the state that it went to, or stayed in.
+        right: label of the state that the person commanded.
+        number: of the example that the command recorded, 0 if it recorded none. The example with
+            this number is not taken for evidence a second time.
+        since: number of the last example then; what has a higher one was shown later. 0: unknown.
+    """
+
+    state: str
+    features: tuple[float, ...]
+    wrong: str
+    right: str
+    number: int = 0
+    since: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """Something that the person can accept or decline.
+
+    Attributes:
+        kind: remove (`MISTAKE`) or add (`SPARSE`).
+        state: label of the state whose transition function is concerned.
+        examples: their numbers, ascending. For a mistake, all to be removed, so the default
+            example of the command as well; for too few examples, the one that decided.
+        instead: the next state that was probably meant.
+        score: probability that it is right, 0 to 1.
+        evidence: sentences that say why, the strongest first.
+        corrections: indices of the corrections that it answers.
+        change: of a mistake, what removing it changes, in a sentence.
+        place: of too few examples, a situation in which one more command tells most: feature
+            values.
+    """
+
+    kind: ProposalKind
+    state: str
+    examples: tuple[int, ...]
+    instead: str
+    score: float
+    evidence: tuple[str, ...]
+    corrections: tuple[int, ...] = ()
+    change: str = ""
+    place: tuple[float, ...] | None = None
 
 
 def propose(
@@ -366,3 +426,29 @@ def _relevance(apart: Floats, one_hot: Floats) -> Floats:
         gains[f] = max(0.0, better - 1.0) / n  # a nat for having chosen it
     weights = gains + 0.1  # what each is taken to predict beforehand
     return np.asarray(weights / weights.sum())
+
+
+def distances(values: Floats, scales: Sequence[Scale], spread: Floats) -> Floats:
+    """Return how far situations are apart from one another in each feature, from 0 to 1.
+
+    A difference d counts d / (d + spread), so that half is a usual difference and 1 an endless
+    one; a feature that compares by equality counts 0 or 1. Where one value is missing the distance
+    is one half, where both are, 0.
+
+    Args:
+        values, scales: see `spreads`.
+        spread: shape (m,), the usual differences.
+
+    Returns:
+        shape (m, n, n).
+    """
+    found = np.zeros((len(scales), len(values), len(values)))
+    for f, scale in enumerate(scales):
+        apart = differences(values[:, f], values[:, f], scale)
+        if scale.kind.is_measured:
+            apart /= apart + spread[f]
+        lacking = np.isnan(values[:, f])
+        apart[lacking[:, None] | lacking] = 0.5
+        apart[lacking[:, None] & lacking] = 0.0
+        found[f] = apart
+    return found
