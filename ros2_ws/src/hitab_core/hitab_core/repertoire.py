@@ -10,7 +10,7 @@ from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.number import numbers_of, without_numbers
-from hitab_core.remedies import Do
+from hitab_core.remedies import Do, Remedy
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
 
