@@ -13,6 +13,8 @@ FLOORS = (
     ("hitab_commander", "hitab_robots", "hitab_studio"),
     ("hitab_bringup",),
     ("foraging_world", "keepaway_world"),
+    ("half_field_world",),
+    ("hitab_rcssserver",),
 )
 
 CORE_FLOORS = (

@@ -4,9 +4,9 @@ import importlib.util
 import json
 from pathlib import Path
 
-import keepaway_world
+import hitab_rcssserver
 
-_path = Path(keepaway_world.__file__).parents[1] / "test" / "rcss_stand_in.py"
+_path = Path(hitab_rcssserver.__file__).parents[1] / "test" / "rcss_stand_in.py"
 _spec = importlib.util.spec_from_file_location("rcss_stand_in", _path)
 stand_in = importlib.util.module_from_spec(_spec)
 _spec.loader.exec_module(stand_in)

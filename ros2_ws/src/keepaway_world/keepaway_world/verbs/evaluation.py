@@ -44,7 +44,6 @@ if TYPE_CHECKING:
 PACES = ("lockstep", "inprocess")
 TRAINED = "trained"
 KEEPAWAY, RCSSSERVER = WORLDS = ("keepaway", "rcssserver")
-PATIENCE_SECONDS = 30.0  # for a server to start to play
 
 
 @dataclass(frozen=True)
@@ -200,18 +199,8 @@ def trained_game(
     Raises:
         HitabError: if there is no such game.
     """
-    from keepaway_world.rcss.rcss_world import RcssWorld
-    from keepaway_world.rcss.server_settings import settings_from_dict
-
     described = WorldDescription(world, world_module(world), seed=seed, parameters=parameters)
-    with contextlib.ExitStack() as leaving:
-        made: World
-        if world == RCSSSERVER:  # which may take a while to begin
-            server, figures = settings_from_dict(parameters)
-            made = RcssWorld(server, figures, seed, patience=PATIENCE_SECONDS)
-            leaving.callback(made.close)
-        else:
-            made = leaving.enter_context(world_of(described))
+    with world_of(described) as made:
         yield made, players_of(made, dict.fromkeys(made.agents, trained))
 
 
