@@ -16,3 +16,9 @@ from .swarm_file import parse_swarm as parse_swarm
 from .swarm_file import read_swarm as read_swarm
 from .swarm_file import world_module as world_module
 from .verbs.connection import connection as connection
+from .verbs.driving import FirstAgent as FirstAgent
+from .verbs.driving import carry_out as carry_out
+from .verbs.driving import demonstrator_of as demonstrator_of
+from .verbs.library_options import Library as Library
+from .verbs.library_options import opened as opened
+from .verbs.library_options import write_new as write_new

@@ -25,7 +25,6 @@ from hitab_bringup.verbs import (
     emergency,
     evaluate,
     examples,
-    exporting,
     hierarchy,
     lesson,
     library,
@@ -92,7 +91,6 @@ PANELS: dict[str, tuple[Callable[..., None], ...]] = {
     "Train": (
         commanding.demonstrate,
         driving.drive,
-        driving.joystick,
         training.train,
         training.start_testing,
         training.undo,
@@ -108,7 +106,6 @@ PANELS: dict[str, tuple[Callable[..., None], ...]] = {
         commanding.vocabulary,
         perceiving.perceive,
         evaluate.evaluate,
-        exporting.export,
         emergency.stop,
         emergency.go,
         emergency.arm,

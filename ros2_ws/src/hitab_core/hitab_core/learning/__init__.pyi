@@ -1,3 +1,4 @@
+from . import compiled_tree as compiled_tree
 from . import tree_text as tree_text
 from .classifier_spec import ClassifierSpec as ClassifierSpec
 from .transition_learning import TREE as TREE

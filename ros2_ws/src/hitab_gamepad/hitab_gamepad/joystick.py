@@ -8,12 +8,11 @@ from dataclasses import dataclass
 
 from sensor_msgs.msg import Joy
 
-from hitab_client.demonstrating.demonstrator import Demonstrator
-from hitab_client.demonstrating.joystick_mapping import Mapping
-from hitab_client.demonstrating.pressed import Pressed
-from hitab_client.demonstrating.stick import Stick
-from hitab_client.ros_link import RosLink
+from hitab_client import RosLink
+from hitab_client.demonstrating import Demonstrator, Pressed
 from hitab_core import Number, Use, quantity, with_numbers
+from hitab_gamepad.joystick_mapping import Mapping
+from hitab_gamepad.stick import Stick
 from hitab_ros import qos, steady_timer
 from hitab_ros.stamps import seconds_of
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_client.demonstrating.joystick_mapping import read_mapping
-from hitab_client.demonstrating.stick import BOUNCE_S, Stick, Taken
+from hitab_gamepad.joystick_mapping import read_mapping
+from hitab_gamepad.stick import BOUNCE_S, Stick, Taken
 
 MAPPING = read_mapping("xbox")
 A, LB, RB = 0, 4, 5

@@ -6,16 +6,12 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from hitab_core.errors import VocabularyError
-from hitab_core.exporting.behavior_tree import as_behavior_tree
-from hitab_core.exporting.cpp import as_cpp
-from hitab_core.exporting.hierarchy_form import Hierarchy, hierarchy_of
-from hitab_core.exporting.python import as_python
-from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.bundle import bundle_digest
-from hitab_core.library.provenance import tool_name
-from hitab_core.use import Use
-from hitab_core.vocabulary import unknown
+from hitab_core import BehaviorLibrary, Use, VocabularyError, unknown
+from hitab_core.library import bundle_digest, tool_name
+from hitab_export.behavior_tree import as_behavior_tree
+from hitab_export.cpp import as_cpp
+from hitab_export.hierarchy_form import Hierarchy, hierarchy_of
+from hitab_export.python import as_python
 
 
 class Language(NamedTuple):

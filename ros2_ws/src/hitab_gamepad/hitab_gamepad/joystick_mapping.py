@@ -10,8 +10,8 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
-from hitab_client.demonstrating.pressed import ACTIONS
-from hitab_client.errors import DescriptionError
+from hitab_client import DescriptionError
+from hitab_client.demonstrating import ACTIONS
 from hitab_core import Number, Use, VocabularyError, has
 from hitab_core.library import kind_of
 from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, Record, among, open_record

@@ -10,9 +10,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hitab_client.demonstrating.joystick_mapping import WAYS, Mapping
-from hitab_client.demonstrating.steering import STILL, Velocity
+from hitab_client.demonstrating import STILL, Velocity
 from hitab_core import quantity
+from hitab_gamepad.joystick_mapping import WAYS, Mapping
 
 BOUNCE_S = 0.05
 """Nobody presses a button twice within this time, s; contacts do."""

@@ -6,8 +6,8 @@ import ast
 import keyword
 from importlib.resources import files
 
-from hitab_core.exporting.hierarchy_form import Hierarchy, Leaf, NumbersForm, StateForm, Test
-from hitab_core.exporting.names import identifiers
+from hitab_export.hierarchy_form import Hierarchy, Leaf, NumbersForm, StateForm, Test
+from hitab_export.names import identifiers
 
 USE = """\
     import random, time

@@ -15,7 +15,7 @@ from hitab_core import (
     Number,
     VocabularyError,
 )
-from hitab_core.exporting import exported
+from hitab_export import exported
 
 NAMES = ("Wind", "Depth", "Sea")
 

@@ -9,18 +9,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NoReturn
 
-from hitab_core.action_behavior import ActionBehavior
-from hitab_core.automaton import FLAGS, OWN_FEATURES, START, Automaton
-from hitab_core.errors import VocabularyError
-from hitab_core.hierarchy import in_order
+from hitab_core import (
+    FLAGS,
+    OWN_FEATURES,
+    START,
+    ActionBehavior,
+    Automaton,
+    HandWritten,
+    Number,
+    Repertoire,
+    TransitionFunction,
+    TransitionTree,
+    Use,
+    VocabularyError,
+    in_order,
+)
 from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_choice
-from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.number import Number
 from hitab_core.regression import Neighbors, Table
-from hitab_core.repertoire import Repertoire
-from hitab_core.running.senses import checks_of
-from hitab_core.transition_function import HandWritten, TransitionFunction
-from hitab_core.use import Use
+from hitab_core.running import checks_of
 
 OWN = tuple(map(str, OWN_FEATURES))
 """The features that each automaton has of its own, which come before those of the robot."""

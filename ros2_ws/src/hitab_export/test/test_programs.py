@@ -29,8 +29,8 @@ from hitab_core import (
     Use,
     VocabularyError,
 )
-from hitab_core.exporting import LANGUAGES, exported
 from hitab_core.learning import learn_transitions
+from hitab_export import LANGUAGES, exported
 
 FEATURES = ("Near", "Role", "Angle")
 NEIGHBORS = "sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)"

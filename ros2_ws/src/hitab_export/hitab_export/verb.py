@@ -7,10 +7,15 @@ from typing import Annotated
 
 import typer
 
-from hitab_bringup.verbs.library_options import Library, opened, write_new
+from hitab_bringup import Library, opened, write_new
 from hitab_client import console
 from hitab_client.command_options import SwarmName
 from hitab_core import LibraryError, Use
+
+
+def register(app: typer.Typer) -> None:
+    """Add `hitab export`."""
+    app.command(rich_help_panel="Perform")(export)
 
 
 def export(
@@ -34,7 +39,7 @@ def export(
       hitab export keeper_1 Keepaway --to python
       hitab export "Carry(squad_box)" --library foraging --to cpp -o carry.hpp
     """
-    from hitab_core.exporting import LANGUAGES, exported
+    from hitab_export import LANGUAGES, exported
 
     if len(behavior) > 2 or (library is not None and len(behavior) > 1):
         raise LibraryError(

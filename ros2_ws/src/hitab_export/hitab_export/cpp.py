@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import math
 
-from hitab_core.exporting.hierarchy_form import Hierarchy, Leaf
-from hitab_core.exporting.names import identifiers
+from hitab_export.hierarchy_form import Hierarchy, Leaf
+from hitab_export.names import identifiers
 
 _KEYWORDS = """
 alignas alignof and asm auto bitand bitor bool break case catch char class compl concept const

@@ -10,16 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 
-from hitab_core.automaton import FLAGS, START
-from hitab_core.exporting.hierarchy_form import (
+from hitab_core import FLAGS, START
+from hitab_core.learning.compiled_tree import LARGEST_DRAW
+from hitab_export.hierarchy_form import (
     OWN,
     AutomatonForm,
     Hierarchy,
     StateForm,
     Test,
 )
-from hitab_core.exporting.names import identifiers
-from hitab_core.learning.compiled_tree import LARGEST_DRAW
+from hitab_export.names import identifiers
 
 BUILT_IN = """
 Action AlwaysFailure AlwaysSuccess AsyncFallback AsyncSequence BehaviorTree Condition Control

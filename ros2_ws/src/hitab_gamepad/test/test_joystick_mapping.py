@@ -5,13 +5,13 @@ from pathlib import Path
 import pytest
 
 from hitab_client import DescriptionError
-from hitab_client.demonstrating.joystick_mapping import (
+from hitab_client.demonstrating.pressed import ACTIONS
+from hitab_gamepad.joystick_mapping import (
     Button,
     parse_mapping,
     read_mapping,
     shipped_mappings,
 )
-from hitab_client.demonstrating.pressed import ACTIONS
 
 RIGHT = """
 buttons: {A: 0, B: 1, C: 2, Up: {axis: 3, above: 0.5}}
