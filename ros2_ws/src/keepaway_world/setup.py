@@ -28,7 +28,7 @@ setup(
         (f"share/{NAME}", ["LICENSE", "package.xml"]),
         *[entry for folder in DATA for entry in shipped(folder)],
     ],
-    install_requires=["setuptools", "lazy_loader", "matplotlib", "pymunk", "rich", "typer"],
+    install_requires=["setuptools", "lazy_loader", "pymunk"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={
@@ -39,7 +39,6 @@ setup(
             "keepaway_continuous = keepaway_world.continuous:DOMAIN",
             "keepaway_handcoded = keepaway_world.hand_coded_team:DOMAIN",
         ],
-        "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],
-        "hitab.verbs": ["keepaway = keepaway_world.verbs.commands"],
+        "hitab.demos": ["keepaway = keepaway_world.demo:DEMO"],
     },
 )

@@ -2,8 +2,7 @@
 
 Every verb uses only the public topics and services, so any other ROS 2 tool can do the same. Verbs
 are declared in `hitab_bringup.verbs`; other packages add verbs under the entry-point group
-``hitab.verbs`` (a module with ``register(app)``), and groups of verbs under ``hitab.commands`` (a
-typer app).
+``hitab.verbs`` (a module with ``register(app)``).
 """
 
 from __future__ import annotations
@@ -25,6 +24,7 @@ from hitab_bringup.verbs import (
     emergency,
     evaluate,
     examples,
+    film,
     hierarchy,
     lesson,
     library,
@@ -45,7 +45,6 @@ from hitab_client.ros_environment import refuse_problems
 from hitab_core import HitabError, installed_version
 
 VERBS = "hitab.verbs"
-COMMANDS = "hitab.commands"
 
 
 class HitabGroup(HelpfulGroup):
@@ -87,6 +86,7 @@ class HitabGroup(HelpfulGroup):
 
 
 PANELS: dict[str, tuple[Callable[..., None], ...]] = {
+    "Begin here": (film.demo, new.new),
     "Swarm": (swarm.up, swarm.down, status.status, logs.logs, recording.record, doctor.doctor),
     "Train": (
         commanding.demonstrate,
@@ -106,12 +106,12 @@ PANELS: dict[str, tuple[Callable[..., None], ...]] = {
         commanding.vocabulary,
         perceiving.perceive,
         evaluate.evaluate,
+        film.film,
         emergency.stop,
         emergency.go,
         emergency.arm,
     ),
     "Command": (hierarchy.tree, hierarchy.order),
-    "Domains": (new.new,),
 }
 """The verbs, by panel of the help: those without one would come before "Begin here"."""
 
@@ -156,8 +156,6 @@ def make_app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(help=HELP)(_hitab)
-    for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
-        point.load().register(app)
     for panel, verbs in PANELS.items():
         for verb in verbs:
             name = "test" if verb is training.start_testing else None
@@ -167,8 +165,8 @@ def make_app() -> typer.Typer:
     app.command("begin", hidden=True)(training.train)
     for panel, name, group in GROUPS:
         app.add_typer(group, name=name, rich_help_panel=panel)
-    for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
-        app.add_typer(point.load(), name=point.name, cls=HelpfulGroup, rich_help_panel="Domains")
+    for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
+        point.load().register(app)
     make_helpful(app)
     return app
 

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 
-from hitab_bringup import RunningSwarm
+from hitab_bringup.bringing_up import RunningSwarm
 from hitab_client import SwarmError, console
 
 START_SECONDS = 20.0
@@ -39,11 +39,11 @@ def studio_beside(running: RunningSwarm, port: int, *, browser: bool) -> Iterato
 
 
 def play_on(running: RunningSwarm) -> None:
-    """Let the trained keepers play in real time until Ctrl-C."""
+    """Let the trained agents play in real time until Ctrl-C."""
     running.world.control("pace", pace="realtime", factor=1.0)
     running.world.control("reset")
     running.world.control("resume")
-    console.say("\nThe keepers keep playing; watch them in the studio. Ctrl-C ends it.")
+    console.say("\nThe agents keep playing; watch them in the studio. Ctrl-C ends it.")
     with contextlib.suppress(KeyboardInterrupt):
         while True:
             running.link.spin(0.5)

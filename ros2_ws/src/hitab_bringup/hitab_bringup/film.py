@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hitab_bringup.field_picture import BALL, draw_moment, shape_of
 from hitab_bringup.plots import check_folder, figure
 from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
-from keepaway_world.verbs.field_picture import draw_moment
 
 if TYPE_CHECKING:
     from hitab_client import Thing
     from hitab_client.console import Advance
     from hitab_world import World
-    from hitab_world.inprocess import Player
+    from hitab_world.evaluation import Game
 
 SUFFIXES = (".gif", ".png", ".webp")
 INCHES = 3.6  # width of the drawing; text and lines are as large in it
@@ -30,21 +30,21 @@ class Filmed:
     """A part of an episode.
 
     Attributes:
+        world: that was filmed.
         moments: everything in the world, cycle by cycle.
         begin: s, when the first one was.
-        cycle_seconds: s, between two.
         ended: why the episode ended within it; "" if it went on.
     """
 
+    world: World
     moments: Sequence[Sequence[Thing]]
     begin: float
-    cycle_seconds: float
     ended: str
 
     @property
     def seconds(self) -> float:
         """How long it takes, s."""
-        return len(self.moments) * self.cycle_seconds
+        return len(self.moments) * self.world.cycle_seconds
 
 
 def check_film(path: Path) -> None:
@@ -58,14 +58,11 @@ def check_film(path: Path) -> None:
     check_folder(path, "filmed")
 
 
-def film(
-    world: World, players: Mapping[str, Player], episode: int, begin: float, seconds: float
-) -> Filmed:
+def film(game: Game, episode: int, begin: float, seconds: float) -> Filmed:
     """Play an episode and keep a part of it.
 
     Args:
-        world: is reset.
-        players: by agent.
+        game: whose world is reset.
         episode: its number in the run.
         begin: s, when the part begins.
         seconds: how long it takes; less if the episode ends before.
@@ -75,11 +72,14 @@ def film(
     """
     from hitab_world.inprocess import play
 
+    world, players, confer = game
     moments: list[Sequence[Any]] = []
     first = round(begin / world.cycle_seconds)
     last = first + round(seconds / world.cycle_seconds)
 
     def look() -> None:
+        if confer is not None:
+            confer()
         if world.episode_cycle >= first:
             moments.append(world.entities())
 
@@ -89,13 +89,11 @@ def film(
             f"episode {episode} ended after {result.seconds:.1f} s; begin the film before that, "
             "or choose another episode"
         )
-    return Filmed(moments, first * world.cycle_seconds, world.cycle_seconds, result.ended)
+    return Filmed(world, moments, first * world.cycle_seconds, result.ended)
 
 
 def draw_film(
     filmed: Filmed,
-    width: float,
-    height: float,
     path: Path,
     advance: Advance,
     *,
@@ -106,7 +104,6 @@ def draw_film(
 
     Args:
         filmed: what happened.
-        width, height: of the field, m, which is centered on the origin.
         path: of the film; the suffix selects the format.
         advance: called with the number of pictures drawn.
         pixels: width of the pictures.
@@ -118,10 +115,12 @@ def draw_film(
     from matplotlib.animation import PillowWriter
 
     check_film(path)
+    (width, height), looks = filmed.world.size, filmed.world.looks
+    cycle_seconds = filmed.world.cycle_seconds
     drawing, axes = figure(INCHES, INCHES * height / width + TITLE)
     drawing.set_layout_engine("none")  # the same in all pictures
     axes.set_position((0.0, 0.0, 1.0, 1.0 - TITLE / drawing.get_figheight()))
-    rate: Any = speed / filmed.cycle_seconds  # need not be whole
+    rate: Any = speed / cycle_seconds  # need not be whole
     writer = PillowWriter(fps=rate)
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -131,10 +130,11 @@ def draw_film(
             for number, moment in enumerate(filmed.moments):
                 advance(number, len(filmed.moments), "drawing pictures")
                 axes.clear()
-                paths = {"ball": filmed.moments[max(0, number - TRAIL) : number + 1]}
-                draw_moment(axes, moment, width, height, paths)
+                recent = filmed.moments[max(0, number - TRAIL) : number + 1]
+                paths = {t.name: recent for t in moment if shape_of(t, looks) == BALL}
+                draw_moment(axes, moment, width, height, looks, paths)
                 axes.set_axis_off()
-                at = filmed.begin + number * filmed.cycle_seconds
+                at = filmed.begin + number * cycle_seconds
                 axes.set_title(f" {at:.1f} s", fontsize=9, loc="left", y=1.0)
                 writer.grab_frame(facecolor="white")
             writer.finish()
