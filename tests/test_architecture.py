@@ -12,7 +12,7 @@ FLOORS = (
     ("hitab_agent", "hitab_client", "hitab_world"),
     ("hitab_commander", "hitab_robots", "hitab_studio"),
     ("hitab_bringup",),
-    ("foraging_world", "hitab_export", "hitab_gamepad", "keepaway_world"),
+    ("foraging_world", "hitab_class", "hitab_export", "hitab_gamepad", "keepaway_world"),
     ("half_field_world",),
     ("hitab_rcssserver",),
 )

@@ -3,10 +3,14 @@ from .bringing_up import RunningSwarm as RunningSwarm
 from .bringing_up import temporary_swarm as temporary_swarm
 from .evaluating import Part as Part
 from .evaluating import figures_in as figures_in
+from .evaluating import games_of as games_of
 from .evaluating import part_of as part_of
 from .evaluating import players_of as players_of
 from .evaluating import world_of as world_of
+from .expecting import in_words as in_words
+from .expecting import value_of as value_of
 from .libraries import copy_library as copy_library
+from .library_choice import holds_behaviors as holds_behaviors
 from .library_choice import named_library as named_library
 from .opened_library import open_library as open_library
 from .swarm_description import AgentDescription as AgentDescription

@@ -22,17 +22,21 @@ requires:
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import Field
 
-from hitab_bringup.evaluating import games_of, part_of
-from hitab_bringup.expecting import in_words, value_of
-from hitab_bringup.library_choice import holds_behaviors
-from hitab_bringup.opened_library import open_library
-from hitab_bringup.swarm_file import read_swarm
+from hitab_bringup import (
+    games_of,
+    holds_behaviors,
+    in_words,
+    open_library,
+    part_of,
+    read_swarm,
+    value_of,
+)
 from hitab_client import LessonError, WorldView
 from hitab_client.commands import called
 from hitab_client.lessons import Condition
@@ -260,9 +264,3 @@ def read_exercise(path: Path) -> Exercise:
     """
     document = read_yaml(read_text(path, error=LessonError), str(path), error=LessonError)
     return open_record(Exercise, document, FORMAT)
-
-
-def is_exercise(path: Path) -> bool:
-    """Return whether a file is an exercise rather than a lesson."""
-    lines: Sequence[str] = read_text(path, error=LessonError).splitlines()
-    return any(line.startswith("exercise:") for line in lines)
