@@ -1,9 +1,9 @@
-"""Builds the distribution `hitab`: all Python packages of ros2_ws/src in one wheel, without ROS.
+"""Builds the distribution `hitab`: the main packages of ros2_ws/src in one wheel, without ROS.
 
 What a package consists of, its commands and its data are said once, in its own ``setup.py``, which
 colcon reads too. Its share folder is installed below the environment's prefix, as colcon does.
-The messages are a distribution of their own, `hitab-msgs`, since they are compiled
-(``scripts/wheels``).
+The messages are a distribution of their own, `hitab-msgs`, since they are compiled, and so is each
+optional package (``scripts/wheels``).
 """
 
 from __future__ import annotations
@@ -16,7 +16,10 @@ from typing import Any
 from setuptools import setup
 
 ROOT = Path(__file__).resolve().parent
-SOURCES = sorted(path.parent for path in ROOT.glob("ros2_ws/src/*/setup.py"))
+OPTIONAL = (ROOT / "requirements/optional.txt").read_text().split()
+SOURCES = sorted(
+    path.parent for path in ROOT.glob("ros2_ws/src/*/setup.py") if path.parent.name not in OPTIONAL
+)
 
 
 def of_package(folder: Path) -> Any:

@@ -28,6 +28,9 @@ from finished_runs import FinishedRuns, Resume
 from half_field_attackers import RULE_BASED, RandomAttacker
 from half_field_rules import DEFAULT, SWAPS, Numbers, rules
 
+from half_field_world.domain import DOMAIN
+from half_field_world.game import half_field
+from half_field_world.parameters import HalfFieldParameters
 from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
@@ -37,9 +40,6 @@ from hitab_core.learning import relearned
 from hitab_core.training.exchange import exchanged
 from hitab_world import EpisodeResult, World
 from hitab_world.inprocess import AutomatonPlayer, perform, play
-from keepaway_world.half_field.domain import DOMAIN
-from keepaway_world.half_field.game import half_field
-from keepaway_world.half_field.parameters import HalfFieldParameters
 
 app = typer.Typer(add_completion=False, help=__doc__)
 ROLES = ("Playmaker", "Winger", "Striker")

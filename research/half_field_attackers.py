@@ -8,9 +8,9 @@ from __future__ import annotations
 from random import Random
 from typing import Any
 
+from half_field_world.body import AttackerBody
+from half_field_world.domain import DOMAIN
 from hitab_core import START, Automaton, HandWritten, Use, agent_seed
-from keepaway_world.half_field.body import AttackerBody
-from keepaway_world.half_field.domain import DOMAIN
 
 FEATURES = (
     "BallIsKickable",

@@ -23,12 +23,12 @@ from finished_runs import FinishedRuns, Resume
 from half_field import BLOCK, Team, play_with, tell_teams, try_numbers
 from rcss_programs import PATIENCE_SECONDS, given, join, options, start
 
+from half_field_world import domain
+from half_field_world.game import rules_of
+from half_field_world.parameters import HalfFieldParameters
+from hitab_rcssserver.rcss_world import RcssWorld
+from hitab_rcssserver.server_settings import ServerSettings
 from hitab_world import EpisodeResult
-from keepaway_world.half_field import domain
-from keepaway_world.half_field.game import rules_of
-from keepaway_world.half_field.parameters import HalfFieldParameters
-from keepaway_world.rcss.rcss_world import RcssWorld
-from keepaway_world.rcss.server_settings import ServerSettings
 
 app = typer.Typer(add_completion=False, help=__doc__)
 HELIOS = "HELIOS_base"

@@ -20,9 +20,9 @@ from typing import Any
 import typer
 from report import tell
 
+from hitab_rcssserver import sentences
+from hitab_rcssserver.rcss_world import RcssWorld
 from hitab_world.evaluation import mean_and_error
-from keepaway_world.rcss import sentences
-from keepaway_world.rcss.rcss_world import RcssWorld
 
 GARBLED = re.compile(r'\tRecv \S+ \(say "[^"]*\(say "')
 """What the server logs of a player whose command was overwritten by what it says."""

@@ -32,9 +32,9 @@ from hitab_bringup.evaluating import Part
 from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
 from hitab_core import Use
+from hitab_rcssserver.rcss_world import RcssWorld
+from hitab_rcssserver.server_settings import settings_from_dict
 from hitab_world.inprocess import play
-from keepaway_world.rcss.rcss_world import RcssWorld
-from keepaway_world.rcss.server_settings import settings_from_dict
 
 NOISY, FULL = SIGHTS = ("noisy", "full")
 VISIBLE_ANGLE = {  # degrees

@@ -7,10 +7,12 @@ then teaches both pupils the same examples.
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from itertools import pairwise
+from pathlib import Path
 
 from hitab_msgs.msg import TransitionEvent
 from hitab_msgs.srv import ReadFeatures
@@ -25,7 +27,10 @@ from hitab_core.training import Question
 from hitab_core.training.question import Choice, QuestionKind
 from hitab_ros import names, qos
 from hitab_world import Placement
-from keepaway_world.verbs.evaluation import trained_keepers
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
+
+from keepers import trained_keepers
 
 PUPIL, MATES = "keeper_1", ("keeper_2", "keeper_3")
 CYCLE_SECONDS = 0.1

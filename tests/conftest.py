@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 import warm_hitab
 from browsing import Person, browser, studio
+from keepers import trained_keepers
 from robot_desk import Desk, desk_with
 
 from hitab_bringup import supervision
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import SwarmError, domain_ids
 from hitab_client.run_folder import libraries_of, running_swarms
-from keepaway_world.verbs.evaluation import trained_keepers
 
 PARAMETERS = {"taker_speed": 0.25}
 SECONDS = 60.0

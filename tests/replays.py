@@ -9,8 +9,8 @@ from random import Random
 from typing import Any
 
 from hitab_core import Automaton, Domain, Repertoire, Target, Use
-from hitab_core.exporting.hierarchy_form import OWN, Hierarchy, Test
 from hitab_core.running import Change, RunContext, RunningAutomaton, Senses
+from hitab_export.hierarchy_form import OWN, Hierarchy, Test
 
 Percept = Mapping[str, float]
 Step = tuple[Percept, float, bool]

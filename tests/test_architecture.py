@@ -12,7 +12,9 @@ FLOORS = (
     ("hitab_agent", "hitab_client", "hitab_world"),
     ("hitab_commander", "hitab_robots", "hitab_studio"),
     ("hitab_bringup",),
-    ("foraging_world", "keepaway_world"),
+    ("foraging_world", "hitab_class", "hitab_export", "hitab_gamepad", "keepaway_world"),
+    ("half_field_world",),
+    ("hitab_rcssserver",),
 )
 
 CORE_FLOORS = (
@@ -27,11 +29,13 @@ CORE_FLOORS = (
     ("advice",),
     ("running",),
     ("drawing", "library"),
-    ("exporting", "training"),
+    ("training",),
     ("caution", "saving"),
     ("agent",),
     ("commanding", "learning_agent", "plain", "showing"),
 )
+
+OPTIONAL = (SOURCES.parents[1] / "requirements/optional.txt").read_text().split()
 
 PACKAGES = [name for floor in FLOORS for name in floor]
 
@@ -88,6 +92,14 @@ def test_packages_import_only_from_lower_floors():
         wrong += [(package, packages_used(package) - below) for package in floor]
         below |= set(floor)
     assert [(package, used) for package, used in wrong if used] == []
+
+
+def test_optional_packages_are_known_to_nobody_but_one_another():
+    assert set(OPTIONAL) < set(PACKAGES)
+    used = {name: packages_used(name) & set(OPTIONAL) for name in set(PACKAGES) - set(OPTIONAL)}
+    assert {name: found for name, found in used.items() if found} == {}
+    extras = (SOURCES.parents[1] / "pyproject.toml").read_text()
+    assert [name for name in OPTIONAL if f'"{name.replace("_", "-")}==' not in extras] == []
 
 
 def test_the_studio_talks_to_a_swarm_through_the_client_alone():

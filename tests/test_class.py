@@ -7,7 +7,7 @@ import shlex
 import pytest
 from pages import Reader, steps_of
 
-from hitab_bringup.exercises import read_exercise
+from hitab_class.exercises import read_exercise
 from hitab_client import LessonError
 from hitab_client.shipped import shipped_folders, shipped_names
 
@@ -31,7 +31,7 @@ def student(apart, monkeypatch):
 
 def failed(student) -> dict[str, list[str]]:
     """Return what each exercise misses."""
-    student("hitab lesson check --json grades.json", 1)
+    student("hitab grade --json grades.json", 1)
     (grades,) = [json.loads(student("cat grades.json"))]
     return {name: [one["missing"] for one in found] for name, found in grades.items()}
 
@@ -41,10 +41,10 @@ def test_who_has_done_nothing_is_told_what_to_do(student):
     assert set(missing) == EXERCISES == set(shipped_names("exercises"))
     for texts in missing.values():
         assert all("was not up yet" in text and "start it" in text for text in texts)
-    graded = student("hitab lesson check chase -l keepaway", 1)
+    graded = student("hitab grade chase -l keepaway", 1)
     assert 'keeper_1 has saved no "Chase"' in graded
     assert "train and save it" in graded
-    approach = student("hitab lesson check approach -l keepaway")
+    approach = student("hitab grade approach -l keepaway")
     assert "FAIL" not in approach
     assert "approach: 5 of 5 requirements" in approach
 
@@ -58,11 +58,11 @@ def test_the_steps_of_the_page_solve_the_exercises(student):
     first = next(i for i, step in enumerate(steps) if step.startswith("hitab lesson run"))
     for step in steps[:first]:
         student(step)
-    assert "chase: 4 of 4" in student("hitab lesson check chase")
-    assert "it has 0 corrections" in student("hitab lesson check correction", 1)
+    assert "chase: 4 of 4" in student("hitab grade chase")
+    assert "it has 0 corrections" in student("hitab grade correction", 1)
     for step in steps[first:]:
         student(step)
-    graded = student("hitab lesson check chase approach correction team")
+    graded = student("hitab grade chase approach correction team")
     assert "FAIL" not in graded
 
     # What breaks what is expected is reported by everything that learns it again.
@@ -82,7 +82,7 @@ def test_the_steps_of_the_page_solve_the_exercises(student):
 
     for step in last:
         student(step)
-    assert "squad: 4 of 4" in student("hitab lesson check squad")
+    assert "squad: 4 of 4" in student("hitab grade squad")
 
 
 def test_the_page_on_commanders_solves_the_last_exercise(student):
@@ -90,7 +90,7 @@ def test_the_page_on_commanders_solves_the_last_exercise(student):
     for step in steps[: steps.index("hitab order captain Coach")]:
         student(step)
     student("hitab down")
-    assert "order: 3 of 3" in student("hitab lesson check order")
+    assert "order: 3 of 3" in student("hitab grade order")
 
 
 @pytest.mark.parametrize("folder", shipped_folders("exercises"))

@@ -7,35 +7,27 @@ import sys
 from dataclasses import replace
 
 import pytest
+from keepers import played, trained_keepers
 
+from hitab_bringup import temporary_swarm
 from hitab_client.shipped import shipped
 from hitab_core import BehaviorLibrary, load_domain
 from hitab_core.learning.transition_learning import relearned
 
-FIGURES = {"episodes", "hold_time_s", "passes", "ended", "cycles", "wall_s", "cycles_per_s"}
+SLOW = {"taker_speed": 0.25}
 
 
-def test_three_processes_in_lockstep_play_what_one_plays(hitab, tmp_path):
-    def evaluate(*options: str) -> dict:
-        path = tmp_path / "figures.json"
-        command = ("keepaway", "evaluate", "--json", str(path), "--episodes", "4", *options)
-        done = hitab(*command, timeout=100)
-        assert done.returncode == 0, done.stderr
-        assert "hold time" in done.stdout
-        return json.loads(path.read_text())
-
-    lockstep = evaluate("--seed", "3")
-    assert lockstep.keys() >= FIGURES
-    assert lockstep["ended"]["out"] + lockstep["ended"]["taken"] == lockstep["episodes"] == 4
-    assert lockstep["missed_deadlines"] == 0
-    plot = tmp_path / "lengths.png"
-    inprocess = evaluate("--seed", "3", "--pace", "inprocess", "--plot", str(plot))
-    for key in ("seconds_of_episodes", "passes", "ended", "cycles", "library_digest"):
-        assert inprocess[key] == lockstep[key]
-    assert plot.stat().st_size > 1000
-    other = evaluate("--seed", "6", "--pace", "inprocess", "--library", "keepaway")
-    assert other["library_digest"] == lockstep["library_digest"], "a shipped library has a name"
-    assert other["seconds_of_episodes"] != inprocess["seconds_of_episodes"]
+def test_three_processes_in_lockstep_play_what_one_plays(home):
+    swarm = trained_keepers(shipped("libraries", "keepaway"), "Keepaway", SLOW, seed=3)
+    with temporary_swarm(swarm) as running:
+        lockstep = running.world.play(4, 3)
+        assert running.world.wait().missed_deadlines == 0
+    inprocess = played(swarm, 4)
+    assert [one.seconds for one in inprocess] == [one.seconds for one in lockstep]
+    assert [one.measures["passes"] for one in inprocess] == [one.measures[0] for one in lockstep]
+    assert [one.ended for one in inprocess] == [one.ended for one in lockstep]
+    other = played(swarm.with_world(seed=6), 4)
+    assert [one.seconds for one in other] != [one.seconds for one in inprocess]
 
 
 def evaluated(hitab, *arguments: str) -> dict:
@@ -44,11 +36,8 @@ def evaluated(hitab, *arguments: str) -> dict:
     return json.loads(done.stdout)
 
 
-def test_any_world_is_evaluated_without_ros_and_as_its_own_verb_does(hitab):
-    done = hitab("keepaway", "evaluate", "-n", "3", "--pace", "inprocess", "--json", "-")
-    seconds = json.loads(done.stdout)["seconds_of_episodes"]
+def test_any_world_is_evaluated_without_ros(hitab):
     figures = evaluated(hitab, "keepaway_trained", "-n", "3", "--seed", "1")
-    assert figures["measures"]["seconds"]["evaluated"]["episodes"] == seconds
     assert set(figures["measures"]) == {"seconds", "passes"}
     foraging = ("foraging", "-n", "2", "--set", "foragers=10", "--longest", "2")
     measures = evaluated(hitab, *foraging)["measures"]

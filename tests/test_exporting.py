@@ -31,10 +31,10 @@ from foraging_world.world import ForagingWorld
 from hitab_bringup import open_library
 from hitab_client.shipped import shipped
 from hitab_core import BehaviorLibrary, Repertoire, Use
-from hitab_core.exporting import exported
-from hitab_core.exporting.behavior_tree import BUILT_IN
-from hitab_core.exporting.hierarchy_form import Hierarchy, hierarchy_of
-from hitab_core.exporting.names import identifiers
+from hitab_export import exported
+from hitab_export.behavior_tree import BUILT_IN
+from hitab_export.hierarchy_form import Hierarchy, hierarchy_of
+from hitab_export.names import identifiers
 from hitab_world.inprocess import perform, play
 from keepaway_world.world import KeepawayWorld
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from keepers import played, trained_keepers
 
 from hitab_bringup import open_library, read_swarm, temporary_swarm
 from hitab_client.lessons import LessonPlayer, read_lesson
@@ -10,7 +11,6 @@ from hitab_client.shipped import find_file, shipped
 from hitab_core import Example, Repertoire, load_domain
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import variant
-from keepaway_world.verbs.evaluation import evaluate
 from keepaway_world.world import KeepawayWorld
 
 KEEPERS = ("keeper_1", "keeper_2", "keeper_3")
@@ -23,16 +23,8 @@ def examples_of(library: Path) -> tuple[Example, ...]:
 
 
 def test_the_team_of_hard_coded_and_trained_automata_is_evaluated_as_any_other():
-    done = evaluate(
-        LIBRARY,
-        behavior="Keepaway",
-        episodes=3,
-        seed=5,
-        pace="inprocess",
-        parameters={"taker_speed": 0.25},
-        advance=lambda *_: None,
-    )
-    assert [played.seconds for played in done.played] == by_themselves(3, 5, LIBRARY)
+    swarm = trained_keepers(LIBRARY, "Keepaway", {"taker_speed": 0.25}, seed=5)
+    assert [one.seconds for one in played(swarm, 3)] == by_themselves(3, 5, LIBRARY)
 
 
 def by_themselves(episodes: int, seed: int, library: Path | None) -> list[float]:

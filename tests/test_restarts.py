@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from keepers import trained_keepers
 from waiting import hanging, pid_of
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import dds_profile
-from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
 AGENT = "keeper_1"

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
+from keepers import played, trained_keepers
 
 from hitab_bringup import SwarmDescription, open_library, read_swarm, temporary_swarm
 from hitab_client.lessons import LessonPlayer, read_lesson
 from hitab_client.shipped import find_file, shipped
 from hitab_core import BehaviorLibrary
-from keepaway_world.verbs.evaluation import evaluate, trained_keepers
-from keepaway_world.verbs.paper import HOLD_TIME_S, PASSES, TABLE_1
+from keepaway_world.demo import DEMO
 
 
 def school(name: str) -> SwarmDescription:
@@ -46,10 +46,9 @@ def play(
 
 
 def test_the_papers_lessons_teach_what_is_shipped_with_no_more_examples(home, tmp_path):
-    lessons = ("approach_ball", "goto_ball", "control_ball", "keepaway")
-    counts = play(keepers(), lessons, ["keepaway"], tmp_path)
-    assert list(counts) == list(TABLE_1)
-    assert all(counts[name] <= TABLE_1[name].examples for name in counts)
+    counts = play(keepers(), DEMO.lessons, ["keepaway"], tmp_path)
+    assert list(counts) == list(DEMO.examples)
+    assert all(counts[name] <= DEMO.examples[name] for name in counts)
 
 
 CAPTAIN = ["captain/freeze", "captain/regroup", "captain/captain"]
@@ -86,24 +85,17 @@ def test_all_other_lessons_teach_what_is_shipped(home, tmp_path, swarm, lessons,
 
 def figures(library: str, episodes: int, seed: int = 3, behavior: str = "Keepaway", **game):
     """Return the mean hold time, s, of shipped keepers, and their mean number of passes."""
-    done = evaluate(
-        shipped("libraries", library),
-        behavior=behavior,
-        episodes=episodes,
-        seed=seed,
-        pace="inprocess",
-        parameters={"taker_speed": 0.25, **game},
-        advance=lambda *_: None,
-    )
-    played = done.played
-    seconds = [one.seconds for one in played]
-    return sum(seconds) / episodes, sum(one.measures["passes"] for one in played) / episodes
+    parameters = {"taker_speed": 0.25, **game}
+    swarm = trained_keepers(shipped("libraries", library), behavior, parameters, seed=seed)
+    results = played(swarm, episodes)
+    seconds = [one.seconds for one in results]
+    return sum(seconds) / episodes, sum(one.measures["passes"] for one in results) / episodes
 
 
 def test_trained_keepers_keep_the_ball_at_least_as_long_as_the_papers():
     whole, passes = figures("keepaway", 40)
-    assert whole >= HOLD_TIME_S
-    assert passes >= PASSES
+    assert whole >= DEMO.references["seconds"][0]
+    assert passes >= DEMO.references["passes"][0]
     # Rules without one example last that long as well. What was learned last is worth more than
     # what it is made of: the same keepers, on the same episodes, without their top automaton.
     assert whole >= 2.0 * figures("keepaway", 40, behavior="ControlBall")[0]

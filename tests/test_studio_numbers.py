@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 from browsing import ONE, away_from_everybody, begin, needs_browser
+from keepers import trained_keepers
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import SwarmError
-from keepaway_world.verbs.evaluation import trained_keepers
 
 
 @pytest.fixture(scope="module")

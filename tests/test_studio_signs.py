@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import pytest
 from browsing import ONE, Person, away_from_everybody, needs_browser, studio
+from keepers import trained_keepers
 from waiting import hanging, pid_of
 
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_studio.scene import MODES, SILENT
-from keepaway_world.verbs.evaluation import trained_keepers
 
 SECONDS = 60.0
 SILENT_MODE = 1 + MODES.index(SILENT)

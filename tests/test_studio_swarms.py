@@ -8,11 +8,11 @@ from typing import Any
 
 import pytest
 from browsing import ONE, Person, needs_browser, studio
+from keepers import trained_keepers
 
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_client import domain_ids
 from hitab_client.run_folder import running_swarms
-from keepaway_world.verbs.evaluation import trained_keepers
 
 
 @pytest.fixture

@@ -32,6 +32,11 @@ WORDS = {
     "hitab_bringup": "swarm files, supervision,\nthe hitab command",
     "foraging_world": "box foraging: world, swarms,\nlessons, libraries",
     "keepaway_world": "soccer: world, swarms,\nlessons, libraries, verbs",
+    "hitab_class": "exercises and grading",
+    "hitab_export": "behaviors as programs",
+    "hitab_gamepad": "training and driving\nwith a gamepad",
+    "half_field_world": "half-field attack, in roles",
+    "hitab_rcssserver": "soccer on a real\nRoboCup server",
 }
 COLUMN = {
     "hitab_core": 0.0,
@@ -45,6 +50,11 @@ COLUMN = {
     "hitab_bringup": -1.5,
     "foraging_world": 5.0,
     "keepaway_world": 2.0,
+    "hitab_class": -6.8,
+    "hitab_export": -4.0,
+    "hitab_gamepad": -1.2,
+    "half_field_world": 2.0,
+    "hitab_rcssserver": 2.0,
 }
 WIDTH, HEIGHT, GAP = 2.6, 0.8, 0.5
 

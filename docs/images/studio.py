@@ -24,7 +24,6 @@ from typing import Any
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import RosLink, SwarmClient, domain_ids
-from keepaway_world.verbs.evaluation import trained_keepers
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -211,6 +210,8 @@ def keepers() -> None:
 
     parameters = {"taker_speed": 0.25}
     for library, behavior in ((None, ""), (LIBRARY, "Keepaway")):
+        from keepers import trained_keepers
+
         description = trained_keepers(library, behavior, parameters)
         with temporary_swarm(description) as swarm, browser() as chrome:
             log = Path(os.environ["HITAB_HOME"], "studio.log")

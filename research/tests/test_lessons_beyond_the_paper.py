@@ -3,13 +3,14 @@
 from pathlib import Path
 
 import pytest
+from keepers import played as played_by
+from keepers import trained_keepers
 from taught import examples_of
 
 from hitab_bringup.bringing_up import temporary_swarm
 from hitab_client.lessons.lesson import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
 from hitab_client.shipped import find_file, shipped
-from keepaway_world.verbs.evaluation import evaluate, trained_keepers
 
 SLOW = {"taker_speed": 0.25}
 FULL_SPEED = {"taker_speed": 1.0, "ball_collides": True}
@@ -37,19 +38,10 @@ def library(of: str) -> Path:
     return shipped("libraries", f"keepaway_{of}")
 
 
-def played(of: str, episodes: int, seed: int, game, *, behavior="Keepaway", pace="inprocess"):
+def played(of: str, episodes: int, seed: int, game, *, behavior="Keepaway"):
     """Return the lengths of episodes, s."""
-    figures = evaluate(
-        library(of),
-        behavior=behavior,
-        episodes=episodes,
-        seed=seed,
-        pace=pace,
-        parameters=game,
-        advance=lambda *_: None,
-    ).to_json()
-    assert figures["missed_deadlines"] == 0
-    return figures["seconds_of_episodes"]
+    swarm = trained_keepers(library(of), behavior, game, seed=seed)
+    return [one.seconds for one in played_by(swarm, episodes)]
 
 
 @pytest.mark.long

@@ -22,33 +22,23 @@ setup(
     maintainer_email="hitab@example.org",
     license="Apache-2.0",
     packages=find_packages(exclude=["test", "test.*"]),
-    package_data={"": ["py.typed", "**/*.json", "**/*.yaml"]},
+    package_data={"": ["py.typed", "**/*.pyi", "**/*.json", "**/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["LICENSE", "package.xml"]),
         *[entry for folder in DATA for entry in shipped(folder)],
     ],
-    install_requires=["setuptools", "matplotlib", "pymunk", "rich", "typer"],
+    install_requires=["setuptools", "lazy_loader", "pymunk"],
     extras_require={"test": ["pytest"]},
     zip_safe=True,
     entry_points={
-        "console_scripts": [
-            "keepaway_world = keepaway_world.world_main:main",
-            "rcss_world = keepaway_world.rcss.rcss_main:main",
-        ],
+        "console_scripts": ["keepaway_world = keepaway_world.world_main:main"],
         "hitab.shipped": ["keepaway_world = keepaway_world"],
         "hitab.domains": [
             "keepaway = keepaway_world.domain:DOMAIN",
             "keepaway_continuous = keepaway_world.continuous:DOMAIN",
-            "half_field = keepaway_world.half_field.domain:DOMAIN",
             "keepaway_handcoded = keepaway_world.hand_coded_team:DOMAIN",
         ],
-        "hitab.commands": ["keepaway = keepaway_world.verbs.commands:app"],
-        "hitab.verbs": ["keepaway = keepaway_world.verbs.commands"],
-        "hitab.worlds": [
-            "half_field = keepaway_world.half_field.world_main",
-            "half_field_rcssserver = keepaway_world.half_field.rcss_main",
-            "rcssserver = keepaway_world.rcss.rcss_main",
-        ],
+        "hitab.demos": ["keepaway = keepaway_world.demo:DEMO"],
     },
 )

@@ -3,10 +3,14 @@ from .bringing_up import RunningSwarm as RunningSwarm
 from .bringing_up import temporary_swarm as temporary_swarm
 from .evaluating import Part as Part
 from .evaluating import figures_in as figures_in
+from .evaluating import games_of as games_of
 from .evaluating import part_of as part_of
 from .evaluating import players_of as players_of
 from .evaluating import world_of as world_of
+from .expecting import in_words as in_words
+from .expecting import value_of as value_of
 from .libraries import copy_library as copy_library
+from .library_choice import holds_behaviors as holds_behaviors
 from .library_choice import named_library as named_library
 from .opened_library import open_library as open_library
 from .swarm_description import AgentDescription as AgentDescription
@@ -16,3 +20,9 @@ from .swarm_file import parse_swarm as parse_swarm
 from .swarm_file import read_swarm as read_swarm
 from .swarm_file import world_module as world_module
 from .verbs.connection import connection as connection
+from .verbs.driving import FirstAgent as FirstAgent
+from .verbs.driving import carry_out as carry_out
+from .verbs.driving import demonstrator_of as demonstrator_of
+from .verbs.library_options import Library as Library
+from .verbs.library_options import opened as opened
+from .verbs.library_options import write_new as write_new

@@ -20,6 +20,7 @@ from hitab_bringup.swarm_description import (
     SwarmDescription,
     WorldDescription,
 )
+from hitab_bringup.swarm_options import described_swarm
 from hitab_bringup.swarm_processes import library_of
 from hitab_client import DescriptionError
 from hitab_client.run_folder import RunFolder
@@ -149,6 +150,25 @@ def world_of(described: WorldDescription) -> Iterator[World]:
         if close := getattr(made, "close", None):
             leaving.callback(close)
         yield made
+
+
+def evaluated_swarm(swarm: str, seed: int, parameters: Sequence[str]) -> SwarmDescription:
+    """Return a swarm as episodes of it are played without ROS.
+
+    Args:
+        swarm: a swarm description, or the name of a shipped one.
+        seed: of the run.
+        parameters: of its world, as ``NAME=VALUE``, instead of the swarm's own.
+
+    Raises:
+        HitabError: if it has no world, or a parameter is not given like that.
+    """
+    described = described_swarm(swarm, None)
+    world = described.with_world().world  # raises if there is none
+    assert world is not None
+    return described.with_world(
+        seed=seed, parameters={**world.parameters, **figures_in(parameters)}
+    )
 
 
 def figures_in(texts: Sequence[str]) -> dict[str, Any]:

@@ -2,8 +2,7 @@
 
 Every verb uses only the public topics and services, so any other ROS 2 tool can do the same. Verbs
 are declared in `hitab_bringup.verbs`; other packages add verbs under the entry-point group
-``hitab.verbs`` (a module with ``register(app)``), and groups of verbs under ``hitab.commands`` (a
-typer app).
+``hitab.verbs`` (a module with ``register(app)``).
 """
 
 from __future__ import annotations
@@ -23,7 +22,6 @@ from hitab_client.ros_environment import refuse_problems
 from hitab_core import HitabError, installed_version
 
 VERBS = "hitab.verbs"
-COMMANDS = "hitab.commands"
 
 
 class HitabGroup(HelpfulGroup):
@@ -65,15 +63,15 @@ class HitabGroup(HelpfulGroup):
 
 
 PANELS = {
+    "Begin here": "film.demo new.new",
     "Swarm": "swarm.up swarm.down status.status logs.logs recording.record doctor.doctor",
-    "Train": "commanding.demonstrate driving.drive driving.joystick training.train "
+    "Train": "commanding.demonstrate driving.drive training.train "
     "training.start_testing training.undo training.redo training.save training.discard "
     "questions.questions",
     "Perform": "commanding.perform commanding.distribute commanding.vocabulary "
-    "perceiving.perceive perceiving.why evaluate.evaluate exporting.export "
+    "perceiving.perceive perceiving.why evaluate.evaluate film.film "
     "emergency.stop emergency.go emergency.arm",
     "Command": "hierarchy.tree hierarchy.order",
-    "Domains": "new.new",
 }
 """The verbs by panel of the help, as module and function of `hitab_bringup.verbs`: those without a
 panel would come before "Begin here"."""
@@ -126,9 +124,6 @@ def make_app(wanted: str = "") -> typer.Typer:
     )
     app.callback(help=HELP)(_hitab)
     alone = f".{wanted} " in f"{' '.join(PANELS.values())} "
-    if not alone:
-        for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
-            point.load().register(app)
     for panel, places in PANELS.items():
         for place in places.split():
             module, _, function = place.partition(".")
@@ -141,7 +136,7 @@ def make_app(wanted: str = "") -> typer.Typer:
                 _verb(module, function)
             )
     if not alone:
-        _add_groups(app)
+        _add_groups_and_others(app)
     make_helpful(app)
     return app
 
@@ -150,12 +145,12 @@ def _verb(module: str, name: str) -> Any:
     return getattr(import_module(f"hitab_bringup.verbs.{module}"), name)
 
 
-def _add_groups(app: typer.Typer) -> None:
+def _add_groups_and_others(app: typer.Typer) -> None:
     app.command("begin", hidden=True)(_verb("training", "train"))
     for name, panel in GROUPS.items():
         app.add_typer(_verb(name, "app"), name=name, rich_help_panel=panel)
-    for point in sorted(entry_points(group=COMMANDS), key=lambda point: point.name):
-        app.add_typer(point.load(), name=point.name, cls=HelpfulGroup, rich_help_panel="Domains")
+    for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
+        point.load().register(app)
 
 
 def main() -> None:

@@ -3,8 +3,9 @@
 import pytest
 import typer
 
-from hitab_bringup.verbs.driving import drive, joystick
+from hitab_bringup.verbs.driving import drive
 from hitab_client import DescriptionError
+from hitab_gamepad.verb import joystick
 
 
 @pytest.mark.parametrize("wrong", [{"speed": 0.0}, {"speed": float("nan")}, {"turn": -1.0}])

@@ -10,14 +10,13 @@ from sensor_msgs.msg import Joy
 from hitab_client import SwarmError
 from hitab_client.demonstrating import (
     Demonstrator,
-    JoystickInput,
     KeyboardInput,
     outcome,
-    read_mapping,
 )
 from hitab_client.demonstrating.demonstrator import FOUND_S, PATIENCE_S, PENDING_MAX
 from hitab_client.demonstrating.keyboard import HOLD_S
 from hitab_core import Number, Use
+from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.conversions import number_messages
 
 ONE, TWO = "robot_1", "robot_2"

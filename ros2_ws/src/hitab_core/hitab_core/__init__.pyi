@@ -41,6 +41,7 @@ from .example import CYCLE_MAX as CYCLE_MAX
 from .example import Example as Example
 from .example import ExampleKind as ExampleKind
 from .example import contradictions as contradictions
+from .hierarchy import in_order as in_order
 from .installation import installed_as as installed_as
 from .installation import installed_version as installed_version
 from .installation import way_to_install as way_to_install
@@ -65,6 +66,7 @@ from .seeding import world_seed as world_seed
 from .source_file import load_file as load_file
 from .training.training_session import Request as Request
 from .transition_function import HandWritten as HandWritten
+from .transition_function import TransitionFunction as TransitionFunction
 from .use import NAME as NAME
 from .use import NAME_RULE as NAME_RULE
 from .use import Use as Use

@@ -1,3 +1,4 @@
+from . import demo as demo
 from . import evaluation as evaluation
 from . import figures as figures
 from . import inprocess as inprocess

@@ -5,5 +5,9 @@
 - `percept`, `action`: the layout of what keepers perceive and do.
 - `inprocess.play`: whole episodes in one process.
 
-Nothing is imported here, since agents need only the domain, which does not depend on pymunk.
+Modules load when first used, since agents need only the domain, which does not depend on pymunk.
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

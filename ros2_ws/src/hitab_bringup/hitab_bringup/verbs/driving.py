@@ -1,4 +1,4 @@
-"""Verbs with which a person demonstrates by keys and buttons: drive, joystick."""
+"""The verb with which a person demonstrates by keys, and what verbs like it need."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ AGAIN_S = 2.0
 DELIVER_S = 1.0
 """How long to wait at the end until the robots have an emergency stop, s."""
 
-Agent = Annotated[
+FirstAgent = Annotated[
     str,
     typer.Argument(
         help="Whom to command first. Default: the first agent.",
@@ -39,7 +39,7 @@ Agent = Annotated[
 
 
 def drive(
-    agent: Agent = "",
+    agent: FirstAgent = "",
     speed: float = 0.2,
     turn: float = 0.8,
     swarm: SwarmName = None,
@@ -81,7 +81,7 @@ def _drive(swarm_up: Connection, agent: str, speed: float, turn: float) -> None:
     from hitab_client import SignsOfLife
     from hitab_client.demonstrating import KeyboardInput
 
-    demonstrator = _demonstrator(swarm_up, agent, asks=True)
+    demonstrator = demonstrator_of(swarm_up, agent, asks=True)
     keyboard = KeyboardInput(demonstrator, speed, turn)
     agents = swarm_up.agents
     signs = SignsOfLife(
@@ -108,53 +108,10 @@ def _drive(swarm_up: Connection, agent: str, speed: float, turn: float) -> None:
                 before = now
                 live.update(Group(*now), refresh=True)
 
-        _run(swarm_up, demonstrator, tick, lambda: ended)
+        carry_out(swarm_up, demonstrator, tick, lambda: ended)
 
 
-def joystick(
-    agent: Agent = "",
-    mapping: str = "xbox",
-    topic: str = "joy",
-    swarm: SwarmName = None,
-) -> None:
-    """Train with a gamepad, and drive robots by hand with its sticks.
-
-    A node such as joy_node publishes the state of the gamepad. Nothing but the emergency stop
-    counts unless the dead-man's switch is held: with the shipped mappings the left shoulder button
-    (LB). Letting it go, or losing the gamepad, stops a robot that is driven by hand.
-
-    The mapping xbox is for joy_node with an Xbox gamepad, the mapping gamepad for
-    game_controller_node with any. It runs until Ctrl-C, and prints what comes of each button.
-
-    Args:
-        mapping: What its buttons do: xbox, gamepad, or a file of your own.
-        topic: Where its messages, sensor_msgs/Joy, come.
-
-    Examples:
-      hitab joystick robot_1
-      hitab joystick robot_1 --mapping my_gamepad.yaml --topic /robot_1/joy
-    """
-    from hitab_client.demonstrating import JoystickInput, read_mapping
-
-    read = read_mapping(mapping)
-    with connection(swarm) as swarm_up:
-        demonstrator = _demonstrator(swarm_up, agent, asks=False)
-        JoystickInput(swarm_up.link, demonstrator, read, topic)
-        console.say(f"{demonstrator.agent} obeys the joystick on {topic} (mapping {mapping})")
-        told = demonstrator.told
-
-        def tick() -> None:
-            nonlocal told
-            if demonstrator.told == told:
-                return
-            told = demonstrator.told
-            if demonstrator.said:
-                (console.error if demonstrator.failed else console.say)(demonstrator.said)
-
-        _run(swarm_up, demonstrator, tick, lambda: False)
-
-
-def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrator:
+def demonstrator_of(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrator:
     """Return a demonstrator who commands the named agent, or else the first one.
 
     Raises:
@@ -178,7 +135,7 @@ def _demonstrator(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstrat
     return demonstrator
 
 
-def _run(
+def carry_out(
     swarm_up: Connection,
     demonstrator: Demonstrator,
     tick: Callable[[], None],

@@ -64,11 +64,10 @@ def evaluate(
       hitab evaluate half_field -n 200
       hitab evaluate foraging -l my_library --against foraging -n 5 --set foragers=20
     """
-    from hitab_bringup.evaluating import Cast, figures_in, games_of
-    from hitab_bringup.swarm_options import described_swarm
+    from hitab_bringup.evaluating import Cast, evaluated_swarm, games_of
     from hitab_world.evaluation import Comparison, measures_of, play_alike
 
-    described = described_swarm(swarm, None)
+    described = evaluated_swarm(swarm, seed, parameter or [])
     cast = Cast(described)
     cast.choose_libraries(library or [])
     cast.choose_behaviors(behavior or [])
@@ -76,10 +75,6 @@ def evaluate(
     if against:
         cast.choose_libraries(against)
         parts.append(cast.parts())
-    world = described.with_world().world
-    assert world is not None
-    figures = {**world.parameters, **figures_in(parameter or [])}
-    described = described.with_world(seed=seed, parameters=figures)
     played: list[Any] = []
     interrupted = False
     every = max(1, episodes // LINES)

@@ -12,7 +12,7 @@ from hitab_bringup.verbs.connection import connection
 from hitab_client import LessonError, completion, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_client.commands import with_commands
-from hitab_client.shipped import find_file, shipped_folders, shipped_names
+from hitab_client.shipped import find_file, shipped_folders
 from hitab_core import Do, HitabError, Remedy, quantity
 
 if TYPE_CHECKING:
@@ -114,68 +114,25 @@ def list_lessons() -> None:
 
 
 @app.command()
-def check(
-    names: Annotated[list[str] | None, typer.Argument(metavar="EXERCISE|LESSON")] = None,
-    library: Annotated[str | None, typer.Option("--library", "-l", metavar="LIBRARY")] = None,
-    swarm: SwarmName = None,
-    json: JsonPath = None,
-) -> None:
-    """Grade exercises by what is saved and by episodes; or check lesson files without playing.
-
-    For each requirement it says whether it is met, and else what is missing. The swarm need not be
-    up. The exit status is 1 if anything is missing.
+def check(files: Annotated[list[Path], typer.Argument(metavar="LESSON...")]) -> None:
+    """Check lesson files without playing them.
 
     Args:
-        names: Exercises, or lesson files. Default: all shipped exercises.
-        library: Grade this library for all agents, such as one that was handed in. Default: those
-            of the exercise's swarm.
+        files: Lesson files, or names of shipped lessons.
 
-    Examples:
-      hitab lesson check chase
-      hitab lesson check --swarm keepaway_ann
+    Example:
       hitab lesson check my_lesson.yaml
     """
-    from hitab_bringup.exercises import is_exercise
     from hitab_client.lessons import read_lesson
 
-    wrong, data = [], {}
-    for name in names or sorted(shipped_names("exercises")):
-        is_lesson = name in shipped_names("lessons") and name not in shipped_names("exercises")
-        path = find_file(
-            name, *(("lessons", "lesson") if is_lesson else ("exercises", "exercise"))
-        )
-        if not is_lesson and is_exercise(path):
-            data[name] = _graded(name, path, library, swarm)
-            continue
+    wrong = []
+    for given in files:
+        path = find_file(str(given), "lessons", "lesson")
         try:
-            lesson = read_lesson(Path(path))
+            lesson = read_lesson(path)
         except LessonError as error:
             wrong.append(str(error))
         else:
             console.say(f"{path}: {quantity(len(lesson.steps), 'step')}, nothing is wrong")
-    console.write_json(json, data)
     if wrong:
         raise LessonError("\n".join(wrong))
-    if any(one["missing"] for grades in data.values() for one in grades):
-        raise typer.Exit(1)
-
-
-def _graded(name: str, path: Path, library: str | None, swarm: str | None) -> list[dict[str, str]]:
-    """Grade an exercise and say so."""
-    from hitab_bringup.exercises import Student, read_exercise
-    from hitab_bringup.libraries import libraries_of
-    from hitab_bringup.library_choice import named_library
-    from hitab_client.run_folder import state_home
-
-    exercise = read_exercise(path)
-    libraries = libraries_of(state_home() / (swarm or exercise.swarm))
-    if library is not None:
-        libraries = dict.fromkeys(exercise.agents, named_library(library))
-    grades = exercise.grade(Student(swarm or exercise.swarm, libraries))
-    met = sum(not grade.missing for grade in grades)
-    console.say(f"{name}: {met} of {quantity(len(grades), 'requirement')}")
-    for grade in grades:
-        console.say(f"  {'FAIL' if grade.missing else 'pass'}  {grade.requirement}")
-        if grade.missing:
-            console.say(f"        {grade.missing}")
-    return [grade._asdict() for grade in grades]

@@ -1,10 +1,11 @@
-"""Verbs that drive the world: pause, resume, step, reset, pace, place, snapshot."""
+"""Verbs that drive the world: pause, resume, step, reset, pace, place, snapshot, picture."""
 
 from __future__ import annotations
 
 import math
 import re
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -74,6 +75,25 @@ def step(
         )
     for why in without:
         console.note(with_commands(f"but: {why.problem}", why.remedies))
+
+
+@app.command()
+def picture(path: Path, swarm: SwarmName = None) -> None:
+    """Draw where everything in the world is now.
+
+    Args:
+        path: File for the picture, PNG or SVG.
+
+    Example:
+      hitab world picture field.png
+    """
+    from hitab_bringup.field_picture import draw_field
+
+    with connection(swarm) as swarm_up:
+        swarm_up.world.wait()
+        state = swarm_up.world.state_at(0)
+    draw_field([state], path)
+    console.say(f"drawn to {path}")
 
 
 def _silent(swarm_up: Connection) -> list[SwarmError]:

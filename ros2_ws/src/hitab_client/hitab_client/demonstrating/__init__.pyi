@@ -7,8 +7,9 @@ from .commanding import outcome as outcome
 from .commanding import put_earlier as put_earlier
 from .commanding import simulated as simulated
 from .demonstrator import Demonstrator as Demonstrator
-from .joystick import JoystickInput as JoystickInput
-from .joystick_mapping import read_mapping as read_mapping
 from .keyboard import KeyboardInput as KeyboardInput
 from .pressed import ACTIONS as ACTIONS
+from .pressed import Pressed as Pressed
 from .pressed import UnseenOutcomes as UnseenOutcomes
+from .steering import STILL as STILL
+from .steering import Velocity as Velocity

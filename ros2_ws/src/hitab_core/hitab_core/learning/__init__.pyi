@@ -1,5 +1,7 @@
+from . import compiled_tree as compiled_tree
 from . import tree_text as tree_text
 from .classifier_spec import ClassifierSpec as ClassifierSpec
+from .scikit_learn_adapter import ClassifierFunction as ClassifierFunction
 from .transition_learning import TREE as TREE
 from .transition_learning import learn_transitions as learn_transitions
 from .transition_learning import relearned as relearned

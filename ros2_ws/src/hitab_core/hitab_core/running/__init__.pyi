@@ -5,3 +5,4 @@ from .running_automaton import RunContext as RunContext
 from .running_automaton import Running as Running
 from .running_automaton import RunningAutomaton as RunningAutomaton
 from .senses import Senses as Senses
+from .senses import checks_of as checks_of

@@ -1,0 +1,2 @@
+from . import game as game
+from . import parameters as parameters

@@ -1,0 +1,1 @@
+"""A class with HiTAB: exercises, grading, and expectations that behaviors carry."""

@@ -1,0 +1,266 @@
+"""Exercises of a class: what a student's library and episodes must show, and what is missing.
+
+exercise: Chase
+description: Train a keeper that runs after the ball.
+swarm: keepaway
+agent: keeper_1
+requires:
+  - behavior: Chase
+    examples: 20                        # at most
+  - decides: Chase
+    state: GoFast
+    seeing: {DirectionTo(ball): 170}    # degrees; `yes` and `no` for what is true or not
+    go_to: TurnToBall
+  - reaches: {distance: [keeper_1, ball], below: 1.2}
+    performing: Chase
+    within: 20                          # s
+    in: 8                               # at least, of so many episodes:
+    of: 10
+  - shared: Chase
+    agents: [keeper_2, keeper_3]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field
+
+from hitab_bringup import (
+    games_of,
+    holds_behaviors,
+    in_words,
+    open_library,
+    part_of,
+    read_swarm,
+    value_of,
+)
+from hitab_client import LessonError, WorldView
+from hitab_client.commands import called
+from hitab_client.lessons import Condition
+from hitab_client.shipped import find_file
+from hitab_core import BehaviorLibrary, ExampleKind, HitabError, has, quantity
+from hitab_core.library import BehaviorFile, Expectation
+from hitab_core.library.yaml_models import Format, OneOf, Record, Texts, open_record
+from hitab_core.library.yaml_places import read_text, read_yaml
+from hitab_world.inprocess import play
+
+FORMAT = 1
+SEED = 2026
+
+
+class Student:
+    """The libraries of a student's agents.
+
+    Args:
+        swarm: the student's, for what is said.
+        libraries: of its agents, by name.
+    """
+
+    def __init__(self, swarm: str, libraries: Mapping[str, Path]) -> None:
+        self.swarm = swarm
+        self.libraries = libraries
+
+    def library(self, agent: str) -> BehaviorLibrary | None:
+        """Return the library of an agent; None: nothing is saved in it."""
+        folder = self.libraries.get(agent)
+        return open_library(folder) if folder is not None and holds_behaviors(folder) else None
+
+    def file(self, agent: str, behavior: str) -> BehaviorFile:
+        """Return a behavior of an agent.
+
+        Raises:
+            HitabError: saying what is missing.
+        """
+        library = self.library(agent)
+        if agent not in self.libraries:
+            raise HitabError(f"swarm {self.swarm} was not up yet with {agent}; start it")
+        if library is None:
+            raise HitabError(f"nothing is saved for {agent} yet; train {behavior} and save it")
+        library.load(strict=False)
+        if behavior in library.problems:
+            raise HitabError(library.problems[behavior])
+        if behavior not in library.files:
+            raise HitabError(
+                f'{agent} has saved no "{behavior}" {has(library.files, behavior)}; train and '
+                "save it"
+            )
+        return library.files[behavior]
+
+
+class Saved(Record):
+    """A behavior is saved."""
+
+    behavior: str
+    examples: int = 10**6
+    corrections: int = 0
+    expectations: int = 0
+
+    def told(self, exercise: Exercise, student: Student) -> str:
+        """Return it in words."""
+        counts = [
+            f"at most {quantity(self.examples, 'example')}" if self.examples < 10**6 else "",
+            quantity(self.corrections, "correction") if self.corrections else "",
+            quantity(self.expectations, "expectation") if self.expectations else "",
+        ]
+        counted = [count for count in counts if count]
+        with_ = f" with {', '.join(counted)}" if counted else ""
+        return f"{exercise.agent} has saved {self.behavior}{with_}"
+
+    def missing(self, exercise: Exercise, student: Student) -> str:
+        """Return what is missing."""
+        file = student.file(exercise.agent, self.behavior)
+        examples = file.automaton.examples
+        corrections = sum(example.kind is ExampleKind.CORRECTION for example in examples)
+        if len(examples) > self.examples:
+            return f"it has {len(examples)} examples; show less, in clearer situations"
+        if corrections < self.corrections:
+            return (
+                f"it has {quantity(corrections, 'correction')}; resume its training, test it, "
+                "take over where it is wrong, and command what is right"
+            )
+        if len(file.expectations) < self.expectations:
+            return f"it carries too few; say what must stay, with `{called()} library expect`"
+        return "; ".join(file.broken)
+
+
+class Decides(Record):
+    """A behavior decides something in a situation."""
+
+    behavior: str = Field(alias="decides")
+    state: str
+    go_to: str
+    seeing: dict[str, Any] = Field(default_factory=dict)
+
+    def _expected(self, library: BehaviorLibrary) -> Expectation:
+        seen = {f: value_of(str(v), f, library.domain) for f, v in self.seeing.items()}
+        return Expectation(self.behavior, self.state, seen, self.go_to)
+
+    def told(self, exercise: Exercise, student: Student) -> str:
+        """Return it in words."""
+        library = student.library(exercise.agent)
+        if library is None:
+            return f"{self.behavior} goes from {self.state} to {self.go_to} where it should"
+        return in_words(self._expected(library), library.domain).removeprefix("expects ")
+
+    def missing(self, exercise: Exercise, student: Student) -> str:
+        """Return what is missing."""
+        file = student.file(exercise.agent, self.behavior)
+        library = student.library(exercise.agent)
+        assert library is not None
+        broken = self._expected(library).broken(file.automaton).partition(": ")[2]
+        return f"{broken}; arrange this situation and command {self.go_to}" if broken else ""
+
+
+class Shared(Record):
+    """Other agents have learned the same."""
+
+    behavior: str = Field(alias="shared")
+    agents: Texts
+
+    def told(self, exercise: Exercise, student: Student) -> str:
+        """Return it in words."""
+        return f"{', '.join(self.agents)} have the {self.behavior} of {exercise.agent}"
+
+    def missing(self, exercise: Exercise, student: Student) -> str:
+        """Return what is missing."""
+        mine = student.file(exercise.agent, self.behavior).learned
+        other = [a for a in self.agents if student.file(a, self.behavior).learned != mine]
+        return f"{', '.join(other)} learned otherwise; distribute it again" if other else ""
+
+
+class Reaches(Record):
+    """In episodes where only the agent acts, a condition comes to hold."""
+
+    condition: Condition = Field(alias="reaches")
+    performing: str
+    within: float = Field(gt=0.0)
+    at_least: int = Field(alias="in", ge=1)
+    of: int = Field(ge=1)
+
+    def told(self, exercise: Exercise, student: Student) -> str:
+        """Return it in words."""
+        return (
+            f"performing {self.performing}, {self.condition.describe()} within {self.within:g} s "
+            f"in {self.at_least} of {quantity(self.of, 'episode')}"
+        )
+
+    def missing(self, exercise: Exercise, student: Student) -> str:
+        """Play the episodes, and return what is missing."""
+        student.file(exercise.agent, self.performing)
+        swarm = read_swarm(find_file(exercise.swarm, "swarms", "swarm")).with_world(seed=SEED)
+        part = part_of(student.libraries[exercise.agent], self.performing)
+        reached: set[int] = set()
+        with games_of(swarm, [{exercise.agent: part}]) as ((world, players, _),):
+
+            def look() -> None:
+                things: Any = world.entities()
+                if self.condition.holds(WorldView(things)):
+                    reached.add(world.episode)
+
+            cycles = round(self.within / world.cycle_seconds)
+            play(world, players, self.of, between=look, cycles_max=cycles, first=0)
+        if len(reached) >= self.at_least:
+            return ""
+        failed = next(number for number in range(self.of) if number not in reached)
+        return f"it does in {len(reached)}, and not in episode {failed}; watch it, and correct it"
+
+
+KINDS = {"behavior": Saved, "decides": Decides, "shared": Shared, "reaches": Reaches}
+Requirement = Saved | Decides | Shared | Reaches
+"""What an exercise requires: `told` says it, and `missing` what is missing, "" if nothing is.
+
+`missing` raises `HitabError` if it cannot be looked at; the error says what is missing.
+"""
+
+
+class Exercise(Record):
+    """An exercise, as in its file."""
+
+    format: Format = FORMAT
+    exercise: str
+    description: str
+    swarm: str
+    agent: str
+    requires: list[Annotated[Requirement, OneOf(KINDS)]] = Field(min_length=1)
+
+    @property
+    def agents(self) -> list[str]:
+        """The agents that it looks at."""
+        others = [name for one in self.requires for name in getattr(one, "agents", ())]
+        return [self.agent, *others]
+
+    def grade(self, student: Student) -> list[Grade]:
+        """Return which requirements are met, and what the others miss."""
+        grades = []
+        for one in self.requires:
+            told = one.told(self, student)
+            try:
+                grades.append(Grade(told, one.missing(self, student)))
+            except HitabError as error:
+                grades.append(Grade(told, str(error)))
+        return grades
+
+
+class Grade(NamedTuple):
+    """Whether a requirement is met.
+
+    Attributes:
+        requirement: in words.
+        missing: what is missing; "": nothing.
+    """
+
+    requirement: str
+    missing: str
+
+
+def read_exercise(path: Path) -> Exercise:
+    """Read an exercise.
+
+    Raises:
+        LessonError: naming everything that is wrong, by file and line.
+    """
+    document = read_yaml(read_text(path, error=LessonError), str(path), error=LessonError)
+    return open_record(Exercise, document, FORMAT)

@@ -1,0 +1,71 @@
+"""Exports a behavior of a library to a language."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from hitab_core import BehaviorLibrary, Use, VocabularyError, unknown
+from hitab_core.library import bundle_digest, tool_name
+from hitab_export.behavior_tree import as_behavior_tree
+from hitab_export.cpp import as_cpp
+from hitab_export.hierarchy_form import Hierarchy, hierarchy_of
+from hitab_export.python import as_python
+
+
+class Language(NamedTuple):
+    """What writes a behavior, given where it comes from, and the ending of such a file's name."""
+
+    write: Callable[[Hierarchy, str], str]
+    suffix: str
+    has_numbers: bool = False
+
+
+LANGUAGES: Mapping[str, Language] = MappingProxyType(
+    {
+        "python": Language(as_python, ".py", has_numbers=True),
+        "cpp": Language(as_cpp, ".hpp"),
+        "bt.xml": Language(as_behavior_tree, ".bt.xml"),
+    }
+)
+
+
+def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
+    """Return a behavior, with everything that it is made of, as a program without HiTAB.
+
+    Args:
+        library: that has it.
+        behavior: its name, with a target for each parameter, such as ``Chase(ball)``.
+        to: one of `LANGUAGES`.
+
+    Raises:
+        VocabularyError: if there is no such behavior or language, or naming what of the behavior
+            cannot be exported.
+        LibraryError: if the library cannot be read.
+    """
+    if to not in LANGUAGES:
+        raise VocabularyError(unknown("language", to, LANGUAGES))
+    edition, use = library.edition(strict=False), Use.parse(behavior)
+    hierarchy = hierarchy_of(edition.repertoire, use)
+    if not LANGUAGES[to].has_numbers:
+        _refuse_numbers(hierarchy, to)
+    parts = [name for name in edition.repertoire.needed_by(use.name) if name in edition.files]
+    digest = bundle_digest(tuple((name, edition.files[name].text) for name in parts))
+    origin = (
+        f"{use}, exported by {tool_name()} from the library "
+        f"{library.folder.resolve().name} of domain {library.domain.name}, "
+        f"version {library.domain.version}.\n"
+        f"Digest of {', '.join(parts)}:\n{digest}"
+    )
+    return LANGUAGES[to].write(hierarchy, origin)
+
+
+def _refuse_numbers(hierarchy: Hierarchy, to: str) -> None:
+    for automaton in hierarchy.automata:
+        for state in automaton.states:
+            if state.numbers is not None:
+                raise VocabularyError(
+                    f'"{automaton.use.name}" cannot be exported to {to}: "{state.label}" in it '
+                    "takes numbers; export it to python, or have HiTAB perform it"
+                )

@@ -1,0 +1,272 @@
+"""A learned behavior and all that it is made of, as plain tables that any language can hold.
+
+Every automaton of the hierarchy occurs once for each binding of its parameters. Since a behavior
+cannot use itself, at most one performance of it is active at a time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NoReturn
+
+from hitab_core import (
+    FLAGS,
+    OWN_FEATURES,
+    START,
+    ActionBehavior,
+    Automaton,
+    Number,
+    Repertoire,
+    TransitionFunction,
+    TransitionTree,
+    Use,
+    VocabularyError,
+    in_order,
+)
+from hitab_core.learning import ClassifierFunction
+from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_choice
+from hitab_core.regression import Neighbors, Table
+from hitab_core.running import checks_of
+
+OWN = tuple(map(str, OWN_FEATURES))
+"""The features that each automaton has of its own, which come before those of the robot."""
+
+
+@dataclass(frozen=True, slots=True)
+class Test:
+    """``low < value <= high``, after ``value %= period`` if there is one; see `compiled_tree`.
+
+    Attributes:
+        feature: index into `OWN` followed by `Hierarchy.features`.
+        yes, no: index of the next node.
+        share: of the examples that went to ``yes``, which decides where the value is missing.
+    """
+
+    feature: int
+    period: float
+    low: float
+    high: float
+    yes: int
+    no: int
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """Pairs: the state with this index is drawn below this number; the last number is 1."""
+
+    chances: tuple[tuple[float, int], ...]
+
+
+Tree = tuple[Test | Leaf, ...]
+"""The root first, each node before those that it leads to."""
+
+
+@dataclass(frozen=True, slots=True)
+class FeatureForm:
+    """A feature bound to targets.
+
+    Attributes:
+        label: its name with its targets.
+        categories, required: as in `hitab_core.running.senses.checked`.
+        period: of a toroidal feature, else 0.
+        unit: of its values; empty: none.
+    """
+
+    label: str
+    categories: int
+    required: bool
+    period: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class NumbersForm:
+    """What gives the numbers of a state, see `hitab_core.regression`.
+
+    Attributes:
+        features: indices as in `Test.feature`, one for each axis of the table.
+        table: what was learned.
+        wanted: the numbers.
+    """
+
+    features: tuple[int, ...]
+    table: Table
+    wanted: tuple[Number, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StateForm:
+    """A state.
+
+    Attributes:
+        label: in the automaton's own terms.
+        performs: a behavior bound to targets; None in Start and in flag states.
+        is_automaton: whether that is an automaton.
+        one_shot: whether it is pulsed only once.
+        tree: decides where to go; None: nowhere.
+        numbers: gives the numbers that the behavior takes; None: it takes none.
+    """
+
+    label: str
+    performs: Use | None
+    is_automaton: bool
+    one_shot: bool
+    tree: Tree | None
+    numbers: NumbersForm | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class AutomatonForm:
+    """An automaton bound to targets; its first state is Start.
+
+    Attributes:
+        required: indices of the features without which it does nothing, whatever its state.
+    """
+
+    use: Use
+    states: tuple[StateForm, ...]
+    required: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Hierarchy:
+    """Automata, each after those that it uses; the last is the behavior itself."""
+
+    automata: tuple[AutomatonForm, ...]
+    features: tuple[FeatureForm, ...]
+
+    @property
+    def top(self) -> AutomatonForm:
+        """The behavior itself."""
+        return self.automata[-1]
+
+    @property
+    def basics(self) -> dict[Use, bool]:
+        """The basic behaviors that the robot has to have, and whether they are pulsed once."""
+        return {
+            state.performs: state.one_shot
+            for automaton in self.automata
+            for state in automaton.states
+            if state.performs is not None and not state.is_automaton
+        }
+
+
+def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
+    """Return a behavior with everything that it is made of.
+
+    Args:
+        repertoire: of the robot.
+        use: of a learned behavior, its parameters bound to targets.
+
+    Raises:
+        VocabularyError: if it does not exist, or naming what of it cannot leave the engine.
+    """
+    repertoire.check_performable(use)
+    if use.name not in repertoire.automata:
+        raise VocabularyError(
+            f'"{use.name}" is a basic behavior, which the robot has already; export a learned one'
+        )
+
+    def automata_of(label: str) -> list[str]:
+        bound, parameters = _bound(repertoire, Use.parse(label))
+        return [
+            str(state.bound(parameters))
+            for state in bound.states
+            if state.name in repertoire.automata
+        ]
+
+    slots: dict[str, int] = {label: slot for slot, label in enumerate(OWN)}
+    forms = [
+        _automaton(repertoire, Use.parse(label), slots)
+        for label in in_order([str(use)], automata_of)
+    ]
+    features = []
+    for label in list(slots)[len(OWN) :]:
+        feature = repertoire.domain.features[Use.parse(label).name]
+        checks = checks_of(Use.parse(label), feature)
+        features.append(FeatureForm(*checks, feature.scale.period, feature.unit))
+    return Hierarchy(tuple(forms), tuple(features))
+
+
+def _bound(repertoire: Repertoire, use: Use) -> tuple[Automaton, dict[str, str]]:
+    automaton = repertoire.automata[use.name]
+    return automaton, dict(zip(automaton.parameters, use.arguments, strict=True))
+
+
+def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> AutomatonForm:
+    automaton, parameters = _bound(repertoire, use)
+    features = [str(feature.bound(parameters)) for feature in automaton.features]
+    indices = {label: index for index, label in enumerate((START, *automaton.labels))}
+    trees: dict[str, Tree] = {}
+    for label, function in automaton.transitions.items():
+        if not isinstance(function, TransitionTree):
+            _refuse(use.name, function)
+        for used in function.features_used:
+            slots.setdefault(features[used], len(slots))
+        trees[label] = _tree(function, [slots.get(name, -1) for name in features], indices)
+    required = [
+        slots.setdefault(label, len(slots)) - len(OWN)
+        for feature, label in zip(automaton.features, features, strict=True)
+        if repertoire.domain.feature(feature.name).required
+    ]
+    states = [StateForm(START, None, False, False, trees.get(START))]
+    for state, label in zip(automaton.states, automaton.labels, strict=True):
+        if state.name in FLAGS:
+            states.append(StateForm(label, None, False, False, None))
+            continue
+        if isinstance(repertoire.get(state.name), ActionBehavior):
+            raise VocabularyError(
+                f'"{use.name}" cannot be exported: "{state.name}" in it is an action, whose goals '
+                "and results are handled by HiTAB; export a behavior that does without, or have "
+                "HiTAB perform this one"
+            )
+        performs = state.bound(parameters)
+        is_automaton, one_shot = state.name in repertoire.automata, repertoire.is_one_shot(state)
+        numbers = _numbers(automaton, label, repertoire.domain.numbers_of(state), features, slots)
+        tree = trees.get(label)
+        states.append(StateForm(label, performs, is_automaton, one_shot, tree, numbers))
+    return AutomatonForm(use, tuple(states), tuple(required))
+
+
+def _numbers(
+    automaton: Automaton,
+    label: str,
+    wanted: tuple[Number, ...],
+    features: list[str],
+    slots: dict[str, int],
+) -> NumbersForm | None:
+    """Return what gives the numbers of a state."""
+    if not wanted:
+        return None
+    learned = automaton.numbers.get(label)
+    if not isinstance(learned, Neighbors):  # none was shown with any: it does nothing
+        return NumbersForm((), Table(), wanted)
+    read = tuple(slots.setdefault(name, len(slots)) for name in features)
+    return NumbersForm(read, learned.table, wanted)
+
+
+def _refuse(name: str, function: TransitionFunction) -> NoReturn:
+    if isinstance(function, ClassifierFunction):
+        why = f"it was learned by {function.spec}, which is no tree; train it further as a tree"
+    else:
+        why = "it is written by hand, and code is not exported; train a behavior in its place"
+    raise VocabularyError(f'automaton "{name}" cannot be exported: {why}')
+
+
+def _tree(function: TransitionTree, slots: list[int], indices: dict[str, int]) -> Tree:
+    states = [indices[label] for label in function.labels]
+    queue: list[Compiled] = [
+        compiled(function.root_, slots, lambda counts: leaf_choice(counts, states))
+    ]
+    nodes: list[Test | Leaf] = []
+    for node in queue:  # which grows
+        if type(node) is tuple:
+            slot, period, low, high, yes, no, share = node
+            nodes.append(Test(slot, period, low, high, len(queue), len(queue) + 1, share))
+            queue += [yes, no]
+        elif isinstance(node, Draw):
+            nodes.append(Leaf(tuple(zip(node.cumulative, node.choices, strict=True))))
+        else:
+            nodes.append(Leaf(((1.0, node),)))
+    return tuple(nodes)

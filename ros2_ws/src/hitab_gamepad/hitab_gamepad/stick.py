@@ -1,0 +1,160 @@
+"""What a person does with a joystick, from the messages about it. No ROS here.
+
+A joystick is a radio link, a driver and cheap contacts, so nothing moves on doubtful messages:
+what is malformed, too old or missing counts as letting go.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hitab_client.demonstrating import STILL, Velocity
+from hitab_core import quantity
+from hitab_gamepad.joystick_mapping import WAYS, Mapping
+
+BOUNCE_S = 0.05
+"""Nobody presses a button twice within this time, s; contacts do."""
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What the person does, by one message.
+
+    Attributes:
+        pressed: names of the buttons that have just been pressed and count.
+        down: names of the buttons that are down; none unless the switch is held.
+        velocity: that is wanted; zeros: none.
+        trouble: why the message does not count; empty: it does.
+    """
+
+    pressed: tuple[str, ...] = ()
+    down: frozenset[str] = frozenset()
+    velocity: Velocity = STILL
+    trouble: str = ""
+
+
+class Stick:
+    """Keeps what is pressed from one message to the next.
+
+    Only the moment in which a button goes down counts. The dead-man's switch must have been seen
+    released before it counts, and so must the other buttons: what is down in the first message, or
+    in the first one after a silence, may have been down for an hour. The emergency stop counts
+    always, without the switch and in any message.
+
+    Args:
+        mapping: what buttons and axes do.
+    """
+
+    def __init__(self, mapping: Mapping) -> None:
+        self._mapping = mapping
+        self._stops = {b for b, action in mapping.actions.items() if action == "stop"}
+        self._down: set[str] = {*mapping.buttons} - self._stops
+        self._pressed_at: dict[str, float] = {}
+        self._stamp = -math.inf
+        self._heard = -math.inf
+
+    def is_lost(self, now: float) -> bool:
+        """Whether nothing that counts has come for too long."""
+        return now > self._heard + self._mapping.timeout
+
+    def take(
+        self,
+        axes: Sequence[float],
+        buttons: Sequence[int],
+        stamp: float,
+        wall: float,
+        now: float,
+    ) -> Taken:
+        """Take a message.
+
+        Args:
+            axes: of the message, each from -1 to 1.
+            buttons: of the message; 0 is released.
+            stamp: of the message, s; 0: none.
+            wall: the clock of stamps now, s.
+            now: s; any steady clock.
+        """
+        stops = self._newly_down(self._stops, axes, buttons)
+        trouble = self._trouble(axes, buttons, stamp, wall)
+        if self.is_lost(now):
+            self._down = {*self._mapping.buttons} - self._stops | (self._down & self._stops)
+            self._pressed_at.clear()
+        if trouble:
+            return Taken(tuple(stops), trouble=trouble)
+        self._heard = now
+        if 0.0 < stamp <= wall:
+            self._stamp = stamp
+        others = self._newly_down({*self._mapping.buttons} - self._stops, axes, buttons)
+        hold = self._mapping.hold
+        # What was down when the messages began has not been pressed.
+        held = hold in self._down and hold in self._pressed_at
+        bounced = {b for b, at in self._pressed_at.items() if now < at + BOUNCE_S}
+        pressed = [b for b in others if held and b != hold and b not in bounced]
+        for name in others:
+            self._pressed_at[name] = now
+        ahead, left, turn = (self._speed(way, axes) for way in WAYS)
+        velocity = (ahead, left, turn) if held or hold in others else STILL
+        return Taken((*stops, *pressed), frozenset(self._down) if held else frozenset(), velocity)
+
+    def _newly_down(
+        self, names: set[str], axes: Sequence[float], buttons: Sequence[int]
+    ) -> list[str]:
+        """Return which of these buttons have gone down, in the order of the mapping."""
+        found = []
+        for name, button in self._mapping.buttons.items():
+            if name not in names:
+                continue
+            values: Sequence[float] = axes if button.is_axis else buttons
+            if button.index >= len(values):
+                continue
+            value = values[button.index]
+            if button.above is not None:
+                down = value > button.above
+            elif button.below is not None:
+                down = value < button.below
+            else:
+                down = value != 0
+            if down and name not in self._down:
+                found.append(name)
+            (self._down.add if down else self._down.discard)(name)
+        return found
+
+    def _trouble(
+        self, axes: Sequence[float], buttons: Sequence[int], stamp: float, wall: float
+    ) -> str:
+        mapping = self._mapping
+        for what, there, least in (
+            ("button", len(buttons), mapping.buttons_min),
+            ("axis", len(axes), mapping.axes_min),
+        ):
+            if there < least:
+                plural = "axes" if what == "axis" else ""
+                return (
+                    f"the joystick has {quantity(there, what, plural)}, but the mapping "
+                    f"{mapping.name} uses {quantity(least, what, plural)}; give the mapping of "
+                    "this joystick with --mapping"
+                )
+        if not all(math.isfinite(axis) for axis in axes[: mapping.axes_min]):
+            return "an axis of the joystick is not a number"
+        if not 0.0 < stamp <= wall:
+            return ""  # it does not show the age
+        if wall - stamp > mapping.timeout:
+            return (
+                f"the joystick's messages are {wall - stamp:.1f} s old when they come; set the "
+                "clocks of both computers, or look whether the network is slow"
+            )
+        if stamp < self._stamp and wall - self._stamp <= mapping.timeout:
+            return "the joystick's messages come out of order"
+        return ""
+
+    def _speed(self, way: str, axes: Sequence[float]) -> float:
+        axis = self._mapping.driving.get(way)
+        if axis is None:
+            return 0.0
+        value = max(-1.0, min(1.0, axes[axis.index]))
+        dead = self._mapping.deadzone
+        # From the edge of the zone on, so that a robot can be driven slowly.
+        beyond = max(0.0, abs(value) - dead) / (1.0 - dead)
+        return math.copysign(beyond, value) * axis.speed if beyond else 0.0

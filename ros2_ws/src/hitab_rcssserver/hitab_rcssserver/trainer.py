@@ -1,0 +1,72 @@
+"""The trainer's connection, which can move things."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping
+
+from hitab_rcssserver.connection import (
+    ANSWER_SECONDS,
+    NoAnswer,
+    ServerError,
+    connect,
+    parsed,
+    readable,
+)
+from hitab_rcssserver.messages import LEFT, RIGHT, Ok, Refusal
+from hitab_rcssserver.server_settings import ServerSettings
+from hitab_rcssserver.sighting import Who
+from keepaway_world.arranging import Place
+
+
+class Trainer:
+    """A trainer (offline coach) on a server that was started with ``server::coach_w_referee=1``.
+
+    Args:
+        server: its address and the names of the teams.
+
+    Raises:
+        ServerError: if the server does not accept it.
+    """
+
+    def __init__(self, server: ServerSettings) -> None:
+        self._connection = connect(server.host, server.trainer_port)
+        self._teams = {LEFT: server.team, RIGHT: server.taker_team}
+        self.close = self._connection.close
+
+    def put(
+        self, places: Mapping[str, Place], who: Mapping[str, Who], center: float, *before: str
+    ) -> None:
+        """Put the ball and players somewhere, by our names; wait until it is done.
+
+        Args:
+            places: by name, in our terms.
+            who: side and number of each player, by name.
+            center: of our field on the server's: its x there, m.
+            before: commands of a trainer to give first.
+
+        Raises:
+            ServerError: if the server refuses; NoAnswer if it is gone.
+        """
+        self._connection.receive()
+        self._connection.send(*before)
+        for name, (x, y, heading, vx, vy) in places.items():
+            thing, angle = "(ball)", 0.0
+            if name != "ball":
+                side, number = who[name]
+                thing, angle = f"(player {self._teams[side]} {number})", -math.degrees(heading)
+            self._connection.send(
+                f"(move {thing} {x + center:.6f} {-y:.6f} {angle:.6f} {vx:.6f} {-vy:.6f})"
+            )
+        count, deadline = len(before) + len(places), time.monotonic() + ANSWER_SECONDS
+        while count:
+            left = deadline - time.monotonic()
+            if left <= 0.0:
+                where = self._connection.where
+                raise NoAnswer(f"the trainer's commands got no answer from {where}")
+            readable([self._connection], left)
+            for message in map(parsed, self._connection.receive()):
+                count -= isinstance(message, Ok)
+                if isinstance(message, Refusal):
+                    raise ServerError(f"the server refuses to move something: {message.reason}")

@@ -1,0 +1,34 @@
+"""A demo: what `hitab demo` teaches, plays and compares; a domain offers one by entry point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+GROUP = "hitab.demos"
+"""The entry-point group; a demo has the name of its domain."""
+
+
+@dataclass(frozen=True)
+class Demo:
+    """A demo of training, as data.
+
+    Attributes:
+        swarm: a shipped swarm with a world, in which one agent is taught.
+        lessons: shipped lessons, in the order in which they are played.
+        behavior: that all agents perform afterwards.
+        against: whom they play against, for the title of the result.
+        reference: of `references`, and of `examples`, such as ``paper``.
+        references: mean and standard error of measures elsewhere; no error: None.
+        examples: how many examples each automaton took there.
+        closing: what training took there, a sentence.
+    """
+
+    swarm: str
+    lessons: tuple[str, ...]
+    behavior: str
+    against: str = ""
+    reference: str = "reference"
+    references: Mapping[str, tuple[float, float | None]] = field(default_factory=dict)
+    examples: Mapping[str, int] = field(default_factory=dict)
+    closing: str = ""

@@ -1,0 +1,16 @@
+from . import action as action
+from . import angles as angles
+from . import arranging as arranging
+from . import behaviors as behaviors
+from . import body as body
+from . import domain as domain
+from . import features as features
+from . import interception as interception
+from . import kicking as kicking
+from . import parameters as parameters
+from . import percept as percept
+from . import physics as physics
+from . import referee as referee
+from . import rules as rules
+from . import takers as takers
+from . import world as world

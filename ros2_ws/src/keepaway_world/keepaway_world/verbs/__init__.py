@@ -1,1 +1,0 @@
-"""The verbs of keepaway: `hitab demo` and those under `hitab keepaway`."""
