@@ -59,6 +59,24 @@ def test_a_recording_shows_the_same_moments_back_and_forth(tmp_path):
     assert cycles == [1, 3, 2]
     assert [recording.scene(at).cycle for at in reversed(moments)] == cycles[::-1]
     assert recording.statuses(-1.0) == {}
+    assert recording.missing == ""
+    bag.path.write_bytes(bag.path.read_bytes()[:-8])
+    cut = Recording(bag.path)
+    assert cut.scene(cut.seconds).cycle == 3
+
+
+def test_an_unfinished_recording_is_replayed_and_what_it_lacks_is_said(tmp_path):
+    bag = BagFile(tmp_path / "a.mcap")
+    kind = type_name(WorldState)
+    channel = bag.add_topic("/world/state", kind, [qos.LATCHED], own_hash(kind))
+    for cycle in range(1, 4):
+        second = cycle * 10**9
+        bag.write(channel, serialize_message(WorldState(cycle=cycle)), second, second)
+        bag.flush()
+    recording = Recording(bag.path)  # as if its recorder had been killed
+    assert recording.scene(recording.seconds).cycle == 3
+    assert "a.mcap is not finished: 3 messages were read" in recording.missing
+    bag.close()
 
 
 def test_files_of_a_newer_format_are_refused_before_anything_else_in_them(tmp_path):

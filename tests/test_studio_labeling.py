@@ -22,7 +22,7 @@ def recorded(swarm: RunningSwarm) -> Iterator[str]:
 
     def heard() -> bool:
         recorder.look()
-        return f"/{ONE}" in recorder.sessions and not recorder.awaited
+        return f"/{ONE}" in recorder.perceiving and not recorder.awaited
 
     assert swarm.link.spin_until(heard, SECONDS)
     away_from_everybody(swarm, 7.0)

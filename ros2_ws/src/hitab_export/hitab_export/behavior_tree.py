@@ -160,14 +160,8 @@ class _Writer:
         """Walk down the tree of the state; every node comes before those that it leads to."""
         state, node_at = self._entry(automaton.use, "state"), f"{self._prefix}node"
         following = f"{self._prefix}next"
-        _script(
-            body,
-            "",
-            f"{following} := {state}",
-            f"{node_at} := 0 - 1",
-            "drawn := 0.0 - 1.0",
-            name="decide",
-        )
+        begin = f"{following} := {state}; {node_at} := 0 - 1; drawn := 0.0 - 1.0"
+        _script(body, "", begin, name="decide")
         first = 0
         for form in automaton.states:
             if form.tree is None:

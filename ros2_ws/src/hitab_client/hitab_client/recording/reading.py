@@ -7,7 +7,7 @@ set, say what came first.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import quote
@@ -127,8 +127,8 @@ class Messages:
         try:
             with path.open("rb") as stream:
                 is_finished, size = _looked_at(path, stream)
-                for record in _records(stream, size):
-                    for inner in _unpacked_records(record):
+                for records in _records(stream, size):
+                    for inner in records:
                         if isinstance(inner, Schema):
                             schemas[inner.id] = inner
                         elif isinstance(inner, Channel):
@@ -191,17 +191,16 @@ def _looked_at(path: Path, stream: BinaryIO) -> tuple[bool, int]:
     return size > len(MAGIC) and ends == MAGIC, size
 
 
-def _records(stream: BinaryIO, size: int) -> Iterator[McapRecord]:
-    """Yield the records of the data section."""
+def _records(stream: BinaryIO, size: int) -> Iterator[list[McapRecord]]:
+    """Yield the records of the data section, those of a chunk together."""
     reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=size)
     for record in reader.records:
         if isinstance(record, DataEnd):
             return  # the summary repeats what was read
-        yield record
-
-
-def _unpacked_records(record: McapRecord) -> Iterable[McapRecord]:
-    return breakup_chunk(record, validate_crc=True) if isinstance(record, Chunk) else (record,)
+        if isinstance(record, Chunk):
+            yield breakup_chunk(record, validate_crc=True)
+        else:
+            yield [record]
 
 
 def _unpacked(data: bytes) -> bytes:
