@@ -511,8 +511,8 @@ class TrainingSession:
         self._check_state(next_state)
         state, given = self.context.repertoire.commanded(next_state)
         record = {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(state)}
-        record["goes_on"] = not self.context.repertoire.is_one_shot(state)
-        self._edit({**record, "with": list(given)} if given else record)
+        goes_on = not self.context.repertoire.is_one_shot(state)
+        self._edit({**record, "goes_on": goes_on, **({"with": list(given)} if given else {})})
 
     def retime(self, numbers: Iterable[int], ago: float) -> None:
         """Have commands been due at another time.
