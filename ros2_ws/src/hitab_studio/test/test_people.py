@@ -45,8 +45,10 @@ def test_the_browser_remembers_the_name_of_its_person(tmp_path, monkeypatch):
 
     async def run() -> None:
         session = Studio(lambda: None).open()  # type: ignore[arg-type,return-value]
+        await perform(session, {"do": "ask", "kind": "name"})
+        assert session.dialog["kind"] == "name"
         await perform(session, {"do": "name-set", "values": {"demonstrator": "Änne"}})
-        assert session.demonstrator == "Änne"
+        assert (session.demonstrator, session.dialog) == ("Änne", {})
         told = [json.loads(message) for message in session.outgoing]
         assert {"t": "demonstrator", "name": "Änne"} in told
 

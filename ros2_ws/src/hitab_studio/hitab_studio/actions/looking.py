@@ -11,7 +11,7 @@ MOST_REASON = 300
 """Characters."""
 
 DIALOGS = frozenset(
-    {"help", "reaction", "stop", "caution", "distribute"}
+    {"help", "name", "stop", "caution", "distribute"}
     | {f"{verb}-{what}" for verb in ("rename", "delete") for what in ("recording", "behavior")}
 )
 """Those that `ask` opens."""
