@@ -199,7 +199,7 @@ def test_a_robot_is_seen_on_its_map_with_its_camera_and_nothing_asks_for_a_world
     assert person.place_of(ROBOT) == pytest.approx((X, Y), abs=1e-5)
     # It is commanded as any other.
     person.click("do-TurnLeft")
-    person.sees("waits", "robot_1: stopped")
+    person.sees("waits", "robot_1: waits to be armed: it has just started")
     person.click("arm")
     person.waits_until(lambda: any(v.angular.z > 0 for v in there.driven), "it turns", SECONDS)
     # A sensor that falls silent stops the robot, and what it saw is drawn no more.

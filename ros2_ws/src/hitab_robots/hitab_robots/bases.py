@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
-NAMED_S = 0.5
+NAMED_S = 2.0
 """How long to wait for the name of a program that is new in the ROS graph, s."""
 
-RECORDERS = frozenset(("/rosbag2_recorder", "/foxglove_bridge"))
-"""Programs that only listen, however often they are started."""
+LISTENERS = re.compile(r"/(hitab|rosbag2_recorder|foxglove_bridge|(_ros2cli|rqt_gui_py_node)_\d+)")
+"""Programs that only listen, whenever they are started."""
 
 
 class Bases:
@@ -18,12 +19,13 @@ class Bases:
     A base that was started again has the name of the one before, and another subscription.
 
     Attributes:
+        missing: whether all of them only listen.
         unnamed: whether a new one has no name yet, so that it may be a base that came back.
     """
 
     def __init__(self) -> None:
-        self.unnamed = False
-        self._known: set[bytes] = set()
+        self.missing, self.unnamed = True, False
+        self._known: dict[bytes, str] = {}
         self._names: set[str] = set()
         self._settled = 0.0
 
@@ -34,13 +36,15 @@ class Bases:
             takers: names by identity of the subscription; empty: the name is not known yet.
             now: s; any steady clock.
         """
-        new = {name for identity, name in takers.items() if identity not in self._known}
+        # One may be named late: then it is new once more.
+        new = {name for identity, name in takers.items() if self._known.get(identity) != name}
+        self.missing = all(map(LISTENERS.fullmatch, takers.values()))
         self.unnamed = "" in new and now - self._settled < NAMED_S
         if self.unnamed:
             return set()
-        back = (new & self._names) - RECORDERS
+        back = {name for name in new & self._names if not LISTENERS.fullmatch(name)}
         self._settled = now
-        self._known = set(takers)
+        self._known = dict(takers)
         self._names |= new
         return back
 

@@ -42,6 +42,7 @@ class RelayWatch:
         self._node = node
         self._process = process
         self._cause = ""
+        self._is_replaced = False
         # Not by a clock: this process may be held up itself.
         self._unheard_s = 0.0 if process is None else -STARTING_S
         self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.STREAM)
@@ -65,12 +66,13 @@ class RelayWatch:
         if self._process is not None and (trouble := self._process.trouble(self._unheard_s)):
             self._node.guard.log(trouble)
             self._tell(trouble)
+            self._is_replaced = True
             if self._unheard_s >= AGAIN_S - STARTING_S:
                 self._process.start()
                 self._unheard_s = -STARTING_S
         elif self._unheard_s > HUNG_S:
             self._tell(f"its {names.VELOCITY_RELAY} gives no sign of life")
-        if self._process is not None and self._unheard_s < 0.0:
+        if self._process is not None and self._is_replaced and self._unheard_s < 0.0:
             self._process.stand_in()
 
     def _give_sign(self) -> None:

@@ -174,7 +174,8 @@ class VelocityRelay(GuardedNode):
         if self._matched > before:
             self._gate.rest(now)  # it may hold what it was told by somebody else
             self._still_since = now
-        self._cause("base", "" if self._matched else f"no base takes {topic}")
+        missing = self._bases.missing or not self._matched
+        self._cause("base", f"no base takes {topic}" if missing else "")
 
     def _look_after_agent(self, now: float) -> None:
         """Notice that the agent is dead, or gives no sign of life."""

@@ -8,7 +8,7 @@ DRIVER, ECHO, RECORDER = "/robot_1/driver", "/_ros2cli_7", "/rosbag2_recorder"
 def test_only_a_program_that_was_there_before_has_come_back():
     bases = Bases()
     for takers, back in (
-        ({b"1": DRIVER, b"2": RECORDER}, set()),
+        ({b"2": RECORDER, b"3": ECHO}, set()),
         ({b"1": DRIVER, b"2": RECORDER, b"3": ECHO}, set()),
         ({b"1": DRIVER}, set()),
         ({b"1": DRIVER, b"4": RECORDER, b"5": "/_ros2cli_8"}, set()),
@@ -21,6 +21,7 @@ def test_only_a_program_that_was_there_before_has_come_back():
     ):
         assert bases.look(takers, 1.0) == back, takers
         assert not bases.unnamed
+        assert bases.missing is (DRIVER not in takers.values())
 
 
 def test_one_whose_name_is_not_known_yet_may_be_the_base_and_does_not_move_meanwhile():
@@ -31,6 +32,20 @@ def test_one_whose_name_is_not_known_yet_may_be_the_base_and_does_not_move_meanw
     assert bases.unnamed
     assert bases.look({b"2": DRIVER}, 10.2) == {DRIVER}
     assert not bases.unnamed
+
+
+def test_one_that_is_named_late_has_come_back_all_the_same():
+    bases = Bases()
+    for takers, now, back in (
+        ({}, 0.0, set()),
+        ({b"1": ""}, 2 * NAMED_S, set()),
+        ({b"1": DRIVER}, 3 * NAMED_S, set()),
+        ({}, 4 * NAMED_S, set()),
+        ({b"2": "/other"}, 5 * NAMED_S, set()),
+        ({b"2": "/other", b"3": ""}, 7 * NAMED_S, {""}),
+        ({b"2": "/other", b"3": DRIVER}, 8 * NAMED_S, {DRIVER}),
+    ):
+        assert bases.look(takers, now) == back, takers
 
 
 def test_one_that_the_graph_never_names_moves_and_has_come_back_when_it_is_new_again():
