@@ -6,7 +6,7 @@ from collections import Counter
 from functools import partial
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.support import situation_in_words
+from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.automaton import START
 from hitab_core.domain import Domain
 from hitab_core.learning.transition_tree import TransitionTree
