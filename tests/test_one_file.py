@@ -103,7 +103,7 @@ def test_a_step_that_raises_is_in_the_status_with_its_line_and_the_world_goes_on
     assert step.returncode == 1
     told = " ".join(step.stderr.split())
     assert (
-        f"the world did not reach cycle 1, but rests at cycle 0: paused: step failed: {path}"
+        f"the world did not reach cycle 5, but rests at cycle 0: paused: step failed: {path}"
         in told
     )
     assert hitab("status", "--check").returncode == 1

@@ -204,10 +204,12 @@ def test_a_robot_is_seen_on_its_map_with_its_camera_and_nothing_asks_for_a_world
     person.waits_until(lambda: any(v.angular.z > 0 for v in there.driven), "it turns", SECONDS)
     # A sensor that falls silent stops the robot, and what it saw is drawn no more.
     there.silent = {"scan", "camera"}
-    person.sees("fault", f"sensor scan, /{ROBOT}/scan: silent")
+    person.sees("waits", f"sensor scan, /{ROBOT}/scan: silent")
     page.wait_for_function("studioField.robots.points.length === 0")
     there.silent = set()
-    person.does_not_see("fault")
+    person.sees("waits", "scan has no value, and it must not drive without it; that is over")
+    person.click("arm")
+    person.does_not_see("waits")
     person.click("camera-caption")
     page.wait_for_selector("#camera canvas", state="hidden")
     assert page.locator(".message.bad").count() == 0

@@ -324,6 +324,7 @@ class Held:
     """The stop of a robot, as its link would set it."""
 
     why = ""
+    is_emergency = True
 
     def cause(self, why: str) -> None:
         pass

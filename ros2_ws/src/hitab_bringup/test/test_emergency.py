@@ -125,8 +125,10 @@ def test_robots_are_stopped_and_released_and_re_armed_though_there_is_no_agent(
     assert one.machine.why
     assert not two.machine.why
     waits = hitab(capfd, "arm")[1]
-    assert waits.startswith("robot_1: stopped: emergency stop by")
-    assert waits.endswith("that is over\n  let robot_1 act again: `hitab arm robot_1`\n")
+    assert waits == (
+        "robot_1: waits to be armed: it has just started\n"
+        "  let robot_1 act again: `hitab arm robot_1`\n"
+    )
     assert hitab(capfd, "arm", "--all")[1] == f"robot_1 may act {there}\n"
     assert not one.machine.why
     assert hitab(capfd, "arm")[1] == f"no robot waits {there}\n"

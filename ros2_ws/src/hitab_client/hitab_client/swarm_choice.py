@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 LOOK_SECONDS = 3.0
 """How long to look for a swarm that the registry does not know."""
 
-ALONE_SECONDS = 1.0
-"""How long to look if nobody at all is there, s: the first answer comes much earlier."""
+ALONE_SECONDS = 2.0
+"""How long to look if no other node is found, s; on an idle machine the first one takes 0.1 s."""
 
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 

@@ -44,6 +44,9 @@ class Node:
         self.subscriptions: dict[str, Any] = {}
         self.listeners = [1]
 
+    def get_name(self) -> str:
+        return "person"
+
     def create_publisher(self, kind: Any, topic: str, qos: Any, **options: Any) -> Topic:
         self.topics[topic] = Topic(topic, self.listeners)
         return self.topics[topic]
