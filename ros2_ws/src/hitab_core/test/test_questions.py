@@ -347,3 +347,39 @@ def test_a_question_stays_until_it_is_answered_whatever_is_met_meanwhile(shown: 
     shown.session.answer(asked.number, dismiss=True)
     (other,) = shown.session.asked.find()
     assert other.number != asked.number
+
+
+def test_each_answer_says_which_decisions_it_changes_in_all_states(cart: Driven) -> None:
+    twice(cart)
+    (question,) = cart.session.asked.known()
+    assert [choice.effect for choice in question.choices] == [
+        "deletes examples 3, 4",
+        "deletes examples 7, 8",
+    ], "what follows takes long to find"
+    (question, *_) = cart.session.asked.find()
+    assert [choice.effect for choice in question.choices] == [
+        "deletes examples 3, 4; in Right with Position = 5: Stop instead of Left; "
+        "in Left with Position = 5: Right instead of stay",
+        "deletes examples 7, 8; changes no decision",
+    ]
+    assert cart.session.asked.known()[0] == question
+
+
+def test_an_answer_says_what_it_changes_elsewhere_in_what_was_met(shown: Driven) -> None:
+    shown.agent.test(restart=True)
+    for position in (0.0, 1.0, 2.0, 2.1, 2.2):
+        shown.at(position)
+    while (question := never_shown(shown)) is not None and question.state != "Right":
+        shown.session.answer(question.number, dismiss=True)
+    assert question is not None
+    effects = {choice.name: choice.effect for choice in question.choices}
+    assert effects["Right"] == "adds an example: stay in Right there; changes no decision"
+    assert effects["Stop"] == (
+        "adds an example: go to Stop there; in Right with Position = 2.1, Bump = 0: Stop instead "
+        "of stay; 1 more such decision"
+    )
+    met = [[position, 0.0] for position in (0.0, 1.0, 2.0, 2.1, 2.2, 5.0)]
+    before = list(shown.session.automaton().transitions["Right"].predict(met))
+    shown.session.answer(question.number, "Stop")
+    after = list(shown.session.automaton().transitions["Right"].predict(met))
+    assert sum(was != now for was, now in zip(before, after, strict=True)) == 2
