@@ -358,9 +358,9 @@ def test_each_answer_says_which_decisions_it_changes_in_all_states(cart: Driven)
     ], "what follows takes long to find"
     (question, *_) = cart.session.asked.find()
     assert [choice.effect for choice in question.choices] == [
-        "deletes examples 3, 4; in Right with Position = 5: Stop instead of Left; "
+        "deletes examples 3, 4; in Right with Position = 5: Stop instead of Left or Stop; "
         "in Left with Position = 5: Right instead of stay",
-        "deletes examples 7, 8; changes no decision",
+        "deletes examples 7, 8; in Right with Position = 5: Left instead of Left or Stop",
     ]
     assert cart.session.asked.known()[0] == question
 

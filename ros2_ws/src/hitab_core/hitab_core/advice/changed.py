@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ class Changed(NamedTuple):
     Attributes:
         evidence: the examples of its state, as they will be.
         situation: in which it is made.
-        was, now: the state that follows.
+        was, now: what follows, such as ``Stop``, ``stay``, or ``Stop or stay`` by chance.
     """
 
     evidence: Evidence
@@ -43,6 +44,10 @@ def changed(before: Evidence, after: Evidence, met: Sequence[Sequence[float]]) -
 
 
 def _decided(evidence: Evidence, values: Floats) -> list[str]:
+    """Return what follows in each row, as `Changed.was`."""
     tree = evidence.learn()
+    labels = [evidence.state] if tree is None else tree.labels
+    names = ["stay" if label == evidence.state else label for label in labels]
     # Without examples a state stays as it is.
-    return [evidence.state] * len(values) if tree is None else list(map(str, tree.predict(values)))
+    odds = np.ones((len(values), 1)) if tree is None else tree.predict_proba(values)
+    return [" or ".join(compress(names, row > 0.0)) for row in odds]

@@ -58,10 +58,8 @@ def answered(state: str, next_state: str) -> str:
 def effect(what: str, changed: Sequence[Changed]) -> str:
     """Return what an answer does, with the first decision of each state that it changes."""
     first: dict[str, str] = {}
-    for evidence, values, *labels in changed:
-        state = evidence.state
-        if state not in first:
-            was, now = ("stay" if label == state else label for label in labels)
+    for evidence, values, was, now in changed:
+        if (state := evidence.state) not in first:
             first[state] = f"in {state}{situation(evidence, values)}: {now} instead of {was}"
     more = len(changed) - len(first)
     others = [quantity(more, "more such decision")] if more else []
