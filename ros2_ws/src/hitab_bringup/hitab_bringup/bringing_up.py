@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import shutil
 import tempfile
 import time
@@ -15,9 +16,11 @@ from hitab_msgs.msg import WorldState
 from hitab_bringup import supervision
 from hitab_bringup.libraries import read_only
 from hitab_bringup.swarm_description import SwarmDescription
+from hitab_bringup.swarm_file import parameter_places
 from hitab_bringup.unsaved_trainings import announcements
 from hitab_client import (
     CommandView,
+    DescriptionError,
     NamesTakenError,
     RosLink,
     RunFolder,
@@ -234,7 +237,7 @@ def _answering(
             if progress is not None:
                 progress(total - len(names), total, ", ".join(names[:3]))
             if names and time.monotonic() >= next_look:
-                _refuse_failed(record, folder, agents, world)
+                _refuse_failed(swarm, record, folder, agents, world)
                 next_look = time.monotonic() + LOOK_SECONDS
             return not names
 
@@ -257,22 +260,30 @@ def _is_exact(swarm: SwarmDescription) -> bool:
 
 
 def _refuse_failed(
-    record: RunRecord, folder: RunFolder, agents: SwarmClient, world: WorldClient
+    swarm: SwarmDescription,
+    record: RunRecord,
+    folder: RunFolder,
+    agents: SwarmClient,
+    world: WorldClient,
 ) -> None:
     """Raise if a process has ended; an agent whose name is taken may notice it first.
 
     Raises:
         NamesTakenError: if names are taken.
         SwarmError: naming the process, if it has another reason.
+        DescriptionError: naming the line of the swarm file that is the reason.
     """
     try:
         supervision.refuse_failed(record, folder)
-    except SwarmError:
+    except SwarmError as error:
         agents.link.spin_until(
             lambda: bool(agents.strangers) or world.stranger is not None, STRANGER_SECONDS
         )
         _refuse_taken(record, agents, world)
-        raise
+        wrong = re.search(r'the parameter "([\w.]+)" is ', str(error))
+        if wrong is None or not (places := parameter_places(swarm.file, wrong[1])):
+            raise
+        raise DescriptionError(f"{', '.join(places)}: {error}") from error
 
 
 # -- what to know -------------------------------------------------------------------------------
