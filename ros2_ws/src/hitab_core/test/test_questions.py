@@ -294,13 +294,35 @@ def test_a_state_that_no_example_leaves_is_asked_about(shown: Driven) -> None:
     assert "Stop" in states
 
 
+def turret(folder: Path) -> Driven:
+    """Return what fires or waits by a bearing."""
+    bearing = Feature("Bearing", lambda body: body.percept[0], FeatureKind.TOROIDAL, period=360.0)
+    domain = plain_domain("turret", {"Wait": [0.0], "Fire": [1.0]}, [bearing])
+    return Driven(folder, "Bearing", domain=domain)
+
+
+def test_an_answer_overrules_what_was_taken_for_granted_there_on_both_halves_of_a_circle(
+    tmp_path: Path,
+) -> None:
+    driven = turret(tmp_path)
+    driven.show(90.0, "Wait")
+    driven.show(-3.0, "Fire")
+    while (question := never_shown(driven)) is not None and question.state != "Fire":
+        driven.session.answer(question.number, dismiss=True)
+    assert question is not None
+    assert question.situation == (-3.0,)
+    (choice,) = [choice for choice in question.choices if choice.name == "Wait"]
+    assert choice.effect.endswith("; in Fire with Bearing = -3: Wait instead of stay")
+    driven.session.answer(question.number, "Wait")
+    assert list(driven.session.automaton().transitions["Fire"].predict([[-3.0]])) == ["Wait"]
+    assert [e.number for e in driven.session.examples if not e.is_learned] == [4]
+
+
 @pytest.mark.parametrize(("before", "last"), [(10.0, 180.0), (30.0, -20.0)])
 def test_one_question_tells_how_far_a_side_of_a_circle_goes(
     tmp_path: Path, before: float, last: float
 ) -> None:
-    bearing = Feature("Bearing", lambda body: body.percept[0], FeatureKind.TOROIDAL, period=360.0)
-    turret = plain_domain("turret", {"Wait": [0.0], "Fire": [1.0]}, [bearing])
-    driven = Driven(tmp_path, "Bearing", domain=turret)
+    driven = turret(tmp_path)
 
     def meant(place: float) -> str:
         return "Fire" if min(20, last) <= (place + 90) % 360 - 90 <= max(20, last) else "Wait"
