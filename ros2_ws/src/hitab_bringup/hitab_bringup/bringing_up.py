@@ -220,6 +220,7 @@ def _answering(
         # Otherwise a commander starts with the members that it knows, and the others join later.
         commanders = [c.name for c in swarm.commanders] if _is_exact(swarm) else []
         view.watch(commanders)
+        starting = RunningSwarm(folder, record, link, agents, world)
         total = len(record.agents) + record.world
         next_look = time.monotonic()
 
@@ -237,7 +238,7 @@ def _answering(
             if progress is not None:
                 progress(total - len(names), total, ", ".join(names[:3]))
             if names and time.monotonic() >= next_look:
-                _refuse_failed(swarm, record, folder, agents, world)
+                _refuse_failed(swarm.file, starting)
                 next_look = time.monotonic() + LOOK_SECONDS
             return not names
 
@@ -251,7 +252,7 @@ def _answering(
                 f"{folder.log(names[0])}:\n{lines}",
                 Do.DOCTOR(),
             )
-        yield RunningSwarm(folder, record, link, agents, world)
+        yield starting
 
 
 def _is_exact(swarm: SwarmDescription) -> bool:
@@ -259,13 +260,7 @@ def _is_exact(swarm: SwarmDescription) -> bool:
     return swarm.world is not None and swarm.world.pace == "lockstep"
 
 
-def _refuse_failed(
-    swarm: SwarmDescription,
-    record: RunRecord,
-    folder: RunFolder,
-    agents: SwarmClient,
-    world: WorldClient,
-) -> None:
+def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
     """Raise if a process has ended; an agent whose name is taken may notice it first.
 
     Raises:
@@ -274,14 +269,15 @@ def _refuse_failed(
         DescriptionError: naming the line of the swarm file that is the reason.
     """
     try:
-        supervision.refuse_failed(record, folder)
+        supervision.refuse_failed(swarm.record, swarm.folder)
     except SwarmError as error:
-        agents.link.spin_until(
+        agents, world = swarm.agents, swarm.world
+        swarm.link.spin_until(
             lambda: bool(agents.strangers) or world.stranger is not None, STRANGER_SECONDS
         )
-        _refuse_taken(record, agents, world)
+        _refuse_taken(swarm.record, agents, world)
         wrong = re.search(r'the parameter "([\w.]+)" is ', str(error))
-        if wrong is None or not (places := parameter_places(swarm.file, wrong[1])):
+        if wrong is None or not (places := parameter_places(file, wrong[1])):
             raise
         raise DescriptionError(f"{', '.join(places)}: {error}") from error
 

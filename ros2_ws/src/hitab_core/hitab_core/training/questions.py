@@ -140,7 +140,7 @@ class Questions:
                 for changes in self._changes(choice, question, given, evidence):
                     decisions += changes
                     yield
-                    if self._about is not examples:
+                    if self._log.examples is not examples:
                         return
                 effect = question_texts.effect(choice.effect, decisions)
                 choices.append(replace(choice, effect=effect))
