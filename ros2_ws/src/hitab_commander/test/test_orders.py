@@ -320,7 +320,7 @@ def test_who_is_stopped_or_out_of_reach_is_not_counted_among_those_that_perform(
     a, b = (team.ant(name, "chief") for name in ANTS)
     team.perform("chief", "Retreat")
     team.until(lambda: team.obeying() == [True, True])
-    a.stop = SimpleNamespace(why="stopped: a dog", is_emergency=False, cause=lambda why: None)
+    a.stop = SimpleNamespace(why="stopped: a dog", is_emergency=True, cause=lambda why: None)
     a.stop_changed()
     team.until(lambda: team.obeying() == [False, True])
     first, second = team.groups["chief"].subordinates
