@@ -37,6 +37,7 @@ def test_a_question_about_two_commands_is_answered_with_one_key_and_can_be_dismi
     number = swarm.agents.training(ONE, searched=True).questions[0].number
     proposed = person.page.wait_for_selector(f'[data-test="question-{number}"] button.strong')
     assert proposed.inner_text().split() == ["GoSlow", "A"]
+    person.sees(f"question-{number}", "instead of GoSlow or Stop")
     person.page.keyboard.press("a")
     person.waits_until(lambda: not contradicted(), "it was not answered")
     assert all(

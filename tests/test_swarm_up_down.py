@@ -27,6 +27,14 @@ domain: keepaway
 agents: {broken_agent: {}}
 """
 
+WRONG_TYPE = """\
+swarm: mistyped
+domain: keepaway
+agents:
+  mistyped_agent:
+    parameters: {out_of_reach_after: soon}
+"""
+
 
 def described(folder: Path, text: str) -> str:
     path = folder / "swarm.yaml"
@@ -77,6 +85,16 @@ def test_what_does_not_start_is_told_with_its_log_and_nothing_is_left(hitab, apa
     assert "taker_speed is -1.0; it must not be negative" in up.stderr
     assert "Traceback" not in up.stderr
     assert RunFolder.of_swarm("broken").processes() == []
+
+
+def test_a_parameter_of_another_type_is_told_with_its_line_in_the_swarm_file(hitab, apart):
+    path = described(apart, WRONG_TYPE)
+    up = hitab("up", path)
+    assert up.returncode == 1
+    assert up.stderr.startswith(f"error: {path}:5: mistyped_agent ended while starting; ")
+    told = 'the parameter "out_of_reach_after" is the text "soon"; it must be such as 5.0'
+    assert told in up.stderr
+    assert "Traceback" not in up.stderr
 
 
 @pytest.fixture

@@ -99,7 +99,7 @@ class AgentNode(AgentBase):
         self.status = StatusPublisher(
             self,
             self.agent,
-            settings.swarm,
+            settings,
             self.shared,
             self.transition_log,
             self._prepare_status,

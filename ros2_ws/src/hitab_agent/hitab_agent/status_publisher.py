@@ -9,6 +9,7 @@ from typing import NamedTuple
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
+from hitab_agent.settings import AgentSettings
 from hitab_agent.shared import Shared
 from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
@@ -45,7 +46,7 @@ class StatusPublisher:
         self,
         node: GuardedNode,
         agent: Agent,
-        swarm: str,
+        settings: AgentSettings,
         shared: Shared,
         transitions: TransitionLog,
         prepare: Callable[[], None],
@@ -55,12 +56,14 @@ class StatusPublisher:
         Args:
             node: of the agent.
             agent: the agent.
-            swarm: identity of its swarm; empty: none.
+            settings: how it is set up.
             shared: what the agents of its process share.
             transitions: its state changes.
             prepare: called before each status.
         """
-        self.message = msg.AgentStatus(agent=agent.name, domain=agent.domain.name, swarm=swarm)
+        self.message = msg.AgentStatus(agent=agent.name, domain=agent.domain.name)
+        self.message.swarm = settings.swarm
+        self.message.when_out_of_reach = settings.when_out_of_reach
         self.path: list[str] = []
         self.superior: SuperiorLink | None = None
         self.together = ""

@@ -40,7 +40,11 @@ class Robot:
             "own",
             "1",
             Body,
-            behaviors=[BasicBehavior("Go"), BasicBehavior("Stop", stands_still=True)],
+            behaviors=[
+                BasicBehavior("Go"),
+                BasicBehavior("Turn"),
+                BasicBehavior("Stop", stands_still=True),
+            ],
             features=[Feature("X", lambda body: body.x)],
             link=f"{__name__}:Link",
         )
@@ -114,6 +118,7 @@ def test_what_is_commanded_before_it_is_re_armed_is_refused_with_the_way_out(rob
 
 def test_a_robot_out_of_reach_halts_if_it_is_to_and_drives_only_once_re_armed(start):
     robot = Robot(start, when_out_of_reach="halt", out_of_reach_after=1.0)
+    assert robot.one.status.when_out_of_reach == "halt"
     assert robot.arm() == ""
     assert robot.drives(), "a console that was never there is not lost"
     there = [True]
@@ -131,6 +136,43 @@ def test_a_robot_out_of_reach_halts_if_it_is_to_and_drives_only_once_re_armed(st
     assert not robot.drives()
     assert robot.arm() == ""
     assert robot.drives()
+
+
+@pytest.mark.parametrize("first", ["stop", "order"])
+def test_an_order_that_comes_late_with_a_stop_moves_nothing_until_the_robot_is_re_armed(
+    start, first
+):
+    """As after a cut of the link, when all that was sent meanwhile arrives in any order."""
+    robot = Robot(start, commander="chief")
+    desk, agent = robot.process.node, robot.node.agent
+    orders = desk.create_publisher(msg.Order, f"/chief/{names.ORDER}", qos.LATCHED)
+    robot.process.until(orders.get_subscription_count)
+    assert robot.arm() == ""
+    assert robot.drives()
+
+    def order(number: int, behavior: str) -> None:
+        fields = {"receivers": [""], "behaviors": [behavior], "epoch": 1, "sequence": number}
+        orders.publish(msg.Order(commander="chief", order=behavior, **fields))
+
+    def stop() -> None:
+        robot.switch.set(True, "ann", "a dog")
+
+    for send in [stop, lambda: order(1, "Turn")][:: 1 if first == "stop" else -1]:
+        send()
+    robot.process.until(lambda: robot.node.stop.is_emergency and agent.behavior == "Turn")
+    assert not robot.drives()
+    order(2, "Go")
+    robot.process.until(lambda: agent.behavior == "Go")
+    assert not robot.drives()
+    assert "by ann (a dog)" in robot.arm()
+    robot.switch.set(False, "ann")
+    robot.process.until(lambda: not robot.states[-1].causes)
+    order(3, "Turn")
+    robot.process.until(lambda: agent.behavior == "Turn")
+    assert not robot.drives(), "a released stop is no order to move"
+    assert robot.arm() == ""
+    assert robot.drives()
+    assert agent.behavior == "Turn", "the newest order"
 
 
 def test_what_is_to_happen_out_of_reach_is_one_of_two_things(start):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import shutil
 import tempfile
 import time
@@ -15,9 +16,11 @@ from hitab_msgs.msg import WorldState
 from hitab_bringup import supervision
 from hitab_bringup.libraries import read_only
 from hitab_bringup.swarm_description import SwarmDescription
+from hitab_bringup.swarm_file import parameter_places
 from hitab_bringup.unsaved_trainings import announcements
 from hitab_client import (
     CommandView,
+    DescriptionError,
     NamesTakenError,
     RosLink,
     RunFolder,
@@ -217,6 +220,7 @@ def _answering(
         # Otherwise a commander starts with the members that it knows, and the others join later.
         commanders = [c.name for c in swarm.commanders] if _is_exact(swarm) else []
         view.watch(commanders)
+        starting = RunningSwarm(folder, record, link, agents, world)
         total = len(record.agents) + record.world
         next_look = time.monotonic()
 
@@ -234,7 +238,7 @@ def _answering(
             if progress is not None:
                 progress(total - len(names), total, ", ".join(names[:3]))
             if names and time.monotonic() >= next_look:
-                _refuse_failed(record, folder, agents, world)
+                _refuse_failed(swarm.file, starting)
                 next_look = time.monotonic() + LOOK_SECONDS
             return not names
 
@@ -248,7 +252,7 @@ def _answering(
                 f"{folder.log(names[0])}:\n{lines}",
                 Do.DOCTOR(),
             )
-        yield RunningSwarm(folder, record, link, agents, world)
+        yield starting
 
 
 def _is_exact(swarm: SwarmDescription) -> bool:
@@ -256,23 +260,26 @@ def _is_exact(swarm: SwarmDescription) -> bool:
     return swarm.world is not None and swarm.world.pace == "lockstep"
 
 
-def _refuse_failed(
-    record: RunRecord, folder: RunFolder, agents: SwarmClient, world: WorldClient
-) -> None:
+def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
     """Raise if a process has ended; an agent whose name is taken may notice it first.
 
     Raises:
         NamesTakenError: if names are taken.
         SwarmError: naming the process, if it has another reason.
+        DescriptionError: naming the line of the swarm file that is the reason.
     """
     try:
-        supervision.refuse_failed(record, folder)
-    except SwarmError:
-        agents.link.spin_until(
+        supervision.refuse_failed(swarm.record, swarm.folder)
+    except SwarmError as error:
+        agents, world = swarm.agents, swarm.world
+        swarm.link.spin_until(
             lambda: bool(agents.strangers) or world.stranger is not None, STRANGER_SECONDS
         )
-        _refuse_taken(record, agents, world)
-        raise
+        _refuse_taken(swarm.record, agents, world)
+        wrong = re.search(r'the parameter "([\w.]+)" is ', str(error))
+        if wrong is None or not (places := parameter_places(file, wrong[1])):
+            raise
+        raise DescriptionError(f"{', '.join(places)}: {error}") from error
 
 
 # -- what to know -------------------------------------------------------------------------------

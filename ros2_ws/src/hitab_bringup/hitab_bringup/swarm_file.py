@@ -37,7 +37,7 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_core import HitabError, has
 from hitab_core.library import SUFFIX
 from hitab_core.library.yaml_models import open_record
-from hitab_core.library.yaml_places import Complaints, read_text, read_yaml
+from hitab_core.library.yaml_places import Complaints, open_yaml, read_text, read_yaml
 from hitab_ros.names import WORLD
 
 FORMAT = 2
@@ -89,6 +89,15 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
     kept = (file for run in runs for file in run.glob(f"libraries/*/*{SUFFIX}"))
     words = Words(frozenset(file.name.removesuffix(SUFFIX) for file in kept))
     return _Reader(file, Complaints(document), path, words).swarm(name)
+
+
+def parameter_places(path: Path, name: str) -> list[str]:
+    """Return the lines of a swarm file, as ``file:line``, that set a parameter of its nodes."""
+    if path.suffix == FILE:  # a world alone
+        return []
+    document = open_yaml(path, error=DescriptionError)
+    end = ("parameters", *name.removeprefix("parameters.").split("."))
+    return [document.place(place) for place in document.lines if place[-len(end) :] == end]
 
 
 def world_module(kind: str) -> str:

@@ -294,13 +294,35 @@ def test_a_state_that_no_example_leaves_is_asked_about(shown: Driven) -> None:
     assert "Stop" in states
 
 
+def turret(folder: Path) -> Driven:
+    """Return what fires or waits by a bearing."""
+    bearing = Feature("Bearing", lambda body: body.percept[0], FeatureKind.TOROIDAL, period=360.0)
+    domain = plain_domain("turret", {"Wait": [0.0], "Fire": [1.0]}, [bearing])
+    return Driven(folder, "Bearing", domain=domain)
+
+
+def test_an_answer_overrules_what_was_taken_for_granted_there_on_both_halves_of_a_circle(
+    tmp_path: Path,
+) -> None:
+    driven = turret(tmp_path)
+    driven.show(90.0, "Wait")
+    driven.show(-3.0, "Fire")
+    while (question := never_shown(driven)) is not None and question.state != "Fire":
+        driven.session.answer(question.number, dismiss=True)
+    assert question is not None
+    assert question.situation == (-3.0,)
+    (choice,) = [choice for choice in question.choices if choice.name == "Wait"]
+    assert choice.effect.endswith("; in Fire with Bearing = -3: Wait instead of stay")
+    driven.session.answer(question.number, "Wait")
+    assert list(driven.session.automaton().transitions["Fire"].predict([[-3.0]])) == ["Wait"]
+    assert [e.number for e in driven.session.examples if not e.is_learned] == [4]
+
+
 @pytest.mark.parametrize(("before", "last"), [(10.0, 180.0), (30.0, -20.0)])
 def test_one_question_tells_how_far_a_side_of_a_circle_goes(
     tmp_path: Path, before: float, last: float
 ) -> None:
-    bearing = Feature("Bearing", lambda body: body.percept[0], FeatureKind.TOROIDAL, period=360.0)
-    turret = plain_domain("turret", {"Wait": [0.0], "Fire": [1.0]}, [bearing])
-    driven = Driven(tmp_path, "Bearing", domain=turret)
+    driven = turret(tmp_path)
 
     def meant(place: float) -> str:
         return "Fire" if min(20, last) <= (place + 90) % 360 - 90 <= max(20, last) else "Wait"
@@ -347,3 +369,39 @@ def test_a_question_stays_until_it_is_answered_whatever_is_met_meanwhile(shown: 
     shown.session.answer(asked.number, dismiss=True)
     (other,) = shown.session.asked.find()
     assert other.number != asked.number
+
+
+def test_each_answer_says_which_decisions_it_changes_in_all_states(cart: Driven) -> None:
+    twice(cart)
+    (question,) = cart.session.asked.known()
+    assert [choice.effect for choice in question.choices] == [
+        "deletes examples 3, 4",
+        "deletes examples 7, 8",
+    ], "what follows takes long to find"
+    (question, *_) = cart.session.asked.find()
+    assert [choice.effect for choice in question.choices] == [
+        "deletes examples 3, 4; in Right with Position = 5: Stop instead of Left or Stop; "
+        "in Left with Position = 5: Right instead of stay",
+        "deletes examples 7, 8; in Right with Position = 5: Left instead of Left or Stop",
+    ]
+    assert cart.session.asked.known()[0] == question
+
+
+def test_an_answer_says_what_it_changes_elsewhere_in_what_was_met(shown: Driven) -> None:
+    shown.agent.test(restart=True)
+    for position in (0.0, 1.0, 2.0, 2.1, 2.2):
+        shown.at(position)
+    while (question := never_shown(shown)) is not None and question.state != "Right":
+        shown.session.answer(question.number, dismiss=True)
+    assert question is not None
+    effects = {choice.name: choice.effect for choice in question.choices}
+    assert effects["Right"] == "adds an example: stay in Right there; changes no decision"
+    assert effects["Stop"] == (
+        "adds an example: go to Stop there; in Right with Position = 2.1, Bump = 0: Stop instead "
+        "of stay; 1 more such decision"
+    )
+    met = [[position, 0.0] for position in (0.0, 1.0, 2.0, 2.1, 2.2, 5.0)]
+    before = list(shown.session.automaton().transitions["Right"].predict(met))
+    shown.session.answer(question.number, "Stop")
+    after = list(shown.session.automaton().transitions["Right"].predict(met))
+    assert sum(was != now for was, now in zip(before, after, strict=True)) == 2

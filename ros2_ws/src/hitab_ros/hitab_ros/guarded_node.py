@@ -7,9 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from hitab_core import HitabError
+from hitab_core.library.yaml_places import kind_of
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.guard import Guard
 
@@ -51,14 +54,24 @@ class GuardedNode(Node):
         """React to a change of the faults, for example by publishing a status."""
 
     def declare_parameter(self, name: str, value: Any = None, *args: Any, **options: Any) -> Any:
-        """Declare a parameter; see `rclpy.node.Node`. Whole numbers are taken for its floats."""
+        """Declare a parameter; see `rclpy.node.Node`. Whole numbers are taken for its floats.
+
+        Raises:
+            HitabError: if its value is of another type than that which was declared.
+        """
         given = self._parameter_overrides.get(name)
         default = value[0] if isinstance(value, list | tuple) and value else value
         if given is not None and isinstance(default, float) and given.type_ in WHOLE:
             is_one = given.type_ is Parameter.Type.INTEGER
             floats = float(given.value) if is_one else list(map(float, given.value))
             self._parameter_overrides[name] = Parameter(name, value=floats)
-        return super().declare_parameter(name, value, *args, **options)
+        try:
+            return super().declare_parameter(name, value, *args, **options)
+        except InvalidParameterTypeException as error:
+            is_now = kind_of(self._parameter_overrides[name].value)
+            raise HitabError(
+                f'the parameter "{name}" is {is_now}; it must be such as {value}'
+            ) from error
 
     def create_subscription(
         self,

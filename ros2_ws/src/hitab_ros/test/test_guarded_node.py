@@ -55,14 +55,16 @@ class Pair:
         return future.result()
 
 
-def test_whole_numbers_are_taken_for_the_floats_of_a_node():
-    given = {"rate": 20, "limits": [1, 2], "count": 3}
+def test_whole_numbers_are_taken_for_the_floats_of_a_node_and_other_types_refused():
+    given = {"rate": 20, "limits": [1, 2], "count": 3, "mode": "fast"}
     with context_of_its_own() as context:
         overrides = [Parameter(name, value=value) for name, value in given.items()]
         node = GuardedNode("node", context=context, parameter_overrides=overrides)
         assert node.declare_parameter("rate", 5.0).value == 20.0
         assert list(node.declare_parameter("limits", [0.5, 0.5]).value) == [1.0, 2.0]
         assert type(node.declare_parameter("count", 1).value) is int
+        with pytest.raises(HitabError, match='"mode" is the text "fast"; it must be such as 1'):
+            node.declare_parameter("mode", 1.5)
         node.destroy_node()
 
 

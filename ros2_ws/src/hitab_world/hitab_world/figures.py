@@ -8,7 +8,6 @@ from types import SimpleNamespace
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 
 from hitab_core import HitabError, has
@@ -62,11 +61,5 @@ def declare(node: Node, name: str, figure: Field[Any], description: str = "") ->
     Raises:
         HitabError: if it has another type.
     """
-    default = figure.default
     descriptor = ParameterDescriptor(description=description, read_only=True)
-    try:
-        return node.declare_parameter(name, default, descriptor).value
-    except InvalidParameterTypeException as error:
-        raise HitabError(
-            f"{figure.name} has the wrong type; give a value such as -p {name}:={default}"
-        ) from error
+    return node.declare_parameter(name, figure.default, descriptor).value

@@ -55,12 +55,9 @@ def test_several_dataclasses_give_the_figures_of_one_world(node_given):
         ("widht:=3.0", r'this world has no parameter "widht" \(known: frozen, leaves, width. Did'),
         (
             "width:=wide",
-            "width has the wrong type; give a value such as -p parameters.width:=5.0",
+            'the parameter "parameters.width" is the text "wide"; it must be such as 5.0',
         ),
-        (
-            "leaves:=2.5",
-            "leaves has the wrong type; give a value such as -p parameters.leaves:=3",
-        ),
+        ("leaves:=2.5", 'the parameter "parameters.leaves" is 2.5; it must be such as 3'),
     ],
 )
 def test_what_cannot_be_is_refused_by_name(node_given, figure, told):

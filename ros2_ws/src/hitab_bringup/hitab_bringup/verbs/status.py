@@ -14,7 +14,7 @@ from hitab_bringup.verbs.showing import plain
 from hitab_client import SwarmError, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_client.commands import as_command
-from hitab_core import Do, each_once, natural, quantity
+from hitab_core import Do, each_once, natural, quantity, some
 
 if TYPE_CHECKING:
     from hitab_client import SignsOfLife
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 AGENT = (
     "domain mode behavior active_path examples default_examples cycle library_digest last_error "
-    "faults stopped note unsure questions remarks"
+    "faults stopped when_out_of_reach note unsure questions remarks"
 )
 WORLD = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
 """Fields of statuses that are shown."""
@@ -196,6 +196,8 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
     mute = dict.fromkeys(why.process for why in silent.values() if why is not None)
     ways |= dict.fromkeys(as_command(Do.LOGS(node=process)) for process in mute)
     lines += [console.line(way) for way in [*ways][:WAYS_MAX]]
+    halt = [a["agent"] for a in data["agents"] if a["when_out_of_reach"] == "halt"]
+    lines += [console.line(f"halt when out of reach: {some(halt)}")] if halt else []
     lines += [console.line(f"{a['agent']} {a['note']}") for a in data["agents"] if a["note"]]
     lines += [console.line(kept) for agent in data["agents"] if (kept := _kept(agent))]
     logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""

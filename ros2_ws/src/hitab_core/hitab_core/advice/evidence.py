@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -84,6 +85,10 @@ class Evidence:
         Raises:
             VocabularyError, FeatureValueError, ValueError: as `TransitionTree.fit`.
         """
+        return self._learned
+
+    @cached_property
+    def _learned(self) -> TransitionTree | None:
         spec = ClassifierSpec.parse(self.classifier)
         if spec.name != TREE or not self.next_states:
             return None

@@ -119,7 +119,9 @@ def unshown(
         place, most = int(there[len(there) // 2]), half
     if most < LEAST:
         return None
-    situation = tuple(situations[place].tolist())
+    # As it was met: an answer overrules a default example that has the same values.
+    as_met = {str(evidence.placed(values)): tuple(values) for values in met}
+    situation = as_met[str(tuple(situations[place].tolist()))]
     tree = evidence.learn()
     # Without examples a state stays as it is.
     decided = "" if shown else evidence.state

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from hitab_core.advice.changed import Changed
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.situation_text import situation_in_words
 from hitab_core.advice.unshown import Unshown
 from hitab_core.example import Example
-from hitab_core.wording import numbered, some
+from hitab_core.wording import numbered, quantity, some
 
 SHOWN = 4
 """Of a situation with more values, those are named that the decision depends on."""
@@ -52,6 +53,17 @@ def answered(state: str, next_state: str) -> str:
     if next_state == state:
         return f"adds an example: stay in {state} there"
     return f"adds an example: go to {next_state} there"
+
+
+def effect(what: str, changed: Sequence[Changed]) -> str:
+    """Return what an answer does, with the first decision of each state that it changes."""
+    first: dict[str, str] = {}
+    for evidence, values, was, now in changed:
+        if (state := evidence.state) not in first:
+            first[state] = f"in {state}{situation(evidence, values)}: {now} instead of {was}"
+    more = len(changed) - len(first)
+    others = [quantity(more, "more such decision")] if more else []
+    return "; ".join([what, *(first.values() or ["changes no decision"]), *others])
 
 
 def _and(texts: Sequence[str]) -> str:

@@ -8,17 +8,21 @@ asks it again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from hitab_core.advice.changed import Changed, changed
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.unshown import Unshown, unshown
 from hitab_core.arrays import Booleans
 from hitab_core.automaton import FLAGS, START
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, contradictions
+from hitab_core.learning import TREE
+from hitab_core.learning.classifier_spec import ClassifierSpec
 from hitab_core.training import question_texts
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.question import (
@@ -29,11 +33,15 @@ from hitab_core.training.question import (
     added,
 )
 from hitab_core.training.situations import Situations
+from hitab_core.training.undo import Edit
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
 
 CORRECTED = 2
 """How many other commands a correction outweighs evenly."""
+
+TOLD = 3
+"""Of so many questions at a time, it is found what their answers change."""
 
 
 class Questions:
@@ -60,6 +68,7 @@ class Questions:
         self._about: tuple[Example, ...] | None = None
         self._contradicting: list[Question] = []
         self._known: list[Question] = []
+        self._told: dict[int, Question] = {}  # with what their answers change
         self._searched: Hashable = None
 
     def known(self) -> list[Question]:
@@ -68,6 +77,9 @@ class Questions:
         All contradictions are, and of the others the most useful one.
         """
         self._look_at_examples()
+        return [self._told.get(question.number, question) for question in self._asked()]
+
+    def _asked(self) -> list[Question]:
         asked = [question for question in self._known if question.words not in self._dismissed]
         others = [q for q in asked if q.kind is not QuestionKind.CONTRADICTION]
         return [q for q in asked if q not in others[1:]]
@@ -76,7 +88,7 @@ class Questions:
         """Look for those that are found at once, if the examples have changed."""
         log = self._log
         if self._about is not log.examples:
-            self._about, self._searched = log.examples, None
+            self._about, self._searched, self._told = log.examples, None, {}
             self._known = self._contradicting = self._contradictions(log.contradictory())
 
     def find(self) -> list[Question]:
@@ -92,28 +104,47 @@ class Questions:
     def search(self) -> Iterator[None]:
         """Look for questions, for `find`, in steps between which something else can be done.
 
-        If the examples change meanwhile, the search ends; begin another one.
+        What the answers to the first ones would change is looked for, too. If the examples change
+        meanwhile, the search ends; begin another one.
 
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
         self._look_at_examples()
         examples, news = self._about, self._situations.news
-        if self._searched == news:
-            return
-        found: list[tuple[float, Question]] = []
-        for ranked in self._found(self._material()):
-            if ranked is not None:
-                found.append(ranked)
-            yield
-            if self._about is not examples:
+        if self._searched != news:
+            given = self._material()
+            found: list[tuple[float, Question]] = []
+            for ranked in self._found(given):
+                if ranked is not None:
+                    found.append(ranked)
+                yield
+                if self._about is not examples:
+                    return
+            found.sort(key=lambda ranked: -ranked[0])
+            # What is asked already stays: somebody may be reading it, or about to answer it.
+            asked = [q for q in self._asked() if q not in self._contradicting]
+            others = [question for _, question in found if question not in asked]
+            self._known = [*self._contradicting, *asked, *others]
+            self._searched = news
+        untold = [q for q in self._asked()[:TOLD] if q.number not in self._told]
+        if untold:
+            given = self._material()
+            if ClassifierSpec.parse(given.classifier).name != TREE:
                 return
-        found.sort(key=lambda ranked: -ranked[0])
-        # What is asked already stays: somebody may be reading it, or about to answer it.
-        asked = [q for q in self.known() if q not in self._contradicting]
-        others = [question for _, question in found if question not in asked]
-        self._known = [*self._contradicting, *asked, *others]
-        self._searched = news
+            evidence = {state: given.evidence(state) for state in (START, *given.labels)}
+        for question in untold:
+            choices = []
+            for choice in question.choices:
+                decisions: list[Changed] = []
+                for changes in self._changes(choice, question, given, evidence):
+                    decisions += changes
+                    yield
+                    if self._log.examples is not examples:
+                        return
+                effect = question_texts.effect(choice.effect, decisions)
+                choices.append(replace(choice, effect=effect))
+            self._told[question.number] = replace(question, choices=tuple(choices))
 
     def get(self, number: int) -> Question:
         """Return an open question.
@@ -152,6 +183,18 @@ class Questions:
         key = (kind, *about)
         number = self._numbers.setdefault(key, len(self._numbers) + 1)
         return Question(number, kind, text, state, examples, choices, situation, key)
+
+    def _changes(
+        self, choice: Choice, question: Question, given: Material, evidence: Mapping[str, Evidence]
+    ) -> Iterator[list[Changed]]:
+        """Yield which decisions an answer changes, of those that were met, state by state."""
+        edit = self._log.prepared(choice.record or {"do": ""}) or Edit()
+        after = replace(given, examples=self._log.after(edit))
+        states = (question.state, *(e.state for e in (*edit.gone, *edit.came)))
+        for state in dict.fromkeys(states):
+            met = [values for there, values in given.met if there == state]
+            asked = [question.situation] if state == question.state else []
+            yield changed(evidence[state], after.evidence(state), [*asked, *met])
 
     # -- finding ----------------------------------------------------------------------------
 

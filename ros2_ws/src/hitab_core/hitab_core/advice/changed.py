@@ -1,0 +1,53 @@
+"""Which decisions change with the examples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import compress
+from typing import NamedTuple
+
+import numpy as np
+
+from hitab_core.advice.evidence import Evidence
+from hitab_core.arrays import Floats
+
+
+class Changed(NamedTuple):
+    """A decision that changes.
+
+    Attributes:
+        evidence: the examples of its state, as they will be.
+        situation: in which it is made.
+        was, now: what follows, such as ``Stop``, ``stay``, or ``Stop or stay`` by chance.
+    """
+
+    evidence: Evidence
+    situation: tuple[float, ...]
+    was: str
+    now: str
+
+
+def changed(before: Evidence, after: Evidence, met: Sequence[Sequence[float]]) -> list[Changed]:
+    """Return what a state decides otherwise, in all that was met or shown in it, those met first.
+
+    Raises:
+        FeatureValueError, VocabularyError, ValueError: as learning from the examples.
+    """
+    shown = [row for evidence in (before, after) for row in evidence.values.tolist()]
+    rows = [after.placed(row) for row in (*met, *shown)]
+    rows = list({str(row): row for row in rows}.values())  # missing values are NaN
+    if not rows:
+        return []
+    values = np.array(rows, np.float64).reshape(len(rows), len(after.scales))
+    decisions = zip(rows, _decided(before, values), _decided(after, values), strict=True)
+    return [Changed(after, row, was, now) for row, was, now in decisions if was != now]
+
+
+def _decided(evidence: Evidence, values: Floats) -> list[str]:
+    """Return what follows in each row, as `Changed.was`."""
+    tree = evidence.learn()
+    labels = [evidence.state] if tree is None else tree.labels
+    names = ["stay" if label == evidence.state else label for label in labels]
+    # Without examples a state stays as it is.
+    odds = np.ones((len(values), 1)) if tree is None else tree.predict_proba(values)
+    return [" or ".join(compress(names, row > 0.0)) for row in odds]
