@@ -68,7 +68,8 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
 
 
 def test_one_goes_back_to_a_generation_with_the_team(team):
-    first = steps(team, **NONE).next(ONE)
+    first = steps(team, world=None).next(ONE)
+    assert first.unscored == "there is no world to play in"
     rules = digests(team)
     team.agents.command(ONE, "Stop")
     last = steps(team, **NONE).next(ONE)
@@ -76,6 +77,9 @@ def test_one_goes_back_to_a_generation_with_the_team(team):
     team.agents.command(ONE, "GoSlow")
     with pytest.raises(SwarmError, match=r"1 change to its training .*--discard"):
         steps(team).back(ONE, "Run", first.version)
+    with pytest.raises(SwarmError, match="--wait"):
+        steps(team, wait="sad").back(ONE, "Run", first.version, discard=True)
+    assert len(team.agents.training(ONE).examples) == 6, "nothing has changed"
 
     there = steps(team, **QUICK).back(ONE, "Run", first.version, discard=True)
     assert there.score.episodes == 2

@@ -87,9 +87,8 @@ class Bootstrapping:
         """
         training = self.swarm.training(agent)
         name, arguments = training.name, training.arguments
-        condition = _awaited(self.wait, agent) if self.wait else None
+        condition, mates = self._checked(agent)
         known = read_generations(folder_of(self.run_folder, agent), name)
-        mates = self._mates(agent)
         with standing_still(self.world) as before:
             with contextlib.ExitStack() as at_the_end:
                 with not_interrupted():
@@ -139,7 +138,7 @@ class Bootstrapping:
         self.swarm.await_agent(agent)
         earlier = self.swarm.behavior(agent, behavior, version=version)
         known = read_generations(folder_of(self.run_folder, agent), behavior)
-        self._mates(agent)
+        self._checked(agent)
         under_way = self.swarm.statuses[agent].training and self.swarm.training(agent)
         if under_way and under_way.done and not discard:
             raise SwarmError(
@@ -155,8 +154,9 @@ class Bootstrapping:
 
     # -- doing it ---------------------------------------------------------------------------
 
-    def _mates(self, agent: str) -> list[str]:
-        """Return the teammates, once all are there and free."""
+    def _checked(self, agent: str) -> tuple[Condition | None, list[str]]:
+        """Return what is awaited, and the teammates, once all are there and free."""
+        condition = _awaited(self.wait, agent) if self.wait else None
         self.swarm.await_agents()
         for mate in self.to or self.swarm.expected:
             self.swarm.await_agent(mate)
@@ -168,7 +168,7 @@ class Bootstrapping:
                     Do.SAVE(agent=mate),
                     Do.DISCARD(agent=mate),
                 )
-        return list(dict.fromkeys(mates))
+        return condition, list(dict.fromkeys(mates))
 
     def _begin(
         self, agent: str, what: Learned, bound: Sequence[str], resume: str, discard: bool = False
