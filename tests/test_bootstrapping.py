@@ -6,12 +6,12 @@ import pytest
 from waiting import hanging
 
 from hitab_client import SwarmError
-from hitab_client.bootstrapping import Bootstrapping, Configuration, Evaluation, with_condition
+from hitab_client.bootstrapping import Bootstrapping
 from hitab_client.run_folder import libraries_of
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
-QUICK = Evaluation(episodes=2, seed=5)
-NONE = Evaluation(episodes=0)
+QUICK = {"episodes": 2, "seed": 5}
+NONE = {"episodes": 0}
 
 
 @pytest.fixture
@@ -42,14 +42,13 @@ def digests(team) -> set[str]:
 
 def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(team):
     before = places(team)
-    made = steps(team, who="anna").next(ONE, note="run", evaluation=QUICK)
+    made = steps(team, who="anna", **QUICK).next(ONE, note="run")
 
     assert made.by == "anna" != team.agents.demonstrator
-    assert made.score is not None
     assert (made.score.episodes, made.score.seed, made.examples) == (2, 5, 2)
     assert made.score.figures["seconds"].mean > 0.0
     assert made.score.figures["passes"].mean == 0.0
-    assert made.team == (TWO, THREE)
+    assert not made.unscored
     statuses = team.agents.statuses
     assert [statuses[n].mode for n in (ONE, TWO, THREE)] == ["training", *2 * ["performing"]]
     assert statuses[TWO].behavior == statuses[THREE].behavior == "Run"
@@ -62,61 +61,59 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
     assert places(team) == before, "the evaluation leaves the field as it was arranged"
 
     team.agents.command(ONE, "Stop")
-    child = steps(team).next(ONE, evaluation=QUICK)
-    assert (child.number, child.parent) == (made.number + 1, made.number)
+    child = steps(team, **QUICK).next(ONE)
     assert child.version == made.version + 1
-    again = steps(team).next(ONE, evaluation=QUICK)
+    again = steps(team, **QUICK).next(ONE)
     assert again.score == child.score, "the same seed gives the same score"
 
 
 def test_one_goes_back_to_a_generation_with_the_team(team):
-    work = steps(team)
-    first = work.next(ONE, evaluation=NONE)
+    first = steps(team, world=None).next(ONE)
+    assert first.unscored == "there is no world to play in"
     rules = digests(team)
     team.agents.command(ONE, "Stop")
-    last = work.next(ONE, evaluation=NONE)
+    last = steps(team, **NONE).next(ONE)
     assert digests(team) != rules
     team.agents.command(ONE, "GoSlow")
-    with pytest.raises(SwarmError, match=r"2 examples changed since it was saved.*--discard"):
-        work.back(ONE, "Run", first.number)
+    with pytest.raises(SwarmError, match=r"1 change to its training .*--discard"):
+        steps(team).back(ONE, "Run", first.version)
+    with pytest.raises(SwarmError, match="--wait"):
+        steps(team, wait="sad").back(ONE, "Run", first.version, discard=True)
+    assert len(team.agents.training(ONE).examples) == 6, "nothing has changed"
 
-    there = work.back(ONE, "Run", first.number, discard=True, evaluation=QUICK)
-    assert there.score is not None, "it had no score yet"
-    assert there.restored == (last.version + 1,)
-    saved = team.agents.behavior(ONE, "Run")
-    assert saved.version == last.version + 1
-    assert f"generation {first.number} restored" in saved.note
+    there = steps(team, **QUICK).back(ONE, "Run", first.version, discard=True)
+    assert there.score.episodes == 2
+    assert (there.version, there.note) == (last.version + 1, f"version {first.version} again")
+    assert team.agents.behavior(ONE, "Run").version == there.version
     assert digests(team) == rules
     assert len(team.agents.training(ONE).examples) == 2
     assert {team.agents.statuses[n].behavior for n in (TWO, THREE)} == {"Run"}
 
-    team.agents.command(ONE, "GoMedium")
-    assert work.next(ONE, evaluation=NONE).parent == first.number
-    with pytest.raises(SwarmError, match=r"has no generation 99 \(known: 1, 2"):
-        work.back(ONE, "Run", 99)
+    with pytest.raises(SwarmError, match=r'has no version 99 of "Run" \(known: 1, 2'):
+        steps(team).back(ONE, "Run", 99)
 
 
 def test_ctrl_c_leaves_everything_sound(team):
-    def interrupted_at(doing: str):
+    def interrupted_at(doing: str, **fields):
         def progress(done: int, total: int, what: str) -> None:
             if what.startswith(doing):
                 raise KeyboardInterrupt
 
-        return steps(team, progress=progress)
+        return steps(team, progress=progress, **fields)
 
-    work = interrupted_at("evaluating")
+    work = interrupted_at("evaluating", episodes=1000)
     with pytest.raises(KeyboardInterrupt):
-        work.next(ONE, evaluation=Evaluation(episodes=1000))
-    assert "has no score; go back to generation" in work.left
+        work.next(ONE)
+    assert "is kept without a score" in work.left
+    assert "make a generation of what keeper_1 trains" in work.left
     assert team.agents.statuses[ONE].mode == "training"
     cycle = team.world.step().cycle
     assert team.world.step().cycle == cycle + 1, "the world stands still"
     assert team.world.wait().episodes_left == 0
 
-    work = interrupted_at("waiting")
-    waiting = with_condition(Configuration(), "said: keeper_2", ONE)
+    work = interrupted_at("waiting", wait="said: keeper_2", **NONE)
     with pytest.raises(KeyboardInterrupt):
-        work.next(ONE, evaluation=NONE, configuration=waiting)
+        work.next(ONE)
     assert "is complete and keeper_1 is in training mode" in work.left
     assert team.agents.statuses[ONE].mode == "training"
     assert len(team.agents.training(ONE).examples) == 2
@@ -127,18 +124,18 @@ def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):
     aside = folder.with_name("aside")
     folder.rename(aside)
     folder.write_text("not a folder")
-    work = steps(team, patience=1.0)
+    work = steps(team, patience=1.0, **QUICK)
     with pytest.raises(SwarmError) as wrong, hanging(team, THREE):
-        work.next(ONE, evaluation=QUICK)
+        work.next(ONE)
     folder.unlink()
     aside.rename(folder)
     assert "keeper_2 refuses: " in str(wrong.value)
     assert "keeper_3 does not answer" in str(wrong.value)
-    assert 'go back to generation 1 of "Run" with keeper_1' in str(wrong.value)
+    assert "make a generation of what keeper_1 trains" in str(wrong.value)
     assert team.agents.statuses[ONE].mode == "training"
+    path = team.folder.path / "generations" / ONE / "Run.yaml"
+    assert "keeper_2 refuses: " in path.read_text()
 
-    number = int(str(wrong.value).split("generation ")[1].split()[0])
-    made = steps(team).back(ONE, "Run", number, evaluation=QUICK)
-    assert made.team == (TWO, THREE)
-    assert made.score is not None
-    assert not made.missing
+    made = steps(team, **QUICK).next(ONE)
+    assert made.score.episodes == 2
+    assert {team.agents.statuses[n].behavior for n in (TWO, THREE)} == {"Run"}

@@ -60,7 +60,7 @@ def arrange(swarm: RunningSwarm) -> None:
         "ball": {"x": 0.0, "y": 0.0},
     }
     still = {name: {"vx": 0.0, "vy": 0.0, **place} for name, place in things.items()}
-    swarm.world.changed(lambda: swarm.world.place(still))
+    swarm.world.shown(swarm.world.place(still))
 
 
 def train(person: Any, swarm: RunningSwarm) -> None:

@@ -37,5 +37,5 @@ def test_the_choice_of_states_is_kept_though_all_of_them_were_commanded(
         "Ride", "training", "", "tree", (), (), ("Go", "Stop"), (), (), (), examples, chosen=chosen
     )
     swarm: Any = Swarm()
-    Bootstrapping(swarm, None, tmp_path)._resume("ann", training, replaces=True)
+    Bootstrapping(swarm, None, tmp_path)._resume("ann", training)
     assert swarm.begun["states"] == list(chosen)

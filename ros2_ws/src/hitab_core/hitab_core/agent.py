@@ -331,7 +331,8 @@ class Agent:
 
         Args:
             curriculum: what to train; without features, use those chosen for ``resume``.
-            resume: a trained behavior whose examples to continue from.
+            resume: a trained behavior whose examples to continue from, or a version of it, such as
+                ``Chase@2``.
             discard: give up a training that has not been saved.
 
         Raises:
@@ -346,15 +347,19 @@ class Agent:
             )
         if self.journal.damage and not discard:
             raise TrainingError(self.journal.damage, Do.DISCARD(agent=self.name))
-        name = curriculum.name or resume
+        earlier, _, version = resume.partition("@")
+        name = curriculum.name or earlier
         if name in self.edition.losses.reasons:
             losses = self.edition.losses
             raise LostBehaviorError(refused_name(name, "trained", losses), *losses.remedies[name])
         examples: tuple[Example, ...] = ()
         if resume:
-            curriculum, examples = resumed(
-                curriculum, self.repertoire.get(resume), self.repertoire
+            of = (
+                self.library.shelf.version(earlier, int(version)).automaton
+                if version.isdecimal()
+                else self.repertoire.get(resume)
             )
+            curriculum, examples = resumed(curriculum, of, self.repertoire)
         session = TrainingSession(
             self.context, curriculum, examples, self.journal.write, people=self.people
         )

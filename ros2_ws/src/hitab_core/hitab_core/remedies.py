@@ -39,7 +39,6 @@ class Do(Enum):
     CHECK_LIBRARY = "check the library"
     ACCEPT = "accept {file}, if it was edited on purpose"
     RESTORE = 'bring version {version} of "{behavior}" back in {folder}'
-    RESTORE_OF = 'bring version {version} of "{behavior}" of {agent} back'
     DELETE = 'give "{behavior}" up in {folder}'
     MOVE_AWAY = "move {file} away"
     PUT_INTACT = "put an intact file in the place of {file}"
@@ -47,8 +46,6 @@ class Do(Enum):
     RELOAD = "have the agents of {swarm} read their libraries again"
     # generations
     NEXT_GENERATION = "make a generation of what {agent} trains"
-    GO_BACK = 'go back to generation {generation} of "{behavior}" with {agent}'
-    GENERATIONS = 'list the generations of "{behavior}" of {agent}'
     # worlds and robots
     GO = "release the emergency stop"
     ARM = "let {robot} act again"

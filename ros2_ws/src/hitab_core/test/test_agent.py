@@ -164,6 +164,24 @@ def test_training_goes_on_from_what_was_saved(make):
     assert len(agent.repertoire.automata["Home"].examples) == 6
 
 
+def test_training_goes_on_from_an_earlier_version(make):
+    agent = make()
+    teach_home(agent)
+    agent.save()
+    first = agent.library.digest
+    agent.begin(Curriculum("Home", ()), resume="Home")
+    see(agent, -3.0)
+    agent.command(Use("Right"))
+    agent.save()
+    assert agent.library.digest != first
+    with pytest.raises(LibraryError, match=r'no version 3 of "Home" \(known: 1, 2\)'):
+        agent.begin(Curriculum("Home", ()), resume="Home@3")
+    agent.begin(Curriculum("Home", ()), resume="Home@1")
+    assert len(agent.session.examples) == 4
+    agent.save()
+    assert agent.library.digest == first
+
+
 def test_training_is_resumed_with_the_features_that_were_trimmed(make):
     agent = make()
     curriculum = replace(HOME, features=(Use("x"), Use("SecondsInState")))

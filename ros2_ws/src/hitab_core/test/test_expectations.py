@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from hitab_core import BehaviorLibrary, LearningAgent, LibraryError, plain_domain
-from hitab_core.library import Expectation, reissued
+from hitab_core.library import Expectation
 
 CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position"])
 FAR = Expectation("far", "Right", {"Position": 9.0}, "Left")
@@ -56,17 +56,13 @@ def test_what_blocks_keeps_the_behavior_as_it_was(library):
     assert library.load()["Shuttle"].transitions["Right"].predict([[9.0]]) == ["Left"]
 
 
-def test_it_goes_along_with_copies_renaming_and_another_provenance(library, tmp_path):
+def test_it_goes_along_with_copies_and_renaming(library, tmp_path):
     other = BehaviorLibrary(tmp_path / "other", CART)
     other.install(library.texts())
     assert [one.name for one in other.file("Shuttle").expectations] == ["far"]
     other.rename("Shuttle", "Commute")
     assert other.file("Commute").broken == []
     assert other.file("Commute").expectations[0].features == {"Position": 9.0}
-    text = reissued(other.file("Commute").text, "Commute.hfa.yaml", note="sent")
-    (tmp_path / "other" / "Commute.hfa.yaml").write_text(text)
-    other.load()
-    assert len(other.file("Commute").expectations) == 1
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Generations of what a team performs: made, and brought back, while the pages go on.
+"""Generations of what a team performs: made, and gone back to, while the pages go on.
 
 A page asks for one; it takes up to minutes, since the team plays episodes for a score. Meanwhile
 nothing else is done with the swarm, all pages see how far it is, and any of them may stop it.
@@ -8,54 +8,40 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from hitab_client import SwarmError
-from hitab_client.bootstrapping import (
-    Bootstrapping,
-    Generation,
-    Generations,
-    behaviors_in,
-    folder_of,
-    read_generations,
-)
+from hitab_client.bootstrapping import Bootstrapping, Generations, folder_of, read_generations
 from hitab_client.run_folder import state_home
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.known import Known
 from hitab_studio.swarm_finder import Target
 from hitab_studio.swarm_link import Connected, SwarmLink
 
-Step = Callable[[Bootstrapping], Generation]
-
-BUSY = "{} is at work on a generation of {}: wait until that is done, or stop it."
-
 
 @dataclass
 class Making:
-    """A generation that is being made or brought back, or was.
+    """A generation that is being made or gone back to, or was.
 
     Attributes:
         agent: that is trained.
         behavior: that is trained.
-        doing: what goes on at present, for people.
-        done, total: how much of it; total 0: unknown.
+        doing: what goes on at present, for people; empty: nothing any more.
         said: what was done so far.
-        has_ended: whether nothing goes on any more.
         problem: what went wrong; "" if nothing.
+        is_to_end: whether a page has asked to stop it.
     """
 
     agent: str
     behavior: str
     doing: str = "beginning"
-    done: int = 0
-    total: int = 0
     said: list[str] = field(default_factory=list)
-    has_ended: bool = False
     problem: str = ""
+    is_to_end: bool = False
 
 
 class GenerationMaker:
@@ -73,25 +59,29 @@ class GenerationMaker:
         self.making: Making | None = None
         self._link = link
         self._changed = changed
-        self._stopping = threading.Event()
         self._task: asyncio.Task[None] | None = None
 
     @property
     def why_busy(self) -> str:
         """Why nothing else is to be done with the swarm at present; "" if it may be."""
-        making = self.making
-        if making is None or making.has_ended:
+        made = self.making
+        if made is None or not made.doing:
             return ""
-        return BUSY.format(making.agent, making.behavior)
+        return (
+            f"{made.agent} is at work on a generation of {made.behavior}: wait until that is "
+            "done, or stop it."
+        )
 
-    def begin(self, making: Making, step: Step, known: Known, who: str) -> None:
+    def begin(
+        self, making: Making, step: Callable[[Bootstrapping], Any], known: Known, **options: Any
+    ) -> None:
         """Have a step of bootstrapping done; pages see how far it is.
 
         Args:
             making: what to show of it.
             step: what to do.
             known: of the swarm, whose run folder keeps the generations.
-            who: the demonstrator.
+            options: of `Bootstrapping`.
 
         Raises:
             SwarmError: if another one is under way.
@@ -99,49 +89,38 @@ class GenerationMaker:
         if self.why_busy:
             raise SwarmError(self.why_busy)
         self.making = making
-        self._stopping.clear()
         self._changed()
-        self._task = asyncio.create_task(self._follow(making, step, known, who))
+        self._task = asyncio.create_task(self._follow(making, step, known, options))
 
-    def stop(self) -> None:
-        """End what is under way at the next episode; the training goes on."""
-        self._stopping.set()
+    async def _follow(
+        self,
+        making: Making,
+        step: Callable[[Bootstrapping], Any],
+        known: Known,
+        options: dict[str, Any],
+    ) -> None:
+        loop = asyncio.get_running_loop()
 
-    def dismiss(self) -> None:
-        """Forget the last one."""
-        if not self.why_busy:
-            self.making = None
-            self._changed()
+        def job(swarm: Connected) -> None:  # in a thread
+            def show(doing: str) -> None:
+                making.doing = doing
+                loop.call_soon_threadsafe(self._changed)
 
-    async def _follow(self, making: Making, step: Step, known: Known, who: str) -> None:
-        loop, stopping = asyncio.get_running_loop(), self._stopping
-
-        def show(done: int, total: int, doing: str) -> None:
-            making.done, making.total, making.doing = done, total, doing
-            self._changed()
-
-        def say(text: str) -> None:
-            making.said.append(text)
-            show(0, 0, text)
-
-        def job(swarm: Connected) -> Generation:  # in a thread
             def progress(done: int, total: int, doing: str) -> None:
-                if stopping.is_set():
+                if making.is_to_end:
                     raise SwarmError(f"It was stopped; {steps.left or 'nothing has changed'}.")
-                loop.call_soon_threadsafe(show, done, total, doing)
+                show(f"{doing}, {done} of {total}" if total else doing)
 
-            def told(text: str) -> None:
-                loop.call_soon_threadsafe(say, text)
+            def say(text: str) -> None:
+                making.said.append(text)
+                show(text)
 
+            world = swarm.world if known.world is not None else None
+            folder = kept_in(known.target)
             steps = Bootstrapping(
-                swarm.agents,
-                swarm.world if known.world is not None else None,
-                kept_in(known.target),
-                who=who,
-                say=told,
-                progress=progress,
+                swarm.agents, world, folder, say=say, progress=progress, **options
             )
-            return step(steps)
+            step(steps)
 
         try:
             # It needs nobody in the link's sense: a step that is ended at the first silence of its
@@ -152,7 +131,7 @@ class GenerationMaker:
         except Exception as error:
             logging.getLogger(__name__).exception("a generation of %s", making.behavior)
             making.problem = what_went_wrong(error)
-        making.has_ended = True
+        making.doing = ""
         self._changed()
 
 
@@ -168,19 +147,16 @@ def known_generations(target: Target | None, agent: str, behavior: str) -> Gener
         SwarmError: naming all that is wrong with the file.
     """
     folder = folder_of(kept_in(target), agent)
-    try:
-        written = (folder / f"{behavior}.yaml").stat().st_mtime_ns
-    except OSError:
-        written = 0
-    return _read(folder, agent, behavior, written)
+    path = folder / f"{behavior}.yaml"
+    return _read(folder, behavior, path.stat().st_mtime_ns if path.exists() else 0)
 
 
 def have_generations(target: Target | None, agent: str) -> list[str]:
     """Return the behaviors of an agent that have generations."""
-    return behaviors_in(folder_of(kept_in(target), agent))
+    return [path.stem for path in folder_of(kept_in(target), agent).glob("*.yaml")]
 
 
 @lru_cache(maxsize=32)
-def _read(folder: Path, agent: str, behavior: str, written: int) -> Generations:
+def _read(folder: Path, behavior: str, written: int) -> Generations:
     """Read a file again only if it was written since."""
-    return read_generations(folder, agent, behavior)
+    return read_generations(folder, behavior)

@@ -48,7 +48,8 @@ def train(
         state: A behavior that may be commanded. Repeatable. Default: any.
         parameter: A parameter and its target during the training. Repeatable.
         resume: Resume from the examples of the saved behavior.
-        resume_from: Resume from the examples of another saved behavior.
+        resume_from: Resume from the examples of another saved behavior, or of an earlier version,
+            such as Keepaway@2.
         classifier: Instead of the tree, one of scikit-learn: sklearn.MODULE.CLASS(KEYWORD=VALUE).
         discard: First discard the unsaved training, if any.
 

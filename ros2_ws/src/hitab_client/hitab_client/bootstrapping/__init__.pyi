@@ -1,11 +1,6 @@
-from .configuration import Configuration as Configuration
-from .configuration import read_configuration as read_configuration
-from .configuration import with_condition as with_condition
-from .evaluating import Evaluation as Evaluation
+from .generations import LENGTH as LENGTH
 from .generations import Generation as Generation
 from .generations import Generations as Generations
-from .generations import behaviors_in as behaviors_in
 from .generations import folder_of as folder_of
 from .generations import read_generations as read_generations
-from .generations import record_of as record_of
 from .steps import Bootstrapping as Bootstrapping

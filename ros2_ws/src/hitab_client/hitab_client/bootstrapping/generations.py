@@ -1,251 +1,151 @@
-"""The generations of behavior bootstrapping, as kept on disk.
+"""The generations of behavior bootstrapping: versions of a behavior, with notes and scores.
 
-    <run folder>/generations/keeper_1/
-      Keepaway.yaml                     all generations of Keepaway: where they come from, scores
-      Keepaway/0001.bundle.yaml         the behavior and all that it is made of, word for word
-
-A generation's behaviors are written first and the list last, atomically, so that the list names
-nothing that is not there. `hitab library import` reads a bundle as well.
+The library of the trained agent has the versions. What else is known of them is in the run folder,
+as ``generations/keeper_1/Keepaway.yaml``.
 """
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator, Mapping
+import math
+import statistics
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import yaml
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
-from hitab_client.bootstrapping.configuration import Configuration
-from hitab_client.bootstrapping.evaluating import LENGTH, Score
 from hitab_client.errors import SwarmError
-from hitab_core import Do, FolderInUseError, has
-from hitab_core.library import bundle_file_text, content_of, read_bundle_file
-from hitab_core.library.durable_files import file_errors, locked, make_folder, write_durably
-from hitab_core.library.yaml_models import Format, Names, Record, Texts, open_record
-from hitab_core.library.yaml_places import Complaints, open_yaml
+from hitab_core.library.durable_files import file_errors, write_durably
+from hitab_core.library.yaml_models import Format, Record, Texts, open_record
+from hitab_core.library.yaml_places import open_yaml
 
-FORMAT = 1
-"""The format version that is written, and the newest that is read."""
+FORMAT = 2
+"""The format version that is written, and the newest that is read; 1 says more, which is left."""
 
-FOLDER = "generations"
+LENGTH = "seconds"
+"""The figure that every world reports: how long an episode lasted, s."""
 
 
-class Generation(Record):
-    """One stage of a behavior: saved, given to the team, evaluated.
+class _Record(Record):
+    """A mapping of which only these keys count."""
+
+    model_config = ConfigDict(extra="ignore")
+
+
+class Figure(_Record):
+    """A mean with its standard error; None: unknown, from a single episode."""
+
+    mean: float
+    error: float | None
+
+    def __str__(self) -> str:
+        shown = f"{self.mean:.2f}"
+        return shown if self.error is None else f"{shown} ± {self.error:.2f}"
+
+
+class Score(_Record):
+    """What so many episodes with this seed have shown, by figure; no episodes: nothing."""
+
+    episodes: int = 0
+    seed: int = 0
+    figures: dict[str, Figure] = Field(default_factory=dict)
+
+
+class Generation(_Record):
+    """One version of a behavior that was given to the team and evaluated.
 
     Attributes:
-        number: from 1.
-        parent: number of the generation with which the training went on before; 0: none.
         version: of the behavior in the library of the trained agent.
-        digest: checksum of the behavior's file.
-        at: when, ISO 8601.
-        by: who.
+        at: when it was made, ISO 8601.
+        by: the demonstrator.
         examples: that it was learned from, default ones included.
         arguments: what its parameters were bound to.
         note: free text.
-        team: those who have taken it in.
-        missing: those who have not, with the reasons.
         score: of its evaluation.
-        unscored: why there is no score; empty if there is one.
-        restart: how the training went on.
-        restored: the versions of the library in which it was brought back.
+        unscored: why there is no score, such as who of the team lacks it; empty if there is one.
     """
 
-    number: int = Field(ge=1)
-    parent: int = Field(ge=0)
-    version: int = Field(ge=0)
-    digest: str
+    version: int = Field(ge=1)
     at: str
     by: str
-    examples: int = Field(ge=0)
+    examples: int
     arguments: Texts = ()
     note: str = ""
-    team: Texts = ()
-    missing: Names = Field(default_factory=dict)
-    score: Score | None = None
+    score: Score = Score()
     unscored: str = ""
-    restart: Configuration = Configuration()
-    restored: tuple[int, ...] = Field(default=(), strict=False)
 
 
-class Generations(Record):
-    """All generations of one behavior of one agent.
+class Generations(_Record):
+    """All generations of one behavior of one agent, by ascending version.
 
     Attributes:
-        folder: of the agent's generations.
-        agent: that is trained.
-        behavior: that is trained.
-        current: number of the generation with which the training goes on; 0: none yet.
-        all: the generations, by ascending number.
+        path: of their file.
     """
 
-    folder: Path = Field(default=Path(), alias=":folder", exclude=True)
+    path: Path = Field(default=Path(), alias=":path", exclude=True)
     format: Format = FORMAT
-    agent: str
-    behavior: str
-    current: int = Field(default=0, ge=0)
     all: tuple[Generation, ...] = Field(default=(), alias="generations", strict=False)
 
-    # -- looking ----------------------------------------------------------------------------
+    def best(self, figure: str = LENGTH, *, least: bool = False) -> int:
+        """Return the version with the best score; 0: there is none.
 
-    def get(self, number: int) -> Generation:
-        """Return a generation.
-
-        Raises:
-            SwarmError: if there is none of this number; naming those that there are.
+        Those are compared that were evaluated with as many episodes and the same seed as the one
+        evaluated last.
         """
-        for generation in self.all:
-            if generation.number == number:
-                return generation
-        if not self.all:
-            raise SwarmError(
-                f"{self.behavior} of {self.agent} has no generations yet",
-                Do.NEXT_GENERATION(agent=self.agent),
-            )
-        numbers = [str(generation.number) for generation in self.all]
-        raise SwarmError(
-            f"{self.behavior} of {self.agent} has no generation {number} "
-            f"{has(numbers, str(number))}",
-            Do.GENERATIONS(agent=self.agent, behavior=self.behavior),
-        )
-
-    def best(self, figure: str = LENGTH, *, least: bool = False) -> Generation | None:
-        """Return the generation with the best score, among those that can be compared.
-
-        Those can be compared that were evaluated with as many episodes and the same seed as the
-        one evaluated last.
-        """
-        scored = [g for g in self.all if g.score is not None and figure in g.score.figures]
-        if not scored:
-            return None
-        last = scored[-1].score
-        assert last is not None
-        alike = {
-            g.score.figures[figure].mean: g
+        scored = [g for g in self.all if figure in g.score.figures]
+        means = {
+            g.version: g.score.figures[figure].mean
             for g in reversed(scored)
-            if g.score is not None
-            and (g.score.episodes, g.score.seed) == (last.episodes, last.seed)
+            if (g.score.episodes, g.score.seed)
+            == (scored[-1].score.episodes, scored[-1].score.seed)
         }
-        return alike[min(alike) if least else max(alike)]
+        return (min if least else max)(means, key=means.__getitem__, default=0)
 
-    def texts(self, number: int) -> Mapping[str, str]:
-        """Return the files of a generation's behaviors by name, each after those that it uses.
-
-        Raises:
-            SwarmError: if somebody has removed them.
-            LibraryError: if they are damaged.
-        """
-        path = self._bundle(number)
-        if not path.exists():
-            raise SwarmError(
-                f"the behaviors of generation {number} of {self.behavior} are not kept ({path})",
-                Do.RESTORE_OF(
-                    behavior=self.behavior, version=self.get(number).version, agent=self.agent
-                ),
-            )
-        return read_bundle_file(path).texts
-
-    # -- keeping ----------------------------------------------------------------------------
-
-    def with_(self, generation: Generation, *, current: int | None = None) -> Generations:
-        """Return them with one more, or with a changed one."""
-        others = [g for g in self.all if g.number != generation.number]
-        ordered = tuple(sorted((*others, generation), key=lambda g: g.number))
-        return self.but(all=ordered, current=self.current if current is None else current)
-
-    def keep(self) -> Generations:
-        """Write the list.
-
-        Raises:
-            LibraryError: if it cannot be written.
-        """
-        content = self.model_dump(mode="json", by_alias=True)
-        content["generations"] = [record_of(generation) for generation in self.all]
-        text = f"# See `hitab bootstrap list {self.agent} {self.behavior}`.\n"
-        text += yaml.safe_dump(content, sort_keys=False, allow_unicode=True, width=100)
-        path = file_of(self.folder, self.behavior)
-        with file_errors(path, "write"):
-            write_durably(path, text.encode())
-        return self
-
-    def keep_texts(self, number: int, texts: Mapping[str, str]) -> None:
-        """Write a generation's behaviors.
+    def keep(self, generation: Generation) -> None:
+        """Write them with one more, or with a changed one.
 
         Raises:
             LibraryError: if they cannot be written.
         """
-        domain = content_of(texts[self.behavior], self.behavior)["domain"]["name"]
-        path = self._bundle(number)
-        with file_errors(path, "write"):
-            write_durably(path, bundle_file_text(texts, domain).encode())
-
-    def _bundle(self, number: int) -> Path:
-        return self.folder / self.behavior / f"{number:04}.bundle.yaml"
+        others = [g for g in self.all if g.version != generation.version]
+        content = self.but(format=FORMAT, all=(*others, generation))
+        plain = content.model_dump(mode="json", by_alias=True)
+        text = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=100)
+        with file_errors(self.path, "write"):
+            write_durably(self.path, text.encode())
 
 
 def folder_of(run_folder: Path, agent: str) -> Path:
-    """Return the folder of an agent's generations."""
-    return run_folder / FOLDER / agent
+    """Return the folder with a file for each behavior of an agent that has generations."""
+    return run_folder / "generations" / agent
 
 
-def file_of(folder: Path, behavior: str) -> Path:
-    """Return the file that lists the generations of a behavior."""
-    return folder / f"{behavior}.yaml"
-
-
-def behaviors_in(folder: Path) -> list[str]:
-    """Return the behaviors that have generations."""
-    return sorted(path.stem for path in folder.glob("*.yaml"))
-
-
-def read_generations(folder: Path, agent: str, behavior: str) -> Generations:
+def read_generations(folder: Path, behavior: str) -> Generations:
     """Return the generations of a behavior; none if there is no file.
 
     Raises:
         SwarmError: naming all that is wrong with the file, by line.
     """
-    path = file_of(folder, behavior)
+    path = folder / f"{behavior}.yaml"
     if not path.exists():
-        return Generations(agent=agent, behavior=behavior).but(folder=folder)
-    document = open_yaml(path, error=SwarmError)
-    read = open_record(Generations, document, FORMAT)
-    complaints = Complaints(document)
-    for key, found, own in (("agent", read.agent, agent), ("behavior", read.behavior, behavior)):
-        if found != own:
-            complaints.add((key,), f"`{key}: {found}` is not known {has([own], found)}")
-    numbers = [generation.number for generation in read.all]
-    if len(set(numbers)) < len(numbers) or read.current not in (0, *numbers):
-        complaints.add((), "each generation needs a number of its own, and `current:` one of them")
-    complaints.raise_any()
-    return read.but(
-        folder=folder, all=tuple(g.but(restart=g.restart.about(agent)) for g in read.all)
-    )
+        return Generations().but(path=path)
+    return open_record(Generations, open_yaml(path, error=SwarmError), FORMAT).but(path=path)
 
 
-@contextlib.contextmanager
-def held(run_folder: Path) -> Iterator[None]:
-    """Have a swarm's generations alone: two steps at once would spoil each other.
-
-    Raises:
-        SwarmError: if somebody else has them.
-    """
-    folder = run_folder / FOLDER
-    with file_errors(folder, "make", error=SwarmError):
-        make_folder(folder)
-    with contextlib.ExitStack() as stack:
-        try:
-            stack.enter_context(locked(folder, alone=True, patience=0.0))
-        except FolderInUseError:
-            raise SwarmError(
-                f"another generation of this swarm is being made (which holds {folder}); wait "
-                "until that has ended, or end it with Ctrl-C"
-            ) from None
-        yield
-
-
-def record_of(generation: Generation) -> dict[str, Any]:
-    """Return a generation as plain data."""
-    return generation.model_dump(mode="json") | {"restart": generation.restart.record()}
+def score_of(played: Sequence[Any], seed: int) -> Score:
+    """Return the score that the results of some episodes give."""
+    values: dict[str, list[float]] = {}
+    for episode in played:
+        measured = zip(episode.measure_names, episode.measures, strict=True)
+        for name, value in ((LENGTH, episode.seconds), *measured):
+            if math.isfinite(value):
+                values.setdefault(name, []).append(float(value))
+    figures = {
+        name: Figure(
+            mean=statistics.fmean(all_),
+            error=statistics.stdev(all_) / math.sqrt(len(all_)) if len(all_) > 1 else None,
+        )
+        for name, all_ in values.items()
+    }
+    return Score(episodes=len(played), seed=seed, figures=figures)

@@ -21,6 +21,4 @@ from .expectation import Expectation as Expectation
 from .expectation import broken_expectations as broken_expectations
 from .provenance import time_now as time_now
 from .provenance import tool_name as tool_name
-from .reissuing import content_of as content_of
-from .reissuing import reissued as reissued
 from .yaml_places import kind_of as kind_of

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from hitab_client import SwarmError
-from hitab_client.bootstrapping import Configuration, Evaluation
+from hitab_client.bootstrapping import Bootstrapping
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.generations import Making, Step
+from hitab_studio.generations import Making
 from hitab_studio.session import Session
 
 MOST_EPISODES = 1000
 LONGEST_NOTE = 200
 """Characters."""
-
-AS_IT_IS = "as it is"
-SNAPSHOT = "snapshot "
-"""Before a snapshot's name, in the choice of the situation in which a training goes on."""
 
 
 @action("generations-dialog")
@@ -26,76 +25,41 @@ async def generations_dialog(session: Session, data: Data) -> None:
         raise SwarmError("There is nothing to make a generation from yet: begin a training first.")
     session.close_dialog()
     session.dialog = {"kind": "generations", "agent": agent, "behavior": behavior}
-    if session.shared.store.known.world_answers and not session.shared.generations.why_busy:
-        listed = await session.ask_world(lambda world: world.snapshot("list"))
-        session.shared.store.snapshots = tuple(listed.names)
 
 
 @action("generation-next")
 async def generation_next(session: Session, data: Data) -> None:
     """Make the next generation of what is being trained."""
-    values, agent = data["values"], session.dialog["agent"]
-    note = str(values.get("note", "")).strip()[:LONGEST_NOTE]
-    evaluation, chosen = _evaluation(values), _configuration(values)
-    _begin(
-        session,
-        lambda steps: steps.next(agent, note=note, evaluation=evaluation, configuration=chosen),
-    )
+    agent, note = session.dialog["agent"], str(data["values"].get("note", "")).strip()
+    _begin(session, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
 
 
 @action("generation-back")
 async def generation_back(session: Session, data: Data) -> None:
     """Go back to a generation: the team performs it again, and the training goes on from it."""
-    values, number = data["values"], int(data["number"])
     agent, behavior = session.dialog["agent"], session.dialog["behavior"]
-    discard = values.get("discard") == "on"
-    evaluation, chosen = _evaluation(values), _configuration(values)
-    _begin(
-        session,
-        lambda steps: steps.back(
-            agent,
-            behavior,
-            number,
-            discard=discard,
-            evaluation=evaluation,
-            configuration=chosen,
-        ),
-    )
+    version, discard = int(data["number"]), data["values"].get("discard") == "on"
+    _begin(session, data, lambda steps: steps.back(agent, behavior, version, discard))
 
 
 @action("generation-stop")
 async def generation_stop(session: Session, data: Data) -> None:
-    """Stop what is under way."""
-    session.shared.generations.stop()
+    """Stop what is under way at the next episode; the training goes on."""
+    if (making := session.shared.generations.making) is not None:
+        making.is_to_end = True
 
 
-@action("generation-dismiss")
-async def generation_dismiss(session: Session, data: Data) -> None:
-    """Close what the last one has said."""
-    session.shared.generations.dismiss()
-
-
-def _begin(session: Session, step: Step) -> None:
+def _begin(session: Session, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
     known, agent = session.shared.store.known, session.dialog["agent"]
+    text = str(data["values"].get("episodes", "")).strip()
+    if not text.isdigit() or int(text) > MOST_EPISODES:
+        raise SwarmError(f"Give a number of episodes up to {MOST_EPISODES}; 0: no score.")
     if session.player is not None:
         raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
     if not known.answers(agent):
         raise SwarmError(f"{agent} does not respond: wait until it answers again.")
     session.hold(agent)
     making = Making(agent, session.dialog["behavior"])
-    session.shared.generations.begin(making, step, known, session.demonstrator)
-
-
-def _evaluation(values: Data) -> Evaluation:
-    text = str(values.get("episodes", "")).strip()
-    if not text.isdigit() or int(text) > MOST_EPISODES:
-        raise SwarmError(f"Give a number of episodes up to {MOST_EPISODES}; 0: no score.")
-    return Evaluation(int(text))
-
-
-def _configuration(values: Data) -> Configuration | None:
-    """Return the situation in which the training goes on; None: that of the generation before."""
-    chosen = str(values.get("from", ""))
-    if chosen.startswith(SNAPSHOT):
-        return Configuration(snapshot=chosen.removeprefix(SNAPSHOT))
-    return Configuration() if chosen == AS_IT_IS else None
+    session.shared.generations.begin(
+        making, step, known, episodes=int(text), who=session.demonstrator
+    )

@@ -7,7 +7,6 @@ from typing import Any
 from hitab_client import SwarmError
 from hitab_client.bootstrapping import Generations
 from hitab_studio import unavailable
-from hitab_studio.actions.bootstrapping import AS_IT_IS, SNAPSHOT
 from hitab_studio.generations import known_generations
 from hitab_studio.remedy_words import told
 from hitab_studio.session import Session
@@ -16,29 +15,22 @@ from hitab_studio.session import Session
 def context(session: Session) -> dict[str, Any]:
     """Return what the dialog shows."""
     agent, behavior = session.dialog["agent"], session.dialog["behavior"]
-    store, training = session.shared.store, session.training
-    problem = ""
-    known: Generations | None = None
+    training, known, problem = session.training, Generations(), ""
     try:
-        known = known_generations(store.known.target, agent, behavior)
+        known = known_generations(session.shared.store.known.target, agent, behavior)
     except SwarmError as error:
         problem = told(error)
-    trains = training is not None and training.name == behavior
-    busy = session.shared.generations.why_busy
-    generations = known.all if known is not None else ()
-    best = known.best() if known is not None else None
+    off = problem or session.shared.generations.why_busy
     next_off = unavailable.testing(session)
-    if not trains:
+    if training is None or training.name != behavior:
         next_off = (
             f"{behavior} is not being trained: train it further, or go back to a generation."
         )
     return {
-        "generations": generations,
-        "current": known.current if known is not None else 0,
-        "best": best.number if best is not None else 0,
+        "generations": known.all,
+        "best": known.best(),
         "problem": problem,
         "mates": [a for a in session.agents if a != agent],
-        "situations": [AS_IT_IS, *(f"{SNAPSHOT}{name}" for name in store.snapshots)],
-        "back_off": problem or busy or unavailable.agent(session),
-        "next_off": problem or busy or next_off,
+        "back_off": off or unavailable.agent(session),
+        "next_off": off or next_off,
     }
