@@ -32,8 +32,8 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind, OrderMap
 from hitab_core import Automaton
-from hitab_core.commanding import OTHERS
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.orders import OTHERS
 from hitab_world.inprocess import play
 
 _SMALL = ForagingParameters(

@@ -295,7 +295,7 @@ class InProcessPupil:
 
     def _sight(self, *, ended: bool = False) -> Sight:
         session = self._session
-        look = self._pupil.context.senses.look
+        look = self._pupil.context.feature_cache.look
         values = {str(use): look(use) for use in self._visible}
         child = session.running.child
         values[DONE] = float(child is not None and "Done" in child.raised)

@@ -30,8 +30,8 @@ from hitab_agent.world_link import WorldLink
 from hitab_core import (
     RESERVED,
     Agent,
-    Do,
     Domain,
+    Fix,
     HitabError,
     LostBehaviorError,
     Mode,
@@ -39,7 +39,7 @@ from hitab_core import (
     quantity,
     uses_actions,
 )
-from hitab_core.commanding import Subordinate
+from hitab_core.orders import Subordinate
 from hitab_ros import names
 from hitab_ros.conversions import use_of
 from hitab_ros.diagnostics import Diagnosis
@@ -321,8 +321,8 @@ class AgentNode(AgentBase):
         """Say why its robot may not act, and cancel its goals, or go on with them."""
         why = self.stop.why if self.stop is not None else ""
         self.status.message.stopped = why
-        ways = [Do.GO()] if self.stop is not None and self.stop.is_emergency else []
-        self.guard.faults.set("stop", why, *ways, Do.ARM(robot=self.agent_name))
+        ways = [Fix.GO()] if self.stop is not None and self.stop.is_emergency else []
+        self.guard.faults.set("stop", why, *ways, Fix.ARM(robot=self.agent_name))
         if self.superior is not None:
             self.superior.subordinate.stopped = bool(why)
             self.superior.tell()

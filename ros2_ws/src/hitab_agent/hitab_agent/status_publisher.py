@@ -154,8 +154,8 @@ class StatusPublisher:
         status.when_unsure = agent.monitor.caution.when_unsure.value
         status.unsure_distance = agent.monitor.caution.distance
         status.cycle = agent.cycle
-        status.perceived = agent.context.senses.perceived
-        status.library_digest = agent.edition.digest
+        status.perceived = agent.context.feature_cache.perceived
+        status.library_digest = agent.loaded.digest
         faults = self.faults
         status.faults = faults
         status.remedies = remedy_messages([*self._guard.faults.remedies, *agent.remedies])

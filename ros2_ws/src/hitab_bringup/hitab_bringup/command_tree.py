@@ -14,7 +14,7 @@ from hitab_bringup.swarm_lines import CommanderLine
 from hitab_bringup.swarm_words import Words
 from hitab_commander import CommanderKind, OrderMap
 from hitab_core import Use, has, unknown
-from hitab_core.commanding import OTHERS
+from hitab_core.orders import OTHERS
 
 Member = TypeVar("Member", bound=AgentDescription)
 Complain = Callable[[str, str, str], None]

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from hitab_client import console
-from hitab_client.commands import as_command
-from hitab_core import START, Do, quantity
+from hitab_client.cli_remedies import as_command
+from hitab_core import START, Fix, quantity
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -37,7 +37,7 @@ def lines(
         for fault in status.faults[:FAULTS_MAX]:
             yield console.line(f"  {fault}", "yellow")
     if agent in silent:
-        logs = as_command(Do.LOGS(node=agent))
+        logs = as_command(Fix.LOGS(node=agent))
         yield console.line(f"  it has been silent for {silent[agent]:.0f} s; {logs}", "yellow")
     if who := demonstrator.switch.known.who:
         yield console.line(f"EMERGENCY STOP by {who}: G releases the robots", "bold red")

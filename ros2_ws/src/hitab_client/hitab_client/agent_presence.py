@@ -12,8 +12,8 @@ from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import Do, has, some
-from hitab_ros import names, qos, refuse_other_definitions
+from hitab_core import Fix, has, some
+from hitab_ros import check_same_message_version, names, qos
 
 DISCOVERY_SECONDS = 8.0
 """Nodes usually discover each other within a second, but it may take several."""
@@ -156,7 +156,7 @@ class AgentPresence:
             seconds + self.more_seconds,
             waiting_for=lambda: some(sorted(self._awaited(wanted))) or "agents to appear",
         )
-        refuse_other_definitions(self.link.node)
+        check_same_message_version(self.link.node)
         return self.agents()
 
     def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
@@ -193,7 +193,7 @@ class AgentPresence:
             return self._is_large or (bool(self.statuses) and not self._awaited(self.expected))
 
         self.link.spin_until(decided, seconds, waiting_for=lambda: agent)
-        refuse_other_definitions(self.link.node)
+        check_same_message_version(self.link.node)
 
     @property
     def more_seconds(self) -> float:
@@ -233,8 +233,8 @@ class AgentPresence:
             pid = self.processes.pid(agent)
             running = f"; its process ({pid}) still runs" if pid else ""
             silent = f"{agent} has been silent for {round(waited, 1):g} s"
-            return SwarmError(f"{silent}{running}", Do.LOGS(node=agent))
+            return SwarmError(f"{silent}{running}", Fix.LOGS(node=agent))
         known = {*self.statuses, *self.expected}
         if not known:
-            return SwarmError(f'no agent "{agent}" answers, and no other does', Do.UP())
-        return SwarmError(f'no agent "{agent}" answers {has(known, agent)}', Do.STATUS())
+            return SwarmError(f'no agent "{agent}" answers, and no other does', Fix.UP())
+        return SwarmError(f'no agent "{agent}" answers {has(known, agent)}', Fix.STATUS())

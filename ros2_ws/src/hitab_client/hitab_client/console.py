@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_client.commands import with_commands
+from hitab_client.cli_remedies import with_commands
 from hitab_core import HitabError
 
 if TYPE_CHECKING:

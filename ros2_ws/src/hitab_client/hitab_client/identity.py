@@ -9,7 +9,7 @@ import re
 import secrets
 
 from hitab_client.errors import SwarmError
-from hitab_core import Do
+from hitab_core import Fix
 
 BY_HAND = "nodes started by hand"
 """Stands for all nodes that no `hitab up` has started, in place of a swarm's identity."""
@@ -65,8 +65,8 @@ def other_swarm(node: str, heard: str, meant: str) -> SwarmError:
     if meant == BY_HAND and left:
         return SwarmError(
             f'{node} is left of swarm "{left[0]}", which has ended without being stopped',
-            Do.DOWN(swarm=left[0]),
-            Do.UP(swarm=left[0]),
+            Fix.DOWN(swarm=left[0]),
+            Fix.UP(swarm=left[0]),
         )
     if meant == BY_HAND:
         return SwarmError(
@@ -77,5 +77,5 @@ def other_swarm(node: str, heard: str, meant: str) -> SwarmError:
     return SwarmError(
         f"{node} belongs to {whose}, not to swarm {meant}; choose the swarm with --swarm NAME, or "
         "stop one of the two",
-        Do.DOWN(),
+        Fix.DOWN(),
     )

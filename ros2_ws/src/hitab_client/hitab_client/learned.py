@@ -14,9 +14,9 @@ from hitab_msgs.msg import Question
 from hitab_core import (
     START,
     Automaton,
+    BoundedNumber,
     Example,
     FeatureKind,
-    Number,
     Remark,
     Scale,
     TransitionTree,
@@ -69,7 +69,7 @@ class Learned:
     difference: str = ""
     trimmed: tuple[str, ...] = ()
     chosen: tuple[str, ...] = ()
-    with_numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=dict)
+    with_numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=dict)
 
     @property
     def is_automaton(self) -> bool:
@@ -94,7 +94,7 @@ class Learned:
             self.description,
         )
 
-    def numbers_of(self, state: Use) -> tuple[Number, ...]:
+    def numbers_of(self, state: Use) -> tuple[BoundedNumber, ...]:
         """Return the numbers that a state's behavior takes."""
         return self.with_numbers.get(state.name, ())
 

@@ -17,8 +17,8 @@ from rclpy.qos import QoSProfile
 from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
-from hitab_core import Do
-from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, Patience, suspensions_noticed
+from hitab_core import Fix
+from hitab_ros import NO_TYPE_DESCRIPTIONS, BusyTimeout, GuardedNode, suspensions_noticed
 
 NODE = "hitab"
 """Name of the node of a program that talks to a swarm, always the same for security policies."""
@@ -62,7 +62,7 @@ class RosLink:
                 signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
             )
         except RuntimeError as error:
-            raise SwarmError(f"ROS does not start: {error}", Do.DOCTOR()) from None
+            raise SwarmError(f"ROS does not start: {error}", Fix.DOCTOR()) from None
         self.node = GuardedNode(
             name, context=self._context, parameter_overrides=[NO_TYPE_DESCRIPTIONS]
         )
@@ -124,11 +124,11 @@ class RosLink:
 
         Args:
             done: the condition.
-            seconds: how long to wait for it; longer on a busy machine, see `Patience`.
+            seconds: how long to wait for it; longer on a busy machine, see `BusyTimeout`.
             each: seconds between two looks, if nothing happens.
             waiting_for: returns what to announce if the wait takes noticeable time.
         """
-        began, patience = time.monotonic(), Patience(seconds)
+        began, patience = time.monotonic(), BusyTimeout(seconds)
         while not done():
             step = patience.step(each)
             if not step:
@@ -231,4 +231,4 @@ class RosLink:
                 if not future.done():
                     client.remove_pending_request(future)
         late = f"{service} did not answer within {seconds:g} s"
-        raise SwarmError(late, Do.LOGS(node=service.split("/")[-2]))
+        raise SwarmError(late, Fix.LOGS(node=service.split("/")[-2]))

@@ -15,8 +15,8 @@ import psutil  # type: ignore[import-untyped]
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunRecord
-from hitab_core import Do, some
-from hitab_ros.exit_codes import FINAL
+from hitab_core import Fix, some
+from hitab_ros.exit_codes import DO_NOT_RESTART
 from hitab_ros.names import WORLD
 
 ANSWER_SECONDS = 5.0
@@ -66,8 +66,8 @@ def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[di
     except (OSError, Fault, ProtocolError, http.client.HTTPException, ExpatError) as error:
         raise SwarmError(
             f'the supervisor of swarm "{record.swarm}" does not answer ({error})',
-            Do.DOWN(swarm=record.swarm),
-            Do.UP(swarm=record.swarm),
+            Fix.DOWN(swarm=record.swarm),
+            Fix.UP(swarm=record.swarm),
         ) from None
 
 
@@ -137,7 +137,7 @@ class RunProcesses:
     def reason(self, name: str) -> SwarmError | None:
         """Return why an agent or the world does not answer, as far as its process shows it."""
         why = self.why_silent(name)
-        return None if why is None else SwarmError(why.of(name), Do.LOGS(node=why.process))
+        return None if why is None else SwarmError(why.of(name), Fix.LOGS(node=why.process))
 
     def why_silent(self, name: str) -> Silence | None:
         """Return why an agent or the world does not answer; None: its process looks healthy."""
@@ -163,7 +163,7 @@ class RunProcesses:
         if state is None:
             return None
         said = state["statename"]
-        restarts = said == "EXITED" and state.get("exitstatus", 0) != FINAL
+        restarts = said == "EXITED" and state.get("exitstatus", 0) != DO_NOT_RESTART
         if said in ENDED and not restarts:
             return Silence(process, f"has ended{_how(state)}", lasts=True, state="ended")
         if said in STOPPED:

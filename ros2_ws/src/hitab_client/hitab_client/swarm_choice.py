@@ -18,7 +18,7 @@ from hitab_client.run_folder import (
     running_swarms,
     state_home,
 )
-from hitab_core import Do, Remedy, has
+from hitab_core import Fix, Remedy, has
 
 if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
@@ -90,7 +90,7 @@ def find_running(which: str | None) -> Found | None:
         names = [name_to_choose(record) for _, record in up]
         if names:
             raise SwarmError(f'no swarm "{which}" is up {has(names, which)}')
-        raise SwarmError(f'no swarm "{which}" is up, and no other', Do.UP(swarm=which))
+        raise SwarmError(f'no swarm "{which}" is up, and no other', Fix.UP(swarm=which))
     return found
 
 
@@ -155,8 +155,8 @@ def name_to_choose(record: RunRecord) -> str:
 def way_to_stop(folder: RunFolder, record: RunRecord) -> Remedy:
     """Return how to stop a swarm of the registry, or to end what is left of it."""
     if folder.path == RunFolder.of_swarm(record.swarm).path:
-        return Do.DOWN(swarm=name_to_choose(record))
-    return Do.DOWN_FOLDER(folder=folder.path)
+        return Fix.DOWN(swarm=name_to_choose(record))
+    return Fix.DOWN_FOLDER(folder=folder.path)
 
 
 def none_is_up(domain_id: int | None) -> tuple[str, list[Remedy]]:
@@ -211,7 +211,7 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
 
     if not (link.spin_until(somebody, ALONE_SECONDS) and link.spin_until(spaces, LOOK_SECONDS)):
         which = f"namespace {namespace} of {where}" if namespace else where
-        raise SwarmError(f"no swarm answers in {which}", Do.UP(swarm="keepaway"))
+        raise SwarmError(f"no swarm answers in {which}", Fix.UP(swarm="keepaway"))
     there: set[str] = set()
     while there != (there := spaces() or there):
         link.spin_until(lambda: False, SETTLE_SECONDS)
@@ -237,7 +237,7 @@ def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None
     """
     up = list(running_swarms())
     left = [found for found in registered_swarms() if found[0].supervisor(found[1]) is None]
-    ended, ways = "have ended without being stopped", (Do.DOWN(),)
+    ended, ways = "have ended without being stopped", (Fix.DOWN(),)
     if which is None:
         return only(up, "swarms are up", *ways) or only(left, f"swarms {ended}", *ways)
     found = only(meant(which, up), _called(which), *ways) or only(

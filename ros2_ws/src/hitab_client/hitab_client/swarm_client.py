@@ -30,7 +30,7 @@ from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_client.users import user_name
-from hitab_core import Do
+from hitab_core import Fix
 from hitab_ros import names, qos
 from hitab_ros.conversions import cost_of, remedies_of
 
@@ -47,7 +47,7 @@ DRAIN_SECONDS = 0.02
 PUBLISHED_SECONDS = 15.0
 """How long an agent may take to publish what it is being trained; it looks for questions first."""
 
-AT_ONCE = 50
+SERVICES_PER_BATCH = 50
 """Agents of a host create a service when a client appears; for so many at the same time."""
 
 
@@ -157,7 +157,7 @@ class SwarmClient(AgentPresence):
                 break
         if not answered():
             late = f"{agent} did not acknowledge the command within {seconds:g} s"
-            raise self.processes.reason(agent) or SwarmError(late, Do.EXAMPLES(agent=agent))
+            raise self.processes.reason(agent) or SwarmError(late, Fix.EXAMPLES(agent=agent))
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:
             remedies = remedies_of(status.last_remedies)
@@ -241,13 +241,13 @@ class SwarmClient(AgentPresence):
             has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
         ):
             raise self.processes.reason(agent) or SwarmError(
-                "it does not publish what it is being trained", Do.LOGS(node=agent), where=agent
+                "it does not publish what it is being trained", Fix.LOGS(node=agent), where=agent
             )
         if not self.statuses[agent].training_revision:
             raise SwarmError(
                 "it is not training anything",
-                Do.RESUME(agent=agent),
-                Do.TRAIN(agent=agent),
+                Fix.RESUME(agent=agent),
+                Fix.TRAIN(agent=agent),
                 where=agent,
             )
         return self.trainings[agent]
@@ -354,8 +354,8 @@ class SwarmClient(AgentPresence):
 
     def reload(self, agents: Sequence[str]) -> Iterator[tuple[str, str, bool]]:
         """Make agents reload their libraries; yield each, its answer and whether it did."""
-        for start in range(0, len(agents), AT_ONCE):
-            together = agents[start : start + AT_ONCE]
+        for start in range(0, len(agents), SERVICES_PER_BATCH):
+            together = agents[start : start + SERVICES_PER_BATCH]
             for agent in together:
                 service = names.of_agent(agent, names.LOAD_LIBRARY, self.prefix)
                 self.link.will_call(LoadLibrary, service)

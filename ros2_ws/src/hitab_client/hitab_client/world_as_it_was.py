@@ -12,7 +12,7 @@ from hitab_msgs.srv import Control
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_client.world_client import WorldClient
-from hitab_core import Do
+from hitab_core import Fix
 
 
 @contextlib.contextmanager
@@ -34,9 +34,9 @@ def as_it_was(world: WorldClient) -> Iterator[WorldStatus]:
     if problem is not None:
         raise SwarmError(
             f"the world could not be restored to {before.mode} in {before.pace}: {problem}",
-            Do.STATUS(),
-            Do.PACE(),
-            Do.RESUME_WORLD(),
+            Fix.STATUS(),
+            Fix.PACE(),
+            Fix.RESUME_WORLD(),
         ) from problem
 
 

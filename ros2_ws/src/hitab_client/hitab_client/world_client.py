@@ -13,7 +13,7 @@ from hitab_client.errors import SwarmError, refused
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import Do, some
+from hitab_core import Fix, some
 from hitab_ros import names, qos
 from hitab_ros.conversions import remedies_of
 from hitab_ros.stamps import seconds_of
@@ -110,7 +110,7 @@ class WorldClient:
             raise other_swarm("the world", self.stranger, self.identity)
         if self.status is None:
             late = f"the world has been silent for {seconds:g} s"
-            silent = SwarmError(late, Do.LOGS(node=names.WORLD))
+            silent = SwarmError(late, Fix.LOGS(node=names.WORLD))
             raise self._processes.reason(names.WORLD) or (silent if own else self._absent)
         return self.status
 
@@ -119,7 +119,7 @@ class WorldClient:
         """Why there is no world, and what to do: a swarm of robots is not meant to have one."""
         if self._processes.are_known:
             return SwarmError(NOT_SIMULATED)
-        return SwarmError(NO_WORLD, Do.UP())
+        return SwarmError(NO_WORLD, Fix.UP())
 
     def is_there(self) -> bool:
         """Whether a world has been discovered."""
@@ -251,7 +251,7 @@ class WorldClient:
         ):
             late = f"the world did not {what} within {seconds:g} s"
             raise self._processes.reason(names.WORLD) or SwarmError(
-                late, Do.LOGS(node=names.WORLD)
+                late, Fix.LOGS(node=names.WORLD)
             )
         assert self.state is not None
         return self.state

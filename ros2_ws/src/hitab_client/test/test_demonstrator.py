@@ -13,14 +13,17 @@ from hitab_client.demonstrating import (
     KeyboardInput,
     outcome,
 )
-from hitab_client.demonstrating.demonstrator import FOUND_S, PATIENCE_S, PENDING_MAX
+from hitab_client.demonstrating.demonstrator import FOUND_S, KEY_AGE_MAX_S, PENDING_MAX
 from hitab_client.demonstrating.keyboard import HOLD_S
-from hitab_core import Number, Use
+from hitab_core import BoundedNumber, Use
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.conversions import number_messages
 
 ONE, TWO = "robot_1", "robot_2"
-NUMBERS = [Number("direction", -180.0, 180.0, "deg", circular=True), Number("power", 0.0, 50.0)]
+NUMBERS = [
+    BoundedNumber("direction", -180.0, 180.0, "deg", circular=True),
+    BoundedNumber("power", 0.0, 50.0),
+]
 
 
 class Topic:
@@ -187,7 +190,7 @@ def test_a_command_counts_for_what_was_seen_when_the_key_was_pressed(desk):
 
 def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
     desk.demonstrator.press_behavior("Forward")
-    desk.now += PATIENCE_S + 0.1
+    desk.now += KEY_AGE_MAX_S + 0.1
     desk.demonstrator.work()
     assert "Forward is left out: it was pressed 1.1 s ago" in desk.demonstrator.said
     assert desk.demonstrator.failed
@@ -201,7 +204,7 @@ def test_undo_does_not_take_back_another_command_than_the_one_that_was_left_out(
     desk.agents.become(ONE, "training", "Start")
     desk.agents.undo = lambda agent: desk.agents.done.append("undo") or SimpleNamespace(message="")
     desk.demonstrator.press_behavior("Forward")
-    desk.now += PATIENCE_S + 0.1  # while an agent has not answered
+    desk.now += KEY_AGE_MAX_S + 0.1  # while an agent has not answered
     for key in "uu":
         desk.keyboard.press(key)
     desk.demonstrator.work()

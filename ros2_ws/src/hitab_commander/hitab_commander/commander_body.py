@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from hitab_commander.aggregation import observed, of_positions, summed_up
 from hitab_commander.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
 from hitab_commander.roll_call import RollCall
-from hitab_core.commanding import OTHERS, Number, Order, Report
+from hitab_core.orders import OTHERS, Order, OrderId, Report
 
 NAN = math.nan
 
@@ -185,7 +185,7 @@ class CommanderBody:
                 yield name, member.report
 
     @property
-    def number(self) -> Number:
+    def number(self) -> OrderId:
         """The number of the order in force."""
         return self.order.number
 
@@ -268,7 +268,7 @@ class CommanderBody:
         )
         self.on_order(self.order)
 
-    def outbid(self, number: Number) -> None:
+    def outbid(self, number: OrderId) -> None:
         """Repeat the order in force with a newer number than that of a foreign order.
 
         Someone else has given an order in this commander's name; without this, subordinates would

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from hitab_core.commanding import OTHERS
+from hitab_core.orders import OTHERS
 
 
 class Over(StrEnum):

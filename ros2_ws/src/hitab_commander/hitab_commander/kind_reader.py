@@ -44,7 +44,6 @@ from hitab_commander.kind import (
     Pick,
 )
 from hitab_core import FLAGS, NAME, NAME_RULE, Use, VocabularyError, quantity
-from hitab_core.commanding import OTHERS
 from hitab_core.library.yaml_models import (
     NONE_IS_EMPTY,
     Format,
@@ -56,6 +55,7 @@ from hitab_core.library.yaml_models import (
     read_use,
 )
 from hitab_core.library.yaml_places import Complaints, Document, Place, kind_of, open_yaml
+from hitab_core.orders import OTHERS
 
 FORMAT = 1
 """The newest format version that is read."""

@@ -13,11 +13,11 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind, Observation, OrderMap, Over, Pick
 from hitab_commander.kind_reader import described_kind, kind_text, read_kind
 from hitab_core import Automaton, BehaviorLibrary, LibraryError, Scale, Use
-from hitab_core.commanding.order import OTHERS, Order, Report
 from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.yaml_places import read_yaml
+from hitab_core.orders.order import OTHERS, Order, Report
 
 NAMES = st.from_regex(r"[A-Z][a-z]{0,6}", fullmatch=True).filter(
     lambda name: name not in ("Done", "Failed", "Start")

@@ -7,7 +7,7 @@ from .action_behavior import calls_of as calls_of
 from .action_behavior import feedback_feature as feedback_feature
 from .action_behavior import uses_actions as uses_actions
 from .advice.remarks import Remark as Remark
-from .advice.remarks import Sign as Sign
+from .advice.remarks import RemarkKind as RemarkKind
 from .agent import Agent as Agent
 from .agent import Mode as Mode
 from .automaton import FLAGS as FLAGS
@@ -49,7 +49,7 @@ from .learning.scikit_learn import TransitionTreeClassifier as TransitionTreeCla
 from .learning.transition_tree import TransitionTree as TransitionTree
 from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
-from .number import Number as Number
+from .number import BoundedNumber as BoundedNumber
 from .number import numbers_of as numbers_of
 from .number import with_numbers as with_numbers
 from .number import without_numbers as without_numbers
@@ -57,7 +57,7 @@ from .plain import behavior as behavior
 from .plain import feature as feature
 from .plain import plain_domain as plain_domain
 from .plain import target as target
-from .remedies import Do as Do
+from .remedies import Fix as Fix
 from .remedies import Remedy as Remedy
 from .repertoire import Repertoire as Repertoire
 from .saving import to_be_saved as to_be_saved

@@ -29,19 +29,19 @@ from hitab_core.errors import (
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import refused_name
-from hitab_core.library.contents import Losses
-from hitab_core.library.edition import Edition
+from hitab_core.library.contents import LostBehaviors
+from hitab_core.library.loaded_library import LoadedLibrary
 from hitab_core.library.provenance import Provenance
-from hitab_core.remedies import Do, Remedy
+from hitab_core.remedies import Fix, Remedy
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
-from hitab_core.running.senses import BLIND, Senses
-from hitab_core.saving import Saved, edition_with, to_be_saved
+from hitab_core.saving import Saved, loaded_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.moments import KEPT_SECONDS
 from hitab_core.training.people_file import read_people, write_people
+from hitab_core.training.recent_percepts import KEPT_SECONDS
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import TrainingJournal
 from hitab_core.training.training_session import Request, TrainingSession
@@ -59,9 +59,9 @@ class Mode(StrEnum):
 
 
 class _State(NamedTuple):
-    """What an agent switches to: an edition, its context, and what it performs, not started."""
+    """The next state of an agent: its library, its context and an unstarted behavior."""
 
-    edition: Edition
+    loaded: LoadedLibrary
     context: RunContext
     use: Use | None
     performance: Running | None
@@ -112,15 +112,15 @@ class Agent:
         self.monitor = CautionMonitor()
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
-        self.edition = _first_edition(library)
+        self.loaded = _first_loaded(library)
         self.context = RunContext(
-            self.edition.repertoire,
+            self.loaded.repertoire,
             self.body,
-            Senses(self.body, domain),
+            FeatureCache(self.body, domain),
             self._random.random,
             most_probable,
             observe,
-            reach=self.monitor.reach,
+            number_range=self.monitor.number_range,
         )
         self.journal = TrainingJournal(journal_folder, domain.name)
         self._folder = journal_folder
@@ -143,13 +143,13 @@ class Agent:
     def faults(self) -> tuple[str, ...]:
         """What it has lost: behaviors, and an interrupted training."""
         damage = self.journal.damage
-        return (*self.edition.losses.faults, *([damage] if damage else ()))
+        return (*self.loaded.losses.faults, *([damage] if damage else ()))
 
     @property
     def remedies(self) -> tuple[Remedy, ...]:
         """What a person can do about `faults`, and about what its repertoire lacks."""
-        damaged = [Do.DISCARD(agent=self.name)] if self.journal.damage else []
-        return (*self.edition.losses.ways_out, *damaged)
+        damaged = [Fix.DISCARD(agent=self.name)] if self.journal.damage else []
+        return (*self.loaded.losses.ways_out, *damaged)
 
     @property
     def active_path(self) -> list[str]:
@@ -225,7 +225,7 @@ class Agent:
         self.cycle = cycle
         self.context.clock.now = time
         self.body.sense(values, heard)
-        self.context.senses.forget()
+        self.context.feature_cache.forget()
         if (session := self._trained) is not None:
             session.perception.keep(session.running, cycle, time, jumped=jumped)
 
@@ -274,7 +274,7 @@ class Agent:
         """
         if name == self.training and name not in self.repertoire:
             raise TrainingError(
-                f'"{name}" is being trained and not saved yet', Do.SAVE(agent=self.name)
+                f'"{name}" is being trained and not saved yet', Fix.SAVE(agent=self.name)
             )
 
     def perform(self, use: Use | None) -> None:
@@ -300,7 +300,7 @@ class Agent:
         if performance is None:
             return
         try:
-            with self.context.senses.blind_unless_perceived():
+            with self.context.feature_cache.blind_unless_perceived():
                 performance.start()
         except Exception:
             with suppress(Exception):
@@ -341,14 +341,14 @@ class Agent:
         if self.unsaved and not discard:
             raise TrainingError(
                 f'"{self.training}" has {quantity(self.unsaved, "unsaved example")}',
-                Do.SAVE(agent=self.name),
-                Do.DISCARD(agent=self.name),
+                Fix.SAVE(agent=self.name),
+                Fix.DISCARD(agent=self.name),
             )
         if self.journal.damage and not discard:
-            raise TrainingError(self.journal.damage, Do.DISCARD(agent=self.name))
+            raise TrainingError(self.journal.damage, Fix.DISCARD(agent=self.name))
         name = curriculum.name or resume
-        if name in self.edition.losses.reasons:
-            losses = self.edition.losses
+        if name in self.loaded.losses.reasons:
+            losses = self.loaded.losses
             raise LostBehaviorError(refused_name(name, "trained", losses), *losses.remedies[name])
         examples: tuple[Example, ...] = ()
         if resume:
@@ -394,10 +394,10 @@ class Agent:
         if self.mode in (Mode.IDLE, Mode.PERFORMING):
             raise TrainingError(
                 f'it is {self.mode}, and the training of "{self.training}" waits',
-                Do.RESUME(agent=self.name),
+                Fix.RESUME(agent=self.name),
             )
         if self.mode is Mode.TESTING:
-            raise TrainingError(f'"{self.training}" is being tested', Do.RESUME(agent=self.name))
+            raise TrainingError(f'"{self.training}" is being tested', Fix.RESUME(agent=self.name))
         if 0 < seen < self._episode_since:
             raise TrainingError(
                 f"the command was for cycle {seen}, but a new episode has begun in cycle "
@@ -406,8 +406,8 @@ class Agent:
         if session.perception.moments.latest is None and 0.0 <= ago <= KEPT_SECONDS:
             ago, seen = 0.0, 0  # nothing has changed since the training began
         if self.awaits_percept:
-            raise FeatureValueError(BLIND)
-        with self.context.senses.blind_unless_perceived():
+            raise FeatureValueError(NO_PERCEPT_YET)
+        with self.context.feature_cache.blind_unless_perceived():
             if unrecorded:
                 return session.bring_into(use)
             return session.command(use, self.cycle, ago=ago, seen=seen, pace=pace, request=request)
@@ -416,7 +416,9 @@ class Agent:
     def awaits_percept(self) -> bool:
         """Whether a command has to wait for the first percept, which its examples need."""
         chosen = () if self.session is None else self.session.curriculum.features
-        return not self.context.senses.perceived and any(f.name not in FLAGS for f in chosen)
+        return not self.context.feature_cache.perceived and any(
+            f.name not in FLAGS for f in chosen
+        )
 
     def test(self, *, restart: bool = False) -> None:
         """Learn from the examples and give control to what was learned.
@@ -482,11 +484,11 @@ class Agent:
             saved = change.save(
                 automaton, curriculum.classifier, Provenance(agent=self.name, note=note)
             )
-            edition = edition_with(saved, change, self.library, self.edition)
+            loaded = loaded_with(saved, change, self.library, self.loaded)
             try:
-                state = self._state(edition, then)
+                state = self._state(loaded, then)
             except VocabularyError as error:
-                state = self._state(edition, None)
+                state = self._state(loaded, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
             record = {"do": "save", "automaton": saved.name, "checksum": saved.checksum}
@@ -497,7 +499,7 @@ class Agent:
         self._latest_saved = saved.name
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
-        return Saved(saved.automaton, self.library.shelf.file(saved.name), notes, replaced)
+        return Saved(saved.automaton, self.library.on_disk.file(saved.name), notes, replaced)
 
     def discard(self) -> None:
         """Give up the training under way and perform nothing.
@@ -519,7 +521,9 @@ class Agent:
             refused = "nothing can be saved: " if to_save else ""
             if to_save and self._latest_saved:
                 refused += f'"{self._latest_saved}" has been saved already, and '
-            raise TrainingError(f"{refused}it is not training anything", Do.TRAIN(agent=self.name))
+            raise TrainingError(
+                f"{refused}it is not training anything", Fix.TRAIN(agent=self.name)
+            )
         return self.session
 
     # -- library ----------------------------------------------------------------------------
@@ -535,24 +539,27 @@ class Agent:
                 the active behavior or training does not fit; nothing has changed.
         """
         library = library or self.library
-        edition = library.edition(strict=False)
-        if edition.losses.reasons.keys() - self.edition.losses.reasons.keys():
+        loaded = library.loaded(strict=False)
+        if loaded.losses.reasons.keys() - self.loaded.losses.reasons.keys():
             raise LibraryError(
-                f"it keeps what it knew: {'; '.join(edition.losses.faults)}",
-                *edition.losses.ways_out,
+                f"it keeps what it knew: {'; '.join(loaded.losses.faults)}",
+                *loaded.losses.ways_out,
             )
-        self.take_up(edition, library=library)
-        return sorted(self.edition.files)
+        self.take_up(loaded, library=library)
+        return sorted(self.loaded.files)
 
     def take_up(
-        self, edition: Edition, start: Use | None = None, library: BehaviorLibrary | None = None
+        self,
+        loaded: LoadedLibrary,
+        start: Use | None = None,
+        library: BehaviorLibrary | None = None,
     ) -> list[str]:
-        """Switch to an edition that is already on disk.
+        """Switch to a loaded library that is already on disk.
 
         Args:
-            edition: of its library.
+            loaded: of its library.
             start: what to perform instead of the active behavior.
-            library: that the edition comes from, if not the agent's own.
+            library: that the loaded library comes from, if not the agent's own.
 
         Returns:
             Notes on what could not be stopped or started.
@@ -560,11 +567,11 @@ class Agent:
         Raises:
             VocabularyError: if the active behavior or training does not fit; nothing has changed.
         """
-        state = self._state(edition, self.check_fit(edition, start))
+        state = self._state(loaded, self.check_fit(loaded, start))
         return self._swap(state, library or self.library)
 
-    def check_fit(self, edition: Edition, start: Use | None = None) -> Use | None:
-        """Check that the active behavior, or ``start``, and the training fit an edition.
+    def check_fit(self, loaded: LoadedLibrary, start: Use | None = None) -> Use | None:
+        """Check that the active behavior, or ``start``, and the training fit a loaded library.
 
         Returns:
             What to perform with it.
@@ -575,10 +582,10 @@ class Agent:
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
         if use is None and self.mode is Mode.IDLE and self.awaited is not None:
             with suppress(VocabularyError):
-                edition.repertoire.check_performable(self.awaited)
+                loaded.repertoire.check_performable(self.awaited)
                 use = self.awaited
-        losses = edition.losses
-        gone = sorted(losses.reasons.keys() & self.edition.files.keys())
+        losses = loaded.losses
+        gone = sorted(losses.reasons.keys() & self.loaded.files.keys())
         kept = "it keeps what it knew:"
         if gone:
             raise LostBehaviorError(
@@ -587,7 +594,7 @@ class Agent:
             )
         try:
             if use is not None:
-                edition.repertoire.check_performable(use)
+                loaded.repertoire.check_performable(use)
         except VocabularyError as error:
             raise VocabularyError(
                 f'{kept} it could no longer perform "{use}": {error}; have it perform something '
@@ -595,7 +602,7 @@ class Agent:
             ) from None
         try:
             if self.session is not None:
-                self.session.check_on(edition.repertoire)
+                self.session.check_on(loaded.repertoire)
         except VocabularyError as error:
             raise VocabularyError(
                 f'{kept} the training of "{self.training}" could not continue: {error}; '
@@ -603,17 +610,17 @@ class Agent:
             ) from None
         return use
 
-    def _state(self, edition: Edition, use: Use | None) -> _State:
+    def _state(self, loaded: LoadedLibrary, use: Use | None) -> _State:
         """Return what the agent switches to; so far nothing is changed.
 
         Raises:
             VocabularyError: if it cannot be performed.
         """
-        context = replace(self.context, repertoire=edition.repertoire)
+        context = replace(self.context, repertoire=loaded.repertoire)
         if use is None:
-            return _State(edition, context, None, None)
-        edition.repertoire.check_performable(use)
-        return _State(edition, context, use, context.perform(use))
+            return _State(loaded, context, None, None)
+        loaded.repertoire.check_performable(use)
+        return _State(loaded, context, use, context.perform(use))
 
     def _swap(
         self, state: _State, library: BehaviorLibrary, *, ends_training: bool = False
@@ -624,7 +631,7 @@ class Agent:
             self._stop()
         except Exception as error:  # a domain's code, a user's
             notes.append(f"what {self.name} performed could not be stopped: {error!r}")
-        self.library, self.edition, self.context = library, state.edition, state.context
+        self.library, self.loaded, self.context = library, state.loaded, state.context
         self._performances.clear()
         self.top, self._performance = state.use, state.performance
         if ends_training:
@@ -650,11 +657,11 @@ class Agent:
         return notes
 
 
-def _first_edition(library: BehaviorLibrary) -> Edition:
+def _first_loaded(library: BehaviorLibrary) -> LoadedLibrary:
     """Return what is sound in a library; nothing if its folder cannot be read."""
     try:
-        return library.edition(strict=False)
+        return library.loaded(strict=False)
     except FolderInUseError:
         raise
     except LibraryError as error:
-        return library.editions.of({}, Losses.of_unread(error.problem, library.domain))
+        return library.reader.of({}, LostBehaviors.of_unread(error.problem, library.domain))

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, OWN_NAMES, SECONDS_IN_STATE, SECONDS_SINCE
 from hitab_core.errors import VocabularyError
-from hitab_core.number import Number
+from hitab_core.number import BoundedNumber
 from hitab_core.plain_body import PlainBody
 from hitab_core.source_file import load_file, loaded_file
 from hitab_core.use import NAME, NAME_RULE, Use, wrong_number
@@ -153,7 +153,7 @@ class BasicBehavior:
     one_shot: bool = False
     description: str = ""
     stands_still: bool = False
-    numbers: tuple[Number, ...] = ()
+    numbers: tuple[BoundedNumber, ...] = ()
 
 
 class Body(Protocol):
@@ -278,7 +278,7 @@ class Domain:
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
 
-    def numbers_of(self, state: Use) -> tuple[Number, ...]:
+    def numbers_of(self, state: Use) -> tuple[BoundedNumber, ...]:
         """Return the numbers of a state's behavior; none unless it is a basic one with numbers."""
         behavior = self.behaviors.get(state.name)
         return () if behavior is None else behavior.numbers

@@ -87,7 +87,7 @@ class LearningAgent:
             library = self._temporary.name
         self.agent = Agent(name, domain, BehaviorLibrary(library, domain), seed=seed)
         for fault in self.agent.faults:
-            ways = self.agent.edition.losses.ways_out
+            ways = self.agent.loaded.losses.ways_out
             warnings.warn(str(HitabError(fault, *ways)), stacklevel=2)
         self._cycle = 0
         self._period = period

@@ -19,7 +19,7 @@ from hitab_core import (
     calls_of,
     feedback_feature,
 )
-from hitab_core.running import RunContext, Senses
+from hitab_core.running import FeatureCache, RunContext
 
 
 class Body:
@@ -81,7 +81,7 @@ def body() -> Body:
 
 
 def performing(body: Any) -> Any:
-    context = RunContext(Repertoire(DOMAIN), body, Senses(body, DOMAIN), lambda: 0.0)
+    context = RunContext(Repertoire(DOMAIN), body, FeatureCache(body, DOMAIN), lambda: 0.0)
     return context.perform(Use("GoTo", ("there",)))
 
 

@@ -19,7 +19,7 @@ from hitab_core import (
     plain_domain,
 )
 from hitab_core.example import Example, ExampleKind, contradictions
-from hitab_core.training import Curriculum, Question, moments
+from hitab_core.training import Curriculum, Question, recent_percepts
 
 CART = plain_domain(
     "cart",
@@ -216,7 +216,7 @@ def test_a_feature_that_is_not_read_cannot_be_chosen_before_the_first_example(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of a domain with very many features, those of two parameters are read only if chosen."""
-    monkeypatch.setattr(moments, "READABLE_MAX", 0)
+    monkeypatch.setattr(recent_percepts, "READABLE_MAX", 0)
     domain = Domain.of(
         "pair",
         "1",

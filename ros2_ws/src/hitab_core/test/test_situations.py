@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from hitab_core.training.moments import Moment
-from hitab_core.training.situations import KEPT, Situations
+from hitab_core.training.recent_percepts import PerceptRecord
+from hitab_core.training.situation_sample import KEPT, SituationSample
 
 
 def test_a_sample_of_situations_is_bounded_and_keeps_what_is_rare() -> None:
-    met = Situations()
+    met = SituationSample()
     for i in range(20_000):
-        met.add("rare" if i % 4_000 == 0 else "common", Moment(i, i * 0.1, "Right", (float(i),)))
+        met.add(
+            "rare" if i % 4_000 == 0 else "common", PerceptRecord(i, i * 0.1, "Right", (float(i),))
+        )
     kept = list(met)
     assert len(kept) == KEPT
     assert sum(moment.cycle % 4_000 == 0 for moment in kept) == 5

@@ -15,7 +15,7 @@ from hitab_core import (
     START,
     ActionBehavior,
     Automaton,
-    Number,
+    BoundedNumber,
     Repertoire,
     TransitionFunction,
     TransitionTree,
@@ -68,7 +68,7 @@ class FeatureForm:
 
     Attributes:
         label: its name with its targets.
-        categories, required: as in `hitab_core.running.senses.checked`.
+        categories, required: as in `hitab_core.running.feature_cache.checked`.
         period: of a toroidal feature, else 0.
         unit: of its values; empty: none.
     """
@@ -92,7 +92,7 @@ class NumbersForm:
 
     features: tuple[int, ...]
     table: Table
-    wanted: tuple[Number, ...]
+    wanted: tuple[BoundedNumber, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +232,7 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
 def _numbers(
     automaton: Automaton,
     label: str,
-    wanted: tuple[Number, ...],
+    wanted: tuple[BoundedNumber, ...],
     features: list[str],
     slots: dict[str, int],
 ) -> NumbersForm | None:

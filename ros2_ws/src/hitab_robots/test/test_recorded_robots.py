@@ -16,7 +16,7 @@ from hitab_agent import AgentNode
 from hitab_client import RosLink
 from hitab_client.recording import Messages, Recorder, driving_of
 from hitab_core import Domain
-from hitab_core.showing import Strip
+from hitab_core.labeling import Strip
 from hitab_robots import Robot, Scan, Sector, motion, nearest_range
 from hitab_ros.stamps import as_time
 from hitab_ros.testing import context_of_its_own, spin_until

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from hitab_core import Do, HitabError
+from hitab_core import Fix, HitabError
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -116,7 +116,7 @@ def of_agent(agent: str, name: str, prefix: str = "") -> str:
         raise HitabError(
             f'"{agent}" cannot be the name of an agent: name it without its namespace, such as '
             "keeper_1, and choose its swarm by the swarm's name",
-            Do.STATUS(),
+            Fix.STATUS(),
         )
     return f"{prefix}/{agent}/{name}"
 

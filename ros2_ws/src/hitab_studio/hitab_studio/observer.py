@@ -13,7 +13,7 @@ from typing import Any
 from hitab_msgs.msg import TransitionEvent
 
 from hitab_client import (
-    CommandView,
+    CommanderView,
     RosLink,
     SignsOfLife,
     Stops,
@@ -114,7 +114,7 @@ class Observer:
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
         self._events: dict[str, deque[TransitionEvent]] = {}
-        self._commanders = CommandView(link, agents.prefix, target.identity)
+        self._commanders = CommanderView(link, agents.prefix, target.identity)
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(link)

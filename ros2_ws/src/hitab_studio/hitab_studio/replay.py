@@ -13,7 +13,7 @@ from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
 
 from hitab_client import SwarmError
 from hitab_client.recording import Messages, Received, type_name
-from hitab_core.showing import Strip
+from hitab_core.labeling import Strip
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from hitab_client import RunFolder
-from hitab_client.commands import called
+from hitab_client.cli_remedies import called
 from hitab_client.domain_ids import chosen_by_user
 from hitab_client.identity import BY_HAND, is_identity
 from hitab_client.run_folder import Found, running_swarms

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from hitab_client import console
-from hitab_client.commands import with_commands
+from hitab_client.cli_remedies import with_commands
 
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient

@@ -10,10 +10,10 @@ import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_client import SwarmError, console
-from hitab_client.command_options import SwarmName
-from hitab_client.commands import with_commands
+from hitab_client.cli_options import SwarmName
+from hitab_client.cli_remedies import with_commands
 from hitab_client.interruptions import not_interrupted
-from hitab_core import Do, quantity
+from hitab_core import Fix, quantity
 
 if TYPE_CHECKING:
     from hitab_client import RosLink
@@ -60,7 +60,7 @@ def record(
             there.link.spin_until(lambda: there.world.status is not None, STATUS_S)
         if there.world.is_paused:
             console.note(
-                with_commands("the world is paused: nothing changes", [Do.RESUME_WORLD()])
+                with_commands("the world is paused: nothing changes", [Fix.RESUME_WORLD()])
             )
         began = time.monotonic()
         try:

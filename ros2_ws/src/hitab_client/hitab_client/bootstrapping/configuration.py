@@ -29,7 +29,7 @@ from hitab_client.lessons.conditions import Condition
 from hitab_client.lessons.lesson import Things, placed
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core import Do, has, some
+from hitab_core import Fix, has, some
 from hitab_core.library.yaml_models import Format, Record, open_record
 from hitab_core.library.yaml_places import open_yaml, read_yaml
 
@@ -107,7 +107,7 @@ class Configuration(Record):
             if self.snapshot not in names:
                 raise SwarmError(
                     f'the world has no snapshot "{self.snapshot}" {has(names, self.snapshot)}',
-                    Do.SAVE_SNAPSHOT(snapshot=self.snapshot),
+                    Fix.SAVE_SNAPSHOT(snapshot=self.snapshot),
                 )
 
     def put(self, world: WorldClient) -> None:
@@ -158,7 +158,7 @@ class Configuration(Record):
             raise SwarmError(
                 f"waited {within:g} s in vain until {last}; {agent} is in training mode, where it "
                 "is now; bring the situation about by hand",
-                Do.TEST(agent=agent),
+                Fix.TEST(agent=agent),
             )
 
 

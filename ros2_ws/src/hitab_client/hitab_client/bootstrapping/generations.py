@@ -21,7 +21,7 @@ from pydantic import Field
 from hitab_client.bootstrapping.configuration import Configuration
 from hitab_client.bootstrapping.evaluating import LENGTH, Score
 from hitab_client.errors import SwarmError
-from hitab_core import Do, FolderInUseError, has
+from hitab_core import Fix, FolderInUseError, has
 from hitab_core.library import bundle_file_text, content_of, read_bundle_file
 from hitab_core.library.durable_files import file_errors, locked, make_folder, write_durably
 from hitab_core.library.yaml_models import Format, Names, Record, Texts, open_record
@@ -103,13 +103,13 @@ class Generations(Record):
         if not self.all:
             raise SwarmError(
                 f"{self.behavior} of {self.agent} has no generations yet",
-                Do.NEXT_GENERATION(agent=self.agent),
+                Fix.NEXT_GENERATION(agent=self.agent),
             )
         numbers = [str(generation.number) for generation in self.all]
         raise SwarmError(
             f"{self.behavior} of {self.agent} has no generation {number} "
             f"{has(numbers, str(number))}",
-            Do.GENERATIONS(agent=self.agent, behavior=self.behavior),
+            Fix.GENERATIONS(agent=self.agent, behavior=self.behavior),
         )
 
     def best(self, figure: str = LENGTH, *, least: bool = False) -> Generation | None:
@@ -142,7 +142,7 @@ class Generations(Record):
         if not path.exists():
             raise SwarmError(
                 f"the behaviors of generation {number} of {self.behavior} are not kept ({path})",
-                Do.RESTORE_OF(
+                Fix.RESTORE_OF(
                     behavior=self.behavior, version=self.get(number).version, agent=self.agent
                 ),
             )

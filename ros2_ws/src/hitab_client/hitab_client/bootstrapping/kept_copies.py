@@ -15,7 +15,7 @@ from hitab_msgs.srv import Distribute
 
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import Do
+from hitab_core import Fix
 from hitab_core.library import bundle_digest
 from hitab_ros import names, qos
 
@@ -60,7 +60,7 @@ class KeptCopies:
             if self._link.spin_until(partial(self._heard.get, sequence), HEAR_SECONDS, 0.01):
                 return self._heard[sequence]
         raise SwarmError(
-            f"{agent} has sent its files {TRIES} times, and none arrived here", Do.DOCTOR()
+            f"{agent} has sent its files {TRIES} times, and none arrived here", Fix.DOCTOR()
         )
 
     def send(self, agent: str, behavior: str, files: Mapping[str, str]) -> None:
@@ -100,5 +100,5 @@ class KeptCopies:
                 return
         raise SwarmError(
             f"{agent} has not confirmed that it received {behavior}; probably it has not changed",
-            Do.LOGS(node=agent),
+            Fix.LOGS(node=agent),
         )

@@ -32,7 +32,7 @@ from hitab_client.learned import Learned
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
-from hitab_core import Do, quantity, some
+from hitab_core import Fix, quantity, some
 from hitab_core.library import content_of, reissued, time_now
 
 Progress = Callable[[int, int, str], None]
@@ -232,7 +232,7 @@ class Bootstrapping:
         except SwarmError as error:
             raise SwarmError(
                 f"the training could not go on by itself: {error.problem}",
-                Do.TRAIN_FURTHER(agent=agent, behavior=training.name),
+                Fix.TRAIN_FURTHER(agent=agent, behavior=training.name),
                 *error.remedies,
             ) from None
         self._say(f"{agent}: {answer.message}")
@@ -243,7 +243,7 @@ class Bootstrapping:
         """Give a generation to the teammates, have all perform it, and evaluate it."""
         made = known.get(number)
         agent, behavior = known.agent, known.behavior
-        rest = Do.GO_BACK(agent=agent, behavior=behavior, generation=number)
+        rest = Fix.GO_BACK(agent=agent, behavior=behavior, generation=number)
         self.left = f"generation {number} is kept, but not given to all of the team; {rest}"
         report = DistributionReport()
         if mates:

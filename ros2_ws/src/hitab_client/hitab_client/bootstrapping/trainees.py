@@ -9,7 +9,7 @@ from hitab_msgs.msg import AgentStatus
 from hitab_client.errors import SwarmError
 from hitab_client.learned import Learned
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import START, Do, quantity
+from hitab_core import START, Fix, quantity
 
 
 def training_of(swarm: SwarmClient, agent: str) -> Learned:
@@ -21,15 +21,15 @@ def training_of(swarm: SwarmClient, agent: str) -> Learned:
     if not swarm.await_agent(agent).training:
         raise SwarmError(
             f"{agent} is not training anything, so there is no next generation",
-            Do.TRAIN(agent=agent),
-            Do.TRAIN_FURTHER(agent=agent),
+            Fix.TRAIN(agent=agent),
+            Fix.TRAIN_FURTHER(agent=agent),
         )
     training = swarm.training(agent)
     if not any(example.state == START for example in training.examples):
         raise SwarmError(
             f'no example of "{training.name}" leaves Start, so that {agent} and its team mates '
             "would do nothing; command its first behavior from the beginning",
-            Do.DEMONSTRATE(agent=agent),
+            Fix.DEMONSTRATE(agent=agent),
         )
     return training
 
@@ -49,7 +49,7 @@ def refuse_unsaved(swarm: SwarmClient, agent: str) -> None:
             f'the training of "{training.name}" on {agent} has '
             f"{quantity(len(differing), 'example')} changed since it was saved; give them up with "
             "--discard",
-            Do.NEXT_GENERATION(agent=agent),
+            Fix.NEXT_GENERATION(agent=agent),
         )
 
 
@@ -63,8 +63,8 @@ def mates_of(swarm: SwarmClient, agent: str, to: Sequence[str]) -> list[str]:
         if swarm.statuses[mate].mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
             raise SwarmError(
                 f"{mate} is in training itself; name the others with --to",
-                Do.SAVE(agent=mate),
-                Do.DISCARD(agent=mate),
+                Fix.SAVE(agent=mate),
+                Fix.DISCARD(agent=mate),
             )
     return list(dict.fromkeys(mates))
 

@@ -16,11 +16,11 @@ from dataclasses import replace
 from hitab_msgs.msg import AgentStatus, WorldState
 from hitab_msgs.srv import Control
 
+from hitab_client.demonstrating.agent_vocabulary import AgentVocabulary, WordsOfAgents
 from hitab_client.demonstrating.behavior_keys import Keys
-from hitab_client.demonstrating.commanding import command, other_mode, put_earlier
+from hitab_client.demonstrating.key_actions import command, other_mode, put_earlier
 from hitab_client.demonstrating.pressed import Asked, Pressed, UnseenOutcomes
 from hitab_client.demonstrating.steering import Steering
-from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
 from hitab_client.errors import SwarmError
 from hitab_client.stops import Stops
 from hitab_client.swarm_client import SwarmClient
@@ -28,7 +28,7 @@ from hitab_client.world_client import WorldClient
 from hitab_core import START, HitabError, Use, natural, numbers_of, some
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names
 
-PATIENCE_S = 1.0
+KEY_AGE_MAX_S = 1.0
 """What was pressed longer ago, s, before it could be carried out, was meant for another moment."""
 
 PENDING_MAX = 8
@@ -112,7 +112,7 @@ class Demonstrator:
         return self._agents.statuses.get(self.agent)
 
     @property
-    def words(self) -> Words:
+    def words(self) -> AgentVocabulary:
         """What the agent can be commanded, as far as it is known."""
         return self._words.known(self.agent)
 
@@ -300,7 +300,7 @@ class Demonstrator:
 
     def _carry_out(self, pressed: Pressed) -> None:
         late = self._clock() - pressed.at
-        if late > PATIENCE_S:
+        if late > KEY_AGE_MAX_S:
             raise SwarmError(
                 f"{pressed.what} is left out: it was pressed {late:.1f} s ago, while an agent did "
                 "not answer"
@@ -325,7 +325,7 @@ class Demonstrator:
         words.check_bound(use, agent)
         return command(agents, self._world, agent, str(use), seen=pressed.seen, seconds=TAKEN_S)
 
-    def _ask(self, pressed: Pressed, words: Words) -> bool:
+    def _ask(self, pressed: Pressed, words: AgentVocabulary) -> bool:
         """Ask for a target or a number that is still to be given; return whether one is."""
         asked = words.open_part(pressed) if self._asks else None
         if asked is None:

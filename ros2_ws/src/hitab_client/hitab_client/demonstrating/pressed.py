@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 
 from hitab_client.errors import SwarmError
-from hitab_core import Number, Use
+from hitab_core import BoundedNumber, Use
 
 ACTIONS = {
     "test": "test what was learned; again: take over",
@@ -60,7 +60,7 @@ class Asked:
     pressed: Pressed
     place: int = 0
     targets: tuple[str, ...] = ()
-    number: Number | None = None
+    number: BoundedNumber | None = None
     typed: str = ""
 
     def with_target(self, target: str) -> Use:

@@ -15,7 +15,7 @@ from mcap.writer import Writer
 from rclpy.qos import QoSProfile
 
 from hitab_client.errors import SwarmError
-from hitab_client.recording.definitions import definition
+from hitab_client.recording.message_definitions import definition
 
 METADATA = "hitab"
 """Name of the metadata record; recordings without one have the first format."""

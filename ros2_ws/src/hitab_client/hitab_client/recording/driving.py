@@ -8,8 +8,8 @@ from typing import Any
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording.reading import Messages, agent_meant
-from hitab_core import Do, quantity
-from hitab_core.showing import Moment
+from hitab_core import Fix, quantity
+from hitab_core.labeling import ShownAction
 from hitab_ros import names
 from hitab_ros.stamps import seconds_of
 
@@ -35,7 +35,7 @@ class Driven:
     agent: str
     domain: str
     start: float
-    moments: list[Moment]
+    moments: list[ShownAction]
     missing: str
 
 
@@ -56,7 +56,7 @@ def driving_of(path: Path, agent: str = "") -> Driven:
     parts = {message.topic.rpartition("/") for message in messages}
     there = sorted({namespace for namespace, _, name in parts if name in _PERCEPTS})
     if not there:
-        raise SwarmError(f"{path.name} has no percepts of any agent", Do.RECORD())
+        raise SwarmError(f"{path.name} has no percepts of any agent", Fix.RECORD())
     namespace = agent_meant(path, there, agent)
     swarm, _, name = namespace.rpartition("/")
     world = f"{swarm}/{names.WORLD}"
@@ -97,18 +97,18 @@ def driving_of(path: Path, agent: str = "") -> Driven:
     if not seen:
         raise SwarmError(
             f"{path.name} has no cycle of {name}: the world was paused while it was recorded",
-            Do.RESUME_WORLD(),
-            Do.RECORD(),
+            Fix.RESUME_WORLD(),
+            Fix.RECORD(),
         )
     if not any(action is not None for action in did):
         raise SwarmError(
             f"{path.name} has {quantity(len(seen), 'percept')} of {name}, but not what was done: "
             f"it lacks its actions on {world}/{names.ACTIONS}, or of a robot {told[1]}",
-            Do.RECORD(),
+            Fix.RECORD(),
         )
     moments, episode = [], 0
     for (when, p), action in zip(seen, did, strict=True):
         episode += p.restart
         time, after = seconds_of(p.stamp), when - seen[0][0]
-        moments.append(Moment(after, time, p.cycle, episode, p.values, p.heard, action))
+        moments.append(ShownAction(after, time, p.cycle, episode, p.values, p.heard, action))
     return Driven(name, domain, seen[0][0], moments, messages.missing)

@@ -19,7 +19,7 @@ from rclpy.serialization import deserialize_message
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import FORMAT, METADATA
-from hitab_client.recording.definitions import message_class, same_definition
+from hitab_client.recording.message_definitions import message_class, same_definition
 from hitab_client.recording.recordings import SUFFIX
 from hitab_core import has, natural, newer_format, quantity
 from hitab_ros import own_hash

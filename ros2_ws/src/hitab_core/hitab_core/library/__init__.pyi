@@ -15,10 +15,10 @@ from .bundle_file import read_bundle_file as read_bundle_file
 from .bundle_file import texts_with_parts as texts_with_parts
 from .differences import difference as difference
 from .digests import checksum as checksum
-from .edition import Edition as Edition
-from .edition import Editions as Editions
 from .expectation import Expectation as Expectation
 from .expectation import broken_expectations as broken_expectations
+from .loaded_library import LibraryReader as LibraryReader
+from .loaded_library import LoadedLibrary as LoadedLibrary
 from .provenance import time_now as time_now
 from .provenance import tool_name as tool_name
 from .reissuing import content_of as content_of

@@ -45,7 +45,7 @@ Digest = Annotated[
     str, _matching("[0-9a-f]{64}", "a digest (64 characters 0-9 and a-f); was it cut off?")
 ]
 Count = Annotated[int, Field(ge=0, le=CYCLE_MAX), BeforeValidator(_whole)]
-Number = Annotated[Count, Field(ge=1)]
+PositiveCount = Annotated[Count, Field(ge=1)]
 Value = Annotated[float | None, PlainValidator(_value)]
 Used = Annotated[str, AfterValidator(read_use)]
 
@@ -63,7 +63,7 @@ class ExpectationRecord(Record):
 class NumbersRecord(Record):
     """The numbers that the next state of an example was commanded with."""
 
-    example: Number
+    example: PositiveCount
     values: list[Annotated[float, Field(allow_inf_nan=False)]]
 
 
@@ -96,7 +96,7 @@ class FeatureRecord(Record):
 class ExampleRecord(Record):
     """An example, with one value per feature."""
 
-    number: Number
+    number: PositiveCount
     state: str
     features: list[Value]
     next_state: str
@@ -117,7 +117,7 @@ class ReadingRecord(Record):
 class ProvenanceRecord(Record):
     """Where a behavior comes from."""
 
-    version: Number
+    version: PositiveCount
     created: str
     author: str
     agent: str

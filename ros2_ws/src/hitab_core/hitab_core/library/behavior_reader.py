@@ -27,7 +27,7 @@ from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, Place, read_yaml
 from hitab_core.number import wrong_with
 from hitab_core.regression import learn_numbers
-from hitab_core.remedies import Do, Remedy
+from hitab_core.remedies import Fix, Remedy
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 from hitab_core.vocabulary import has, unknown
@@ -59,7 +59,7 @@ def read_behavior(
         complaints.add(
             ("checksum",),
             "the checksum does not match the file: it was edited or damaged",
-            Do.ACCEPT(file=file),
+            Fix.ACCEPT(file=file),
         )
     # Here because pydantic is slow to import.
     from hitab_core.library.behavior_model import BehaviorRecord
@@ -94,7 +94,7 @@ class _Reader:
     def __post_init__(self) -> None:
         self._content: dict[str, Any] = self._document.value
         self._before = len(self._complaints)
-        self._accept = Do.ACCEPT(file=self._document.file)
+        self._accept = Fix.ACCEPT(file=self._document.file)
 
     def read(self, name: str, text: str) -> BehaviorFile:
         content = self._content

@@ -74,7 +74,7 @@ def bundle_file_text(texts: Mapping[str, str], domain: str) -> str:
 
 
 def read_bundle_file(path: Path) -> BundleFile:
-    """Read a file; whether its behaviors are sound is up to `Editions.read_all`.
+    """Read a file; whether its behaviors are sound is up to `LibraryReader.read_all`.
 
     Raises:
         LibraryError: naming everything wrong with it.

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from hitab_core.errors import LibraryError
 from hitab_core.library.durable_files import (
-    PATIENCE,
+    LOCK_TIMEOUT_S,
     UNFINISHED,
     file_errors,
     locked,
@@ -38,7 +38,7 @@ _HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]+)\n")
 
 @contextmanager
 def held(
-    folder: Path, *, alone: bool, patience: float = PATIENCE, sync: bool = True
+    folder: Path, *, alone: bool, patience: float = LOCK_TIMEOUT_S, sync: bool = True
 ) -> Iterator[None]:
     """Lock a folder: exclusively (``alone``) to write, or shared to read. Do not nest.
 

@@ -10,13 +10,13 @@ from hitab_core.automaton import RESERVED
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
-from hitab_core.remedies import Do, Remedy
+from hitab_core.remedies import Fix, Remedy
 from hitab_core.use import NAME
 from hitab_core.wording import quantity
 
 
 @dataclass(frozen=True)
-class Losses:
+class LostBehaviors:
     """The behaviors of a library that cannot be used.
 
     Nothing stands in for a lost behavior, not even a basic behavior of its name: who asks for it
@@ -35,7 +35,7 @@ class Losses:
     unread: str = ""
 
     @classmethod
-    def of_unread(cls, why: str, domain: Domain) -> Losses:
+    def of_unread(cls, why: str, domain: Domain) -> LostBehaviors:
         """Return the losses of a folder that cannot be read.
 
         Any hand-written automaton may have been trained anew there, so none can be used.
@@ -52,11 +52,11 @@ class Losses:
         """What a person can do about the only cause; about several, see them all."""
         if len(self.faults) == 1 and self.remedies:
             return next(iter(self.remedies.values()))
-        return (Do.CHECK_LIBRARY(),) * bool(self)
+        return (Fix.CHECK_LIBRARY(),) * bool(self)
 
 
 @dataclass(frozen=True)
-class Contents:
+class LibraryContents:
     """The behavior files of a folder, sorted by whether they can be used.
 
     Attributes:
@@ -92,7 +92,7 @@ class Contents:
             waiting += more
         return found - {name}
 
-    def losses(self, folder: Path, sound_version: Callable[[str], int | None]) -> Losses:
+    def losses(self, folder: Path, sound_version: Callable[[str], int | None]) -> LostBehaviors:
         """Return what is lost.
 
         Args:
@@ -118,7 +118,7 @@ class Contents:
             f"{reasons[cause]}; it is needed for {', '.join(others)}" if others else reasons[cause]
             for cause, others in concerned.items()
         )
-        return Losses(reasons, faults, remedies)
+        return LostBehaviors(reasons, faults, remedies)
 
     def _remedies(
         self, cause: str, folder: Path, sound_version: Callable[[str], int | None]
@@ -126,20 +126,20 @@ class Contents:
         """Return what a person can do about a lost behavior that no other explains."""
         file = folder / file_name(cause)
         if NAME.match(cause) is None or cause in RESERVED:
-            return (Do.MOVE_AWAY(file=file),)
+            return (Fix.MOVE_AWAY(file=file),)
         accepted: list[Remedy] = []
         gone = frozenset({cause})
         if cause in self.unreadable:
-            accepted = [Do.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
+            accepted = [Fix.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
         else:  # its own file is sound; perhaps what it uses was deleted
             gone = self.readable[cause].automaton.behaviors_used - self.readable.keys()
         restored = [
-            Do.RESTORE(behavior=name, version=version, folder=folder)
+            Fix.RESTORE(behavior=name, version=version, folder=folder)
             for name in sorted(gone)
             if (version := sound_version(name)) is not None
         ]
-        others = [Do.SEND(behavior=cause), Do.PUT_INTACT(file=file)] if cause in gone else []
-        given_up = Do.DELETE(behavior=cause, folder=folder)
+        others = [Fix.SEND(behavior=cause), Fix.PUT_INTACT(file=file)] if cause in gone else []
+        given_up = Fix.DELETE(behavior=cause, folder=folder)
         return (*accepted, *(restored or others), given_up)
 
     def _reason(self, folder: Path, way: list[str]) -> str:

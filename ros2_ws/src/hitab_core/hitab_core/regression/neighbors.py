@@ -22,7 +22,7 @@ import numpy as np
 from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
 from hitab_core.example import Example
-from hitab_core.number import Number
+from hitab_core.number import BoundedNumber
 from hitab_core.spread import spreads
 from hitab_core.use import Use
 
@@ -37,7 +37,7 @@ OPPOSED = 1e-6
 """Directions whose mean vector is shorter than this have no mean."""
 
 
-class Moment(NamedTuple):
+class NumberExample(NamedTuple):
     """One of the moments that numbers were taken from.
 
     Attributes:
@@ -79,7 +79,7 @@ class Neighbors:
         values: Sequence[Sequence[float]] | Floats,
         numbers: Sequence[Sequence[float]] | Floats,
         scales: Sequence[Scale],
-        wanted: Sequence[Number],
+        wanted: Sequence[BoundedNumber],
         examples: Sequence[int] = (),
     ) -> None:
         """Learn from moments.
@@ -127,7 +127,7 @@ class Neighbors:
         squared: Floats = np.einsum("ij,ij->j", away, away)
         return squared
 
-    def _nearest(self, values: Sequence[float]) -> list[Moment]:
+    def _nearest(self, values: Sequence[float]) -> list[NumberExample]:
         """Return the nearest moments, by their index among those kept."""
         squared = self._squared(values)
         if squared is None:
@@ -139,11 +139,11 @@ class Neighbors:
         shares = [least / d if least else float(not d) for d, _ in found]
         total = sum(shares)
         return [
-            Moment(row, distance, share / total)
+            NumberExample(row, distance, share / total)
             for (distance, row), share in zip(found, shares, strict=True)
         ]
 
-    def nearest(self, values: Sequence[float]) -> list[Moment]:
+    def nearest(self, values: Sequence[float]) -> list[NumberExample]:
         """Return the moments that the numbers are taken from here, the nearest first.
 
         Args:
@@ -169,7 +169,7 @@ class Neighbors:
         )
 
 
-def mean(values: Sequence[float], weights: Sequence[float], number: Number) -> float:
+def mean(values: Sequence[float], weights: Sequence[float], number: BoundedNumber) -> float:
     """Return the weighted mean of values of a number; the first if directions are opposed.
 
     Args:
@@ -241,7 +241,7 @@ def learn_numbers(
     states: Iterable[Use],
     scales: Sequence[Scale],
     examples: Iterable[Example],
-    numbers_of: Callable[[Use], Sequence[Number]],
+    numbers_of: Callable[[Use], Sequence[BoundedNumber]],
 ) -> dict[str, Neighbors]:
     """Return what gives the numbers of each state whose behavior takes some, by label.
 

@@ -40,7 +40,7 @@ SPREADS = np.array([0.15, 0.3, 0.5])
 OTHERWISE = 0.1
 """The part of commands that do not answer to what others of their kind do."""
 
-AT_ONCE = 0.1
+P_IMMEDIATE = 0.1
 """How probable it is that a command answers to what was so when its state began, relative to what
 came later: of these guesses there are more, since half of all thresholds are passed from the
 beginning."""
@@ -119,7 +119,7 @@ def _density(delays: Floats) -> Floats:
     return np.asarray(np.exp(-0.5 * z**2) / (seconds * SPREADS * math.sqrt(2.0 * math.pi)))
 
 
-def _patience(seconds: Floats) -> Floats:
+def _survival(seconds: Floats) -> Floats:
     """Return how probable it is that a delay is longer: shape (*seconds, medians, spreads)."""
     z = (np.log(np.maximum(seconds, 1e-3))[..., None, None] - np.log(MEDIANS)[:, None]) / SPREADS
     return np.asarray(0.5 * _erfc(z / math.sqrt(2.0)))
@@ -222,7 +222,7 @@ def _explanations(
         density = np.concatenate([_density(command.delays), np.zeros((1, *grid))])
         change = command.odds_of_change
         answered = (1.0 - change) * (1.0 - OTHERWISE) * density[first[:, i]]
-        answered[first[:, i] == 0] *= AT_ONCE
+        answered[first[:, i] == 0] *= P_IMMEDIATE
         corrected = change * _density(np.array(command.changed or SHORTEST))
         likelihood = answered + corrected + (1.0 - change) * OTHERWISE / length + TINY
         fitting[:, i] = answered / likelihood
@@ -230,7 +230,7 @@ def _explanations(
         log_likelihood += np.log(likelihood)
     for other, held in zip(others, firsts.T[len(commands) :], strict=True):
         patience = np.concatenate(
-            [_patience(other.delays), np.ones((1, len(MEDIANS), len(SPREADS)))]
+            [_survival(other.delays), np.ones((1, len(MEDIANS), len(SPREADS)))]
         )
         log_likelihood += np.log((1.0 - OTHERWISE) * patience[held] + OTHERWISE)
     return _Explanations(commands, first, fitting, changing, log_likelihood)

@@ -69,7 +69,7 @@ class Question:
 
 
 @dataclass(frozen=True)
-class Material:
+class QuestionContext:
     """What questions are found from.
 
     Attributes:

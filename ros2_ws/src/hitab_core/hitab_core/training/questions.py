@@ -23,12 +23,12 @@ from hitab_core.training import question_texts
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.question import (
     Choice,
-    Material,
     Question,
+    QuestionContext,
     QuestionKind,
     added,
 )
-from hitab_core.training.situations import Situations
+from hitab_core.training.situation_sample import SituationSample
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
 
@@ -49,7 +49,7 @@ class Questions:
     """
 
     def __init__(
-        self, log: ExampleLog, situations: Situations, material: Callable[[], Material]
+        self, log: ExampleLog, situations: SituationSample, material: Callable[[], QuestionContext]
     ) -> None:
         self.answered: list[str] = []
         self._log = log
@@ -155,7 +155,7 @@ class Questions:
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(self, given: Material) -> Iterator[tuple[float, Question] | None]:
+    def _found(self, given: QuestionContext) -> Iterator[tuple[float, Question] | None]:
         """Yield those that take long to find, with what their answers tell; None in between."""
         for state in (START, *given.labels):
             if state in FLAGS:
@@ -201,7 +201,7 @@ class Questions:
 
 
 def _about(
-    state: str, given: Material
+    state: str, given: QuestionContext
 ) -> tuple[list[tuple[float, ...]], tuple[str, ...], Booleans]:
     """Return what was met in a state, what may be right in it, and what its entries assumed."""
     met = [values for there, values in given.met if there == state]

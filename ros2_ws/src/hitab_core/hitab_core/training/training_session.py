@@ -24,7 +24,7 @@ from hitab_core.errors import (
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import relearned
-from hitab_core.remedies import Do
+from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
@@ -32,11 +32,11 @@ from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.exchange import exchange
 from hitab_core.training.late_commands import LateCommands
 from hitab_core.training.lateness import Lateness
-from hitab_core.training.perceived import Perceived
-from hitab_core.training.question import Material, Question, choice_of
+from hitab_core.training.percept_history import PerceptHistory
+from hitab_core.training.question import Question, QuestionContext, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
-from hitab_core.training.trial import Trial
+from hitab_core.training.test_statistics import TestStatistics
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -79,8 +79,8 @@ class TrainingSession:
     active state and what it performs.
 
     A command can say that it was due some time ago; it is then recorded with the situation and the
-    active state of that time (`hitab_core.training.moments`). Each example keeps whatever could be
-    read in its situation, so that features can be exchanged afterwards.
+    active state of that time (`hitab_core.training.recent_percepts`). Each example keeps all
+    readings of its situation, so that features can be exchanged afterwards.
 
     Undoing a command returns the agent to the state before it, so that the next command is
     recorded in that state; redoing it performs the commanded behavior. After a crash the agent is
@@ -111,7 +111,7 @@ class TrainingSession:
         Args:
             context: of the agent.
             curriculum: what to train.
-            examples: to continue from, with readings in the order of `Perceived.readable`.
+            examples: to continue from, with readings in the order of `PerceptHistory.readable`.
             journal: keeps each step.
             names: of the readings of ``examples``; empty: all that can be read. What cannot be
                 read any more is NaN.
@@ -124,7 +124,7 @@ class TrainingSession:
         self.context = context
         self.curriculum = curriculum
         domain = context.repertoire.domain
-        self.perception = Perceived(domain, curriculum.parameters, curriculum.features, names)
+        self.perception = PerceptHistory(domain, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
         self.testing = False
         self.asked = Questions(self.log, self.perception.situations, self._material)
@@ -134,7 +134,7 @@ class TrainingSession:
         self.note = ""
         self.late = LateCommands({} if people is None else people)
         self._loops: tuple[tuple[Example, ...], list[Remark]] = (), []
-        self._trial = Trial()
+        self._trial = TestStatistics()
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -434,11 +434,11 @@ class TrainingSession:
         about, found = self._loops
         return [*(found if about is examples else ()), *self._trial.remarks(examples)]
 
-    def _material(self) -> Material:
+    def _material(self) -> QuestionContext:
         examples, features = self.log.examples, self.curriculum.features
         met = self.perception.situations
         repertoire = self.context.repertoire
-        return Material(
+        return QuestionContext(
             examples,
             tuple(repertoire.domain.scale_of(use) for use in features),
             tuple(map(str, features)),
@@ -575,7 +575,7 @@ class TrainingSession:
                 f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
                 "with so many features, a training reads some only if they are chosen when it "
                 "begins",
-                Do.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
+                Fix.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
             )
 
     def _make(self, edit: Edit) -> None:

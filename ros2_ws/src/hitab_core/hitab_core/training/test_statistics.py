@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections import Counter
 
-from hitab_core.advice.remarks import Remark, Sign
+from hitab_core.advice.remarks import Remark, RemarkKind
 from hitab_core.automaton import FLAGS, START
 from hitab_core.example import Example
-from hitab_core.remedies import Do
+from hitab_core.remedies import Fix
 
 EPISODES = 50
 """After so many episodes what has not happened is remarked on.
@@ -22,7 +22,7 @@ in one of fifteen is missing in all of fifty with a probability of 0.03.
 """
 
 
-class Trial:
+class TestStatistics:
     """What the automaton that is being tested has done."""
 
     def __init__(self) -> None:
@@ -82,14 +82,14 @@ class Trial:
         }
         for state in dict.fromkeys(e.next_state for e in commands):
             if state not in self._ever:
-                sign = Sign.NOT_RAISED if state in FLAGS else Sign.NOT_ENTERED
+                sign = RemarkKind.NOT_RAISED if state in FLAGS else RemarkKind.NOT_ENTERED
                 found.append(_remark(sign, state, self._episodes, state))
             elif state in follows and state not in self._left and self._entered[state] >= EPISODES:
-                sign, episodes = Sign.NOT_LEFT, self._entered[state]
+                sign, episodes = RemarkKind.NOT_LEFT, self._entered[state]
                 found.append(_remark(sign, state, episodes, follows[state]))
         return found
 
 
-def _remark(sign: Sign, state: str, episodes: int, behavior: str) -> Remark:
+def _remark(sign: RemarkKind, state: str, episodes: int, behavior: str) -> Remark:
     arguments = (("state", state), ("episodes", str(episodes)))
-    return Remark(sign, arguments, Do.CORRECT(behavior=behavior))
+    return Remark(sign, arguments, Fix.CORRECT(behavior=behavior))

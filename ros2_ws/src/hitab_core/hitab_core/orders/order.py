@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-Number = tuple[int, int]
+OrderId = tuple[int, int]
 """Epoch and sequence; the larger one is newer."""
 
 OTHERS = ""
@@ -40,7 +40,7 @@ class Order:
     round: int = 0
 
     @property
-    def number(self) -> Number:
+    def number(self) -> OrderId:
         """Epoch and sequence, to compare orders: the larger is newer."""
         return self.epoch, self.sequence
 

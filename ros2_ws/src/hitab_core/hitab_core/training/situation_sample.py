@@ -13,25 +13,25 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator
 from random import Random
 
-from hitab_core.training.moments import Moment
+from hitab_core.training.recent_percepts import PerceptRecord
 
 KEPT = 400
 """The most moments that are kept; with more, looking for questions takes long."""
 
 
-class Situations:
+class SituationSample:
     """A sample of the moments that were met."""
 
     def __init__(self) -> None:
-        self._kinds: dict[Hashable, list[Moment]] = {}
+        self._kinds: dict[Hashable, list[PerceptRecord]] = {}
         self._seen: dict[Hashable, int] = {}
         self._random = Random(0)
 
-    def __iter__(self) -> Iterator[Moment]:
+    def __iter__(self) -> Iterator[PerceptRecord]:
         """Iterate over the sample."""
         return (moment for kind in self._kinds.values() for moment in kind)
 
-    def add(self, kind: Hashable, moment: Moment) -> None:
+    def add(self, kind: Hashable, moment: PerceptRecord) -> None:
         """Add a moment; it may take the place of another one, or of none.
 
         Args:

@@ -18,7 +18,7 @@ GROUP_TYPE = "hitab_msgs/msg/CommanderStatus"
 LATER_SECONDS = 0.3
 
 
-class CommandView:
+class CommanderView:
     """Listens to all commanders of a swarm.
 
     Args:

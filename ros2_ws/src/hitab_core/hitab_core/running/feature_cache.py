@@ -18,7 +18,7 @@ P = ParamSpec("P")
 ON_CIRCLE = -1
 """In place of a number of categories: the feature is toroidal."""
 
-BLIND = "nothing perceived yet; let the world run, or wait for the robot's sensors"
+NO_PERCEPT_YET = "nothing perceived yet; let the world run, or wait for the robot's sensors"
 
 
 def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) -> Any:
@@ -35,7 +35,7 @@ def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) 
     return lambda: function(body, *[resolve(body) for resolve in resolvers])
 
 
-class Senses:
+class FeatureCache:
     """Feature values by slot, shared by all automata of an agent.
 
     ``values[slot]`` is None until :meth:`read` is called in this tick. So a decision reads only
@@ -184,7 +184,7 @@ class Senses:
         except Exception as error:
             if self.perceived:
                 raise
-            raise FeatureValueError(f"{BLIND} ({error!r})") from error
+            raise FeatureValueError(f"{NO_PERCEPT_YET} ({error!r})") from error
 
 
 def _one_of_each(domain: Domain) -> Iterator[Use]:

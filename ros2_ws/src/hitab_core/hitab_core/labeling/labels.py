@@ -21,9 +21,9 @@ from hitab_core.automaton import START
 from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
+from hitab_core.labeling.likelihood import log_likelihoods, spread_of, unexplained
+from hitab_core.labeling.paths import draw, forward, posterior
 from hitab_core.learning import learn_transitions
-from hitab_core.showing.likelihood import log_likelihoods, spread_of, unexplained
-from hitab_core.showing.paths import draw, forward, posterior
 from hitab_core.transition_function import LearnedTransition
 
 STAY = 0.9

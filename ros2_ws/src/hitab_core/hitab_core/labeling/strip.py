@@ -12,10 +12,10 @@ from hitab_core.agent import Agent
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError, TrainingError
+from hitab_core.labeling.labels import Run, Told, label, untold
+from hitab_core.labeling.shown_actions import ShownAction, behaviors_meant, features_meant, runs_of
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.saving import Saved
-from hitab_core.showing.labels import Run, Told, label, untold
-from hitab_core.showing.moments import Moment, behaviors_meant, features_meant, runs_of
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.use import Use
 from hitab_core.vocabulary import check_known
@@ -61,7 +61,7 @@ class Strip:
 
     def __init__(
         self,
-        moments: Sequence[Moment],
+        moments: Sequence[ShownAction],
         domain: Domain,
         agent: str,
         behaviors: Iterable[str],
@@ -200,7 +200,7 @@ class Strip:
         note = f"labeled from {source}: {quantity(len(self.moments), 'moment')}{said}"
         return agent.save(note=note)
 
-    def _changes(self) -> Iterator[tuple[Moment, Use | None, bool]]:
+    def _changes(self) -> Iterator[tuple[ShownAction, Use | None, bool]]:
         """Yield each moment, the behavior that is commanded then, and if an episode begins."""
         episode, before = None, -1
         for moment, which in zip(self.moments, self.labels.tolist(), strict=True):

@@ -8,7 +8,7 @@ BUSY_FACTOR = 5.0
 """How many times as long a wait may be if the machine is too busy."""
 
 
-class Patience:
+class BusyTimeout:
     """Waits for a number of seconds, in steps.
 
     Time in which this process wanted to run and could not does not count: on a machine that is too
