@@ -7,7 +7,7 @@ import pytest
 from mentions import ROOT, SOURCES
 from test_mentions import complaint
 
-from hitab_client.cli_remedies import CALLED_AS, COMMANDS, THEN, as_command, with_commands
+from hitab_client.cli_remedies import CALLED_AS, REMEDY_COMMANDS, THEN, as_command, with_commands
 from hitab_core import Fix, HitabError
 from hitab_ros.conversions import remedies_of, remedy_messages
 from hitab_studio.remedy_words import BUTTONS, in_studio
@@ -27,11 +27,11 @@ def made():
                     yield f"{path.name}:{node.lineno}", Fix[node.func.attr], names
 
 
-@pytest.mark.parametrize("code", COMMANDS, ids=lambda code: code.name)
+@pytest.mark.parametrize("code", REMEDY_COMMANDS, ids=lambda code: code.name)
 def test_the_command_for_a_remedy_is_there(code):
     numbers = {"version": "1", "number": "1", "generation": "1", "seconds": "0.3"}
-    known = {name: numbers.get(name, "X") for name in arguments(COMMANDS[code])}
-    for command in COMMANDS[code].format_map(known).split(THEN):
+    known = {name: numbers.get(name, "X") for name in arguments(REMEDY_COMMANDS[code])}
+    for command in REMEDY_COMMANDS[code].format_map(known).split(THEN):
         assert complaint(command.split(), in_passing=False) == ""
 
 
@@ -39,7 +39,7 @@ def test_every_argument_of_a_remedy_is_told_by_some_face():
     wrong = [
         (place, code.name)
         for place, code, names in made()
-        if not names <= arguments(code.value) | arguments(COMMANDS.get(code, ""))
+        if not names <= arguments(code.value) | arguments(REMEDY_COMMANDS.get(code, ""))
     ]
     assert wrong == []
 

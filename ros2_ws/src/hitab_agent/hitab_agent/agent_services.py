@@ -28,7 +28,7 @@ from hitab_core import (
     quantity,
     unknown,
 )
-from hitab_core.library import SUFFIX, broken_expectations
+from hitab_core.library import BEHAVIOR_SUFFIX, broken_expectations
 from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Answered, Serve, answering
@@ -288,10 +288,10 @@ class AgentServices:
                 raise LibraryError(
                     f'"{request.path}" is not a folder here; give the absolute path of a library'
                 )
-            if any(folder.iterdir()) and not any(folder.glob(f"*{SUFFIX}")):
+            if any(folder.iterdir()) and not any(folder.glob(f"*{BEHAVIOR_SUFFIX}")):
                 raise LibraryError(
-                    f"{folder} contains files but no behaviors (*{SUFFIX}); give the path of a "
-                    "library, or of an empty folder for a new one"
+                    f"{folder} contains files but no behaviors (*{BEHAVIOR_SUFFIX}); give "
+                    "the path of a library, or of an empty folder for a new one"
                 )
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)

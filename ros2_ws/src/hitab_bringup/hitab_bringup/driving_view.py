@@ -106,11 +106,11 @@ def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
 
 
 def _help() -> Iterator[Text]:
-    from hitab_client.demonstrating import ACTIONS, keyboard
+    from hitab_client.demonstrating import KEY_ACTIONS, keyboard
 
     yield console.line("digits, letters  command a behavior (in training), or have it performed")
     for key, action in keyboard.ACTION_KEYS.items():
-        yield console.line(f"{SPACE if key == ' ' else key:<16} {ACTIONS[action]}")
+        yield console.line(f"{SPACE if key == ' ' else key:<16} {KEY_ACTIONS[action]}")
     yield console.line("arrows           drive by hand while held; with Shift to the sides")
     yield console.line("?                hide this help")
     yield console.line("Ctrl-C           end; the agents go on")

@@ -26,7 +26,7 @@ from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.dds_profile import RANGE, choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import MARK
-from hitab_client.run_processes import ENDED, answers, process_states
+from hitab_client.run_processes import ENDED_STATES, answers, process_states
 from hitab_client.swarm_choice import way_to_stop
 from hitab_ros.exit_codes import DO_NOT_RESTART
 
@@ -149,7 +149,7 @@ def _await_answer(
         time.sleep(0.01)
 
 
-FAILED = (*ENDED, "BACKOFF")
+FAILED = (*ENDED_STATES, "BACKOFF")
 
 
 def refuse_failed(record: RunRecord, folder: RunFolder) -> None:

@@ -24,7 +24,7 @@ DISCOVERY_SECONDS_EACH = 0.02
 WATCHED_MAX = 100
 """In a larger swarm only the requested agents are watched."""
 
-LOOK_SECONDS = 0.25
+PRESENCE_CHECK_SECONDS = 0.25
 """Between two looks at topics and processes, which cost more than an event from DDS."""
 
 LOOK_SECONDS_EACH = 0.002
@@ -217,7 +217,7 @@ class AgentPresence:
         now = time.monotonic()
         if now < self._looks_at:
             return False
-        self._looks_at = now + LOOK_SECONDS + LOOK_SECONDS_EACH * len(self.expected)
+        self._looks_at = now + PRESENCE_CHECK_SECONDS + LOOK_SECONDS_EACH * len(self.expected)
         return True
 
     @property

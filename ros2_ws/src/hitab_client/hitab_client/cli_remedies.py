@@ -11,7 +11,7 @@ from hitab_core import Fix, Remedy
 CALLED_AS = "HITAB_CALLED_AS"
 """Environment variable that ``scripts/hitab`` sets to how it was called."""
 
-COMMANDS = {
+REMEDY_COMMANDS = {
     Fix.TRAIN: "train {agent} {behavior} -f {feature}",
     Fix.TRAIN_FURTHER: "train {agent} {behavior} --resume",
     Fix.RESUME: "train {agent}",
@@ -66,11 +66,11 @@ def called() -> str:
 
 def as_command(remedy: Remedy) -> str:
     """Return a remedy with the command for it, named as the user calls it."""
-    if remedy.code not in COMMANDS:
+    if remedy.code not in REMEDY_COMMANDS:
         return str(remedy)
     code = remedy.code
     quoted = Remedy(code, tuple((name, shlex.quote(value)) for name, value in remedy.arguments))
-    commands = [quoted.worded({code: words}) for words in COMMANDS[code].split(THEN)]
+    commands = [quoted.worded({code: words}) for words in REMEDY_COMMANDS[code].split(THEN)]
     return f"{remedy}: {THEN.join(f'`{called()} {command}`' for command in commands)}"
 
 

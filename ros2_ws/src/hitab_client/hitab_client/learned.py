@@ -28,7 +28,7 @@ from hitab_core.regression import Neighbors, learn_numbers
 from hitab_core.training import TrainingCost
 from hitab_ros.conversions import cost_of, example_of, numbers_of_behaviors, remarks_of
 
-NOTHING: Mapping[str, TransitionTree] = MappingProxyType({})
+NO_TREES: Mapping[str, TransitionTree] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Learned:
     units: tuple[str, ...]
     scales: tuple[Scale, ...]
     examples: tuple[Example, ...]
-    trees: Mapping[str, TransitionTree] = field(default_factory=lambda: NOTHING)
+    trees: Mapping[str, TransitionTree] = field(default_factory=lambda: NO_TREES)
     readable: tuple[str, ...] = ()
     version: int = 0
     versions: tuple[int, ...] = ()

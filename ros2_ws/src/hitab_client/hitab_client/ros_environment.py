@@ -24,7 +24,7 @@ DOMAINS = 233
 SERVER = "ROS_DISCOVERY_SERVER"
 SERVERS = re.compile(r"(?:^|;) *(?:UDPv4:\[)?([\w.-]+)\]?(?::(\d+))? *(?=;|$)")
 SERVER_PORT, DISCARD = 11811, 9
-REFUSED_SECONDS = 0.2  # in which a machine says that nobody listens at a port of it
+PORT_TIMEOUT_SECONDS = 0.2  # in which a machine says that nobody listens at a port of it
 
 RANGES = ("LOCALHOST", "SUBNET", "SYSTEM_DEFAULT", "OFF")
 
@@ -78,7 +78,7 @@ def _without_server(said: str, here: bool) -> Iterator[Problem]:
 def _no_answer(host: str, port: int) -> str:
     """Return why messages cannot be received at a port; "" if they may be."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.settimeout(REFUSED_SECONDS)
+        probe.settimeout(PORT_TIMEOUT_SECONDS)
         try:
             probe.connect((host, port))
             probe.send(b"")

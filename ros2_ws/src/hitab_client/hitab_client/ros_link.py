@@ -20,13 +20,13 @@ from hitab_client.interruptions import not_interrupted
 from hitab_core import Fix
 from hitab_ros import NO_TYPE_DESCRIPTIONS, BusyTimeout, GuardedNode, suspensions_noticed
 
-NODE = "hitab"
+NODE_NAME = "hitab"
 """Name of the node of a program that talks to a swarm, always the same for security policies."""
 
 CALL_SECONDS = 15.0
 """How long to wait for the answer of an available service."""
 
-REPEAT_SECONDS = 1.0
+REQUEST_REPEAT_SECONDS = 1.0
 """How long to wait before sending a request again; doubled each time."""
 
 NOTICEABLE_SECONDS = 0.5
@@ -48,7 +48,7 @@ class RosLink:
         domain_id: int | None = None,
         announce: Callable[[str], None] | None = None,
         *,
-        name: str = NODE,
+        name: str = NODE_NAME,
     ) -> None:
         self._announce = announce
         self._announced: set[str] = set()
@@ -212,7 +212,7 @@ class RosLink:
             self._requests += 1
             request.request, request.client = self._requests, self._name
         deadline = time.monotonic() + seconds
-        patience = REPEAT_SECONDS
+        patience = REQUEST_REPEAT_SECONDS
         sent: list[Any] = []
 
         def answered() -> Any:

@@ -19,17 +19,17 @@ from hitab_core import Fix, some
 from hitab_ros.exit_codes import DO_NOT_RESTART
 from hitab_ros.names import WORLD
 
-ANSWER_SECONDS = 5.0
+SUPERVISOR_TIMEOUT_SECONDS = 5.0
 """How long to wait for the answer of the supervisor of a swarm that is up."""
 
-START_SECONDS = 60.0
+STARTING_TIMEOUT_SECONDS = 60.0
 """How long to wait for it while it starts many processes."""
 
 FRESH_SECONDS = 0.3
 """How long the supervisor's answer is used before it is asked again."""
 
-ENDED = ("EXITED", "FATAL", "UNKNOWN")
-STOPPED = ("STOPPED", "STOPPING")
+ENDED_STATES = ("EXITED", "FATAL", "UNKNOWN")
+STOPPED_STATES = ("STOPPED", "STOPPING")
 STARTING = ("STARTING", "BACKOFF")
 
 
@@ -49,7 +49,9 @@ class _SocketTransport(Transport):
         return connection
 
 
-def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[dict[str, Any]]:
+def process_states(
+    record: RunRecord, seconds: float = STARTING_TIMEOUT_SECONDS
+) -> list[dict[str, Any]]:
     """Return the supervisor's data on each process: name, statename, pid, exitstatus.
 
     Args:
@@ -74,7 +76,7 @@ def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[di
 def answers(record: RunRecord) -> bool:
     """Whether the supervisor answers, which it does not while it starts."""
     try:
-        process_states(record, ANSWER_SECONDS)
+        process_states(record, SUPERVISOR_TIMEOUT_SECONDS)
     except SwarmError:
         return False
     return True
@@ -164,9 +166,9 @@ class RunProcesses:
             return None
         said = state["statename"]
         restarts = said == "EXITED" and state.get("exitstatus", 0) != DO_NOT_RESTART
-        if said in ENDED and not restarts:
+        if said in ENDED_STATES and not restarts:
             return Silence(process, f"has ended{_how(state)}", lasts=True, state="ended")
-        if said in STOPPED:
+        if said in STOPPED_STATES:
             what = "was stopped through its supervisor"
             return Silence(process, what, lasts=True, state="stopped")
         if said in STARTING or restarts:
@@ -184,7 +186,8 @@ class RunProcesses:
         if self._record is not None and time.monotonic() > self._asked + FRESH_SECONDS:
             try:
                 self._states = {
-                    state["name"]: state for state in process_states(self._record, ANSWER_SECONDS)
+                    state["name"]: state
+                    for state in process_states(self._record, SUPERVISOR_TIMEOUT_SECONDS)
                 }
             except SwarmError:
                 self._states = {}

@@ -12,7 +12,7 @@ from hitab_client.identity import is_own
 from hitab_client.ros_link import RosLink
 from hitab_ros import names, qos
 
-SILENT_SECONDS = 1.5
+SILENT_AFTER_SECONDS = 1.5
 """A process that gave no sign for this long is silent; they come twice a second."""
 
 GAP_SECONDS = 0.25
@@ -96,4 +96,4 @@ class SignsOfLife:
         for process, moment in self._heard.items():
             for name in self._members.get(process, (process,)):
                 heard[name] = max(heard.get(name, moment), moment, self._shown.get(name, moment))
-        return {name: now - at for name, at in heard.items() if now - at > SILENT_SECONDS}
+        return {name: now - at for name, at in heard.items() if now - at > SILENT_AFTER_SECONDS}

@@ -23,7 +23,7 @@ from hitab_core import Fix, Remedy, has
 if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
 
-LOOK_SECONDS = 3.0
+DISCOVERY_SECONDS = 3.0
 """How long to look for a swarm that the registry does not know."""
 
 ALONE_SECONDS = 1.0
@@ -209,7 +209,9 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
     def somebody() -> bool:
         return len(link.node.get_node_names()) > 1
 
-    if not (link.spin_until(somebody, ALONE_SECONDS) and link.spin_until(spaces, LOOK_SECONDS)):
+    if not (
+        link.spin_until(somebody, ALONE_SECONDS) and link.spin_until(spaces, DISCOVERY_SECONDS)
+    ):
         which = f"namespace {namespace} of {where}" if namespace else where
         raise SwarmError(f"no swarm answers in {which}", Fix.UP(swarm="keepaway"))
     there: set[str] = set()

@@ -23,9 +23,12 @@ NOT_SIMULATED = (
     "this swarm has no world: its swarm file names none, and none that was started by hand "
     "answers; only a world can be driven"
 )
-STARTED_BY_HAND_SECONDS = 2.0  # to wait for a world that the swarm has not started
-SHOWN_SECONDS = 3.0  # that a status may come later than an answer
-MODES = {Control.Request.PAUSE: WorldState.PAUSED, Control.Request.RESUME: WorldState.RUNNING}
+WORLD_DISCOVERY_SECONDS = 2.0  # to wait for a world that the swarm has not started
+STATUS_DELAY_SECONDS = 3.0  # that a status may come later than an answer
+MODE_AFTER_REQUEST = {
+    Control.Request.PAUSE: WorldState.PAUSED,
+    Control.Request.RESUME: WorldState.RUNNING,
+}
 SPEED_SECONDS = 1.0  # over which the world's speed is averaged
 NAN = float("nan")
 
@@ -97,7 +100,7 @@ class WorldClient:
         """
         own = names.WORLD in self._processes
         if self._processes.are_known and not own:
-            seconds = min(seconds, STARTED_BY_HAND_SECONDS)
+            seconds = min(seconds, WORLD_DISCOVERY_SECONDS)
 
         is_lost = self._processes.is_lost
 
@@ -147,7 +150,7 @@ class WorldClient:
         answer = self.ask(
             Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
         )
-        mode = MODES.get(action, "")
+        mode = MODE_AFTER_REQUEST.get(action, "")
         self._await_status(
             lambda status: (
                 mode in ("", status.mode)
@@ -162,7 +165,9 @@ class WorldClient:
 
         A command would be given as to the world that was.
         """
-        self.link.spin_until(lambda: self.status is None or right(self.status), SHOWN_SECONDS)
+        self.link.spin_until(
+            lambda: self.status is None or right(self.status), STATUS_DELAY_SECONDS
+        )
 
     @property
     def is_paused(self) -> bool:

@@ -13,7 +13,7 @@ from hitab_client.demonstrating import (
     KeyboardInput,
     outcome,
 )
-from hitab_client.demonstrating.demonstrator import FOUND_S, KEY_AGE_MAX_S, PENDING_MAX
+from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX, RELAY_TIMEOUT_S
 from hitab_client.demonstrating.keyboard import HOLD_S
 from hitab_core import BoundedNumber, Use
 from hitab_gamepad import JoystickInput, read_mapping
@@ -137,7 +137,7 @@ class Desk:
         self.keyboard = KeyboardInput(self.demonstrator, 0.2, 0.8, clock)
         self.demonstrator.choose(ONE)
         self.demonstrator.look()
-        self.now += FOUND_S + 1.0
+        self.now += RELAY_TIMEOUT_S + 1.0
 
     def press(self, *keys: str) -> str:
         for key in keys:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from hitab_commander.aggregation import observed, of_positions, summed_up
 from hitab_commander.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
 from hitab_commander.roll_call import RollCall
-from hitab_core.orders import OTHERS, Order, OrderId, Report
+from hitab_core.orders import ALL_OTHERS, Order, OrderId, Report
 
 NAN = math.nan
 
@@ -250,13 +250,15 @@ class CommanderBody:
         if label == self.given:
             return
         ordered = {
-            chosen or OTHERS if order.parameter and receiver == order.parameter else receiver: what
+            chosen or ALL_OTHERS
+            if order.parameter and receiver == order.parameter
+            else receiver: what
             for receiver, what in order.behaviors.items()
         }
-        if ordered.get(OTHERS) is not None and None in ordered.values():
+        if ordered.get(ALL_OTHERS) is not None and None in ordered.values():
             # A message cannot exempt some from an order to all others, so it names each member.
             ordered = {
-                name: next(ordered[r] for r in (name, member.role, OTHERS) if r in ordered)
+                name: next(ordered[r] for r in (name, member.role, ALL_OTHERS) if r in ordered)
                 for name, member in self.members.items()
             }
         self.given = label

@@ -17,7 +17,7 @@ from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.yaml_places import read_yaml
-from hitab_core.orders.order import OTHERS, Order, Report
+from hitab_core.orders.order import ALL_OTHERS, Order, Report
 
 NAMES = st.from_regex(r"[A-Z][a-z]{0,6}", fullmatch=True).filter(
     lambda name: name not in ("Done", "Failed", "Start")
@@ -216,7 +216,7 @@ def test_values_of_an_earlier_epoch_and_flags_of_an_earlier_order_do_not_count()
 )
 def test_an_order_means_what_it_says_for_the_name_else_the_role_else_all(behaviors, name, role):
     found = Order(behaviors=behaviors).behavior_for(name, role)
-    expected = [behaviors[key] for key in (name, role, OTHERS) if key in behaviors]
+    expected = [behaviors[key] for key in (name, role, ALL_OTHERS) if key in behaviors]
     assert found == (expected[0] if expected else None)
 
 
@@ -254,7 +254,7 @@ def test_giving_the_order_in_force_again_gives_nothing():
     body = body_with({"a": 1.0})
     given_orders = []
     body.on_order = given_orders.append
-    order = OrderMap("Send", {"A": "Search", OTHERS: None}, "A")
+    order = OrderMap("Send", {"A": "Search", ALL_OTHERS: None}, "A")
     body.give(order, "a")
     body.give(order, "a")
     body.give(order, None)

@@ -67,8 +67,8 @@ from .source_file import load_file as load_file
 from .training.training_session import Request as Request
 from .transition_function import HandWritten as HandWritten
 from .transition_function import TransitionFunction as TransitionFunction
-from .use import NAME as NAME
-from .use import NAME_RULE as NAME_RULE
+from .use import VOCABULARY_NAME as VOCABULARY_NAME
+from .use import VOCABULARY_NAME_RULE as VOCABULARY_NAME_RULE
 from .use import Use as Use
 from .vocabulary import has as has
 from .vocabulary import unknown as unknown

@@ -37,7 +37,7 @@ from hitab_core.repertoire import Repertoire
 from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
-from hitab_core.saving import Saved, loaded_with, to_be_saved
+from hitab_core.saving import SavedBehavior, loaded_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.people_file import read_people, write_people
@@ -452,7 +452,7 @@ class Agent:
         *,
         keep_unused: bool = False,
         note: str = "",
-    ) -> Saved:
+    ) -> SavedBehavior:
         """Trim what was learned, add it to the library and end the training.
 
         Args:
@@ -499,7 +499,9 @@ class Agent:
         self._latest_saved = saved.name
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
-        return Saved(saved.automaton, self.library.on_disk.file(saved.name), notes, replaced)
+        return SavedBehavior(
+            saved.automaton, self.library.on_disk.file(saved.name), notes, replaced
+        )
 
     def discard(self) -> None:
         """Give up the training under way and perform nothing.

@@ -25,7 +25,7 @@ from hitab_core.errors import VocabularyError
 from hitab_core.number import BoundedNumber
 from hitab_core.plain_body import PlainBody
 from hitab_core.source_file import load_file, loaded_file
-from hitab_core.use import NAME, NAME_RULE, Use, wrong_number
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use, wrong_number
 from hitab_core.vocabulary import check_known, has
 
 if TYPE_CHECKING:
@@ -237,9 +237,9 @@ class Domain:
         for group in groups:
             names = [thing.name for thing in group]
             for thing_name in names:
-                if NAME.match(thing_name) is None:
+                if VOCABULARY_NAME.match(thing_name) is None:
                     raise VocabularyError(
-                        f'domain "{name}": "{thing_name}" is not a name; {NAME_RULE}'
+                        f'domain "{name}": "{thing_name}" is not a name; {VOCABULARY_NAME_RULE}'
                     )
                 if names.count(thing_name) > 1:
                     raise VocabularyError(f'domain "{name}" has "{thing_name}" twice')

@@ -17,7 +17,7 @@ from hitab_core.library.trimming import check_bound, rebind, trim
 from hitab_core.training.training_session import TrainingSession
 
 
-class Saved(NamedTuple):
+class SavedBehavior(NamedTuple):
     """A training that was saved.
 
     Attributes:

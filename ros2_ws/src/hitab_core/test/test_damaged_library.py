@@ -13,7 +13,7 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle, plan_bundle
-from hitab_core.orders.order import OTHERS, Order
+from hitab_core.orders.order import ALL_OTHERS, Order
 from hitab_core.orders.subordinate import Subordinate
 from hitab_core.remedies import Fix
 from hitab_core.training.training_session import Curriculum
@@ -305,7 +305,7 @@ def test_an_agent_that_is_ordered_to_perform_what_is_lost_idles_until_it_is_back
     agent = make()
     agent.perform(Use("Other"))
     subordinate = Subordinate(agent)
-    subordinate.take(Order(1, 1, "Attack", {OTHERS: "High"}))
+    subordinate.take(Order(1, 1, "Attack", {ALL_OTHERS: "High"}))
     assert agent.mode is Mode.IDLE
     assert subordinate.waits
     assert subordinate.refusal.startswith('cannot obey the order "Attack": High needs Middle, ')

@@ -25,7 +25,7 @@ from hitab_core import (
 )
 from hitab_core.learning import ClassifierFunction
 from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_choice
-from hitab_core.regression import Neighbors, Table
+from hitab_core.regression import Neighbors, NumberTable
 from hitab_core.running import checks_of
 
 OWN = tuple(map(str, OWN_FEATURES))
@@ -91,7 +91,7 @@ class NumbersForm:
     """
 
     features: tuple[int, ...]
-    table: Table
+    table: NumberTable
     wanted: tuple[BoundedNumber, ...]
 
 
@@ -241,7 +241,7 @@ def _numbers(
         return None
     learned = automaton.numbers.get(label)
     if not isinstance(learned, Neighbors):  # none was shown with any: it does nothing
-        return NumbersForm((), Table(), wanted)
+        return NumbersForm((), NumberTable(), wanted)
     read = tuple(slots.setdefault(name, len(slots)) for name in features)
     return NumbersForm(read, learned.table, wanted)
 

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from hitab_client import DescriptionError
-from hitab_client.demonstrating import ACTIONS
+from hitab_client.demonstrating import KEY_ACTIONS
 from hitab_core import BoundedNumber, Use, VocabularyError, has
 from hitab_core.library import kind_of
 from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, Record, among, open_record
@@ -146,7 +146,7 @@ class Mapping(Record):
     behaviors: Annotated[
         dict[str, Annotated[str | int, PlainValidator(_behavior)]], NONE_IS_EMPTY
     ] = Field(default_factory=dict)
-    actions: Annotated[dict[str, Annotated[str, among(ACTIONS)]], NONE_IS_EMPTY] = Field(
+    actions: Annotated[dict[str, Annotated[str, among(KEY_ACTIONS)]], NONE_IS_EMPTY] = Field(
         default_factory=dict
     )
     driving: Annotated[dict[Annotated[str, among(WAYS)], Axis], NONE_IS_EMPTY] = Field(

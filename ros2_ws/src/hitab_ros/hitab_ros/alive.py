@@ -10,7 +10,7 @@ from rclpy.node import Node
 from hitab_ros import names, qos
 from hitab_ros.steady_timer import steady_timer
 
-PERIOD_S = 0.5
+HEARTBEAT_PERIOD_S = 0.5
 """Time between two signs of life, s, by the machine's clock: a paused world is alive, too."""
 
 
@@ -47,4 +47,4 @@ def _give(node: Node, topic: str, signs: Iterable[Alive], there: Callable[[], ob
         for sign in signs if there() else ():
             publisher.publish(sign)
 
-    steady_timer(node, PERIOD_S, show)
+    steady_timer(node, HEARTBEAT_PERIOD_S, show)

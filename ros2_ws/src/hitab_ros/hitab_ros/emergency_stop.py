@@ -22,7 +22,7 @@ from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.known_stops import KnownStops, must_tell
 from hitab_ros.steady_timer import steady_timer
 
-LOOK_S = 1.0
+STOP_CHECK_PERIOD_S = 1.0
 """Between two looks for stops that others latch, or have not been told, s."""
 
 
@@ -63,7 +63,7 @@ class EmergencySwitch:
         )
         self._listen(qos.EVENTS, latched=False)
         if hands_on:
-            steady_timer(node, LOOK_S, self._look)
+            steady_timer(node, STOP_CHECK_PERIOD_S, self._look)
             if known:
                 self.tell()
 

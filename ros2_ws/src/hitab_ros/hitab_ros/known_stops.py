@@ -20,7 +20,7 @@ release was forgotten stops the robots again."""
 WORDS_MAX = 200
 """Maximum characters of who stopped or released the robots, and why."""
 
-SHOWN_MAX = 3
+STOPS_NAMED_MAX = 3
 """How many stops the text for people names."""
 
 
@@ -53,7 +53,7 @@ class KnownStops:
     @property
     def who(self) -> str:
         """Who has stopped the robots, and why; empty: nobody."""
-        return ", ".join([*dict.fromkeys(self.stops.values())][-SHOWN_MAX:])
+        return ", ".join([*dict.fromkeys(self.stops.values())][-STOPS_NAMED_MAX:])
 
     def joined(self, other: KnownStops) -> KnownStops:
         """Return what is known to somebody who knows both."""

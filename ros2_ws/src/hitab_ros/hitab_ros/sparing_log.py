@@ -14,7 +14,7 @@ BURST = 20
 REFILL_S = 10.0
 """Time, s, after which one more line is allowed."""
 
-REMEMBERED = 500
+CAUSES_MAX = 500
 """Maximum number of causes remembered."""
 
 
@@ -60,7 +60,7 @@ class SparingLog:
             self._left_out += 1
             return
         self._left -= 1.0
-        if len(self._seen) >= REMEMBERED:
+        if len(self._seen) >= CAUSES_MAX:
             del self._seen[next(iter(self._seen))]
         self._seen[cause] = None
         text = plain(text, limit)

@@ -17,7 +17,7 @@ from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import JUST_STARTED, StopMachine, StopState
 
-PERIOD_S = 0.1
+STOP_REPORT_PERIOD_S = 0.1
 """Between two reports, s, by the machine's clock. They are signs of life as well."""
 
 
@@ -63,7 +63,7 @@ class Stop:
         self.switch = EmergencySwitch(node, self._emergency, hands_on=True, known=known)
         self._emergency(self.switch.known)
         node.create_service(srv.Arm, names.ARM, self._arm)
-        steady_timer(node, PERIOD_S, self._look)
+        steady_timer(node, STOP_REPORT_PERIOD_S, self._look)
 
     @property
     def why(self) -> str:

@@ -21,7 +21,7 @@ from hitab_client import (
     SwarmError,
     WorldClient,
 )
-from hitab_client.identity import BY_HAND
+from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
 from hitab_studio.agent_watch import AgentWatch
@@ -271,7 +271,7 @@ class Observer:
         known = self.known
         if self._world.stranger is not None and known.scene is not None:
             self._know(scene=None)
-        if known.target is not None and known.target.identity == BY_HAND:
+        if known.target is not None and known.target.identity == STARTED_BY_HAND:
             heard = {*self._agents.strangers.values(), self._world.stranger or ""} - {""}
             if (elsewhere := tuple(sorted(heard))) != known.elsewhere:
                 self._know(elsewhere=elsewhere)

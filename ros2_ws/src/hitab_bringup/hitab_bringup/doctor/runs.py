@@ -14,7 +14,7 @@ from hitab_client.run_folder import (
     registered_swarms,
     running_swarms,
 )
-from hitab_client.run_processes import ANSWER_SECONDS, is_suspended, process_states
+from hitab_client.run_processes import SUPERVISOR_TIMEOUT_SECONDS, is_suspended, process_states
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Fix, each_once, quantity, some
 
@@ -36,7 +36,7 @@ def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
         yield Finding("swarm", told, WARNING, stop)
         return
     try:
-        states = process_states(record, ANSWER_SECONDS)
+        states = process_states(record, SUPERVISOR_TIMEOUT_SECONDS)
     except SwarmError as error:
         yield Finding("swarm", error.problem, WARNING, stop)
         return

@@ -63,12 +63,12 @@ def accept(
       hitab library accept my_library
     """
     from hitab_bringup.opened_library import open_library
-    from hitab_core.library import SUFFIX
+    from hitab_core.library import BEHAVIOR_SUFFIX
 
     for path in paths:
         folder, names = (path, ()) if path.is_dir() else (path.parent, (path.name,))
         library = open_library(folder)
-        accepted = library.accept_edits(*(name.removesuffix(SUFFIX) for name in names))
+        accepted = library.accept_edits(*(name.removesuffix(BEHAVIOR_SUFFIX) for name in names))
         for name in accepted:
             console.say(f"accepted {library.on_disk.file(name)}")
             tell_broken(library, name)

@@ -86,11 +86,15 @@ def record(
 
 def _path(output: Path | None, swarm: str) -> Path:
     """Return the file to write."""
-    from hitab_client.recording.recordings import SUFFIX, new_recording
+    from hitab_client.recording.recordings import RECORDING_SUFFIX, new_recording
 
     if output is None:
         return new_recording(swarm)
-    return output if output.suffix == SUFFIX else output.with_name(f"{output.name}{SUFFIX}")
+    return (
+        output
+        if output.suffix == RECORDING_SUFFIX
+        else output.with_name(f"{output.name}{RECORDING_SUFFIX}")
+    )
 
 
 def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:

@@ -8,7 +8,7 @@ from .key_actions import outcome as outcome
 from .key_actions import put_earlier as put_earlier
 from .key_actions import simulated as simulated
 from .keyboard import KeyboardInput as KeyboardInput
-from .pressed import ACTIONS as ACTIONS
+from .pressed import KEY_ACTIONS as KEY_ACTIONS
 from .pressed import Pressed as Pressed
 from .pressed import UnseenOutcomes as UnseenOutcomes
 from .steering import STILL as STILL

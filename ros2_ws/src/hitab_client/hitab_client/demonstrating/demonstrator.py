@@ -37,10 +37,10 @@ PENDING_MAX = 8
 TAKEN_S = 2.0
 """How long to wait for an agent to take a command, s."""
 
-FOUND_S = 3.0
+RELAY_TIMEOUT_S = 3.0
 """How long a robot's relay may take to be found, s."""
 
-BY_HAND = "driving by hand"
+DRIVING_BY_HAND = "driving by hand"
 
 PARTS, BACKSPACES, ENTERS = "0123456789.-", "\x7f\b", "\r\n"
 """Keys with which a number is typed."""
@@ -216,7 +216,7 @@ class Demonstrator:
         self.steering.hold(velocity, seconds)
         if self.switch.engaged:
             self._refuse_steering("the emergency stop holds the robots")
-        elif not self.steering.reaches_relay and now <= self._chosen_at + FOUND_S:
+        elif not self.steering.reaches_relay and now <= self._chosen_at + RELAY_TIMEOUT_S:
             self.steering.release()  # it may still be found
         elif not self.steering.reaches_relay:
             self._refuse_steering(
@@ -226,7 +226,7 @@ class Demonstrator:
         elif not self._is_at_rest() and self._is_driven:
             self._refuse_steering(f"{self.agent} acts again: let go, then drive it again")
         elif not self._is_at_rest() and begins:
-            self._wait(self.pressed("", BY_HAND))
+            self._wait(self.pressed("", DRIVING_BY_HAND))
 
     def _refuse_steering(self, why: str) -> None:
         self.let_go()

@@ -28,7 +28,7 @@ ACTION_KEYS = {
 """Those that the studio has too are the same there."""
 
 AHEAD, LEFT, TURN = range(3)
-ARROWS = {
+ARROW_AXES = {
     "up": (AHEAD, 1.0),
     "down": (AHEAD, -1.0),
     "left": (TURN, 1.0),
@@ -68,8 +68,8 @@ class KeyboardInput:
             demonstrator.press("stop")  # whatever else is going on
         elif demonstrator.asked is not None:
             demonstrator.answer(key)
-        elif key in ARROWS:
-            self._drive(*ARROWS[key])
+        elif key in ARROW_AXES:
+            self._drive(*ARROW_AXES[key])
         elif key in ACTION_KEYS:
             demonstrator.press(ACTION_KEYS[key])
         elif behavior := demonstrator.words.on_key(key):

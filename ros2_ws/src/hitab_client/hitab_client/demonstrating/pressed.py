@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from hitab_client.errors import SwarmError
 from hitab_core import BoundedNumber, Use
 
-ACTIONS = {
+KEY_ACTIONS = {
     "test": "test what was learned; again: take over",
     "undo": "undo the last command",
     "redo": "redo what was undone",

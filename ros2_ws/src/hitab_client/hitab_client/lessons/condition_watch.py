@@ -20,7 +20,7 @@ from hitab_client.world_view import WorldView, speakers
 from hitab_ros import names, qos
 from hitab_ros.stamps import seconds_of
 
-LOOK_SECONDS = 0.1
+CONDITION_CHECK_SECONDS = 0.1
 """Between two looks at robots without a world."""
 
 
@@ -85,7 +85,7 @@ class ConditionWatch:
         """Let some time pass, or one cycle of the world, and see what happens meanwhile."""
         self._passed = {}
         if self._world is None:
-            self._swarm.link.spin_until(lambda: False, LOOK_SECONDS)
+            self._swarm.link.spin_until(lambda: False, CONDITION_CHECK_SECONDS)
             self._entered = self._passed
             return
         earlier, before = self._world.state, self.now()

@@ -125,7 +125,7 @@ class Speed(Distance):
     things: Annotated[Texts, Field(min_length=1, max_length=1)] = Field(alias="speed")
 
 
-class Perceived(Limited):
+class FeatureValue(Limited):
     """A feature of an agent."""
 
     feature: str
@@ -141,7 +141,7 @@ class Perceived(Limited):
         return view.reading(self.agent, self.feature)
 
 
-class Active(Condition):
+class ActiveState(Condition):
     """A state among an agent's active states, with or without its targets."""
 
     state: str = Field(alias="active")
@@ -257,8 +257,8 @@ _KINDS: dict[str, type[Condition]] = {
     "distance": Distance,
     "bearing": Bearing,
     "speed": Speed,
-    "feature": Perceived,
-    "active": Active,
+    "feature": FeatureValue,
+    "active": ActiveState,
     "said": Said,
     "ended": Ended,
     "seconds": Passed,

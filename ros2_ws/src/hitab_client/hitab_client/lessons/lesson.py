@@ -46,7 +46,7 @@ from hitab_core.library.yaml_models import (
 )
 from hitab_core.library.yaml_places import read_text, read_yaml
 
-FORMAT = 2
+LESSON_FORMAT = 2
 """The newest format version that is read; 2 has the condition `feature`."""
 
 WITHIN = 20.0
@@ -60,7 +60,7 @@ def _use_or_none(text: Any) -> Use | None:
 Behavior = Annotated[Use, PlainValidator(lambda text: read_use(str(text)))]
 
 
-class Thing(Record):
+class ThingPlacement(Record):
     """Where a thing is put; its heading is in degrees."""
 
     x: float | None = None
@@ -70,10 +70,10 @@ class Thing(Record):
     vy: float | None = None
 
 
-Things = Annotated[dict[str, Thing], NONE_IS_EMPTY]
+Things = Annotated[dict[str, ThingPlacement], NONE_IS_EMPTY]
 
 
-def placed(things: Mapping[str, Thing]) -> dict[str, dict[str, float]]:
+def placed(things: Mapping[str, ThingPlacement]) -> dict[str, dict[str, float]]:
     """Return where things are put in the world's units, with what is said of each."""
     said = {name: thing.model_dump(exclude_none=True) for name, thing in things.items()}
     for place in said.values():
@@ -156,7 +156,7 @@ class Wait(Step):
     seconds: float = Field(alias="wait", gt=0.0)
 
 
-class Test(Step):
+class TestStep(Step):
     """Give control to what the agent has learned."""
 
     __test__: ClassVar[bool] = False  # not a test case, despite its name
@@ -246,7 +246,7 @@ def read_lesson(path: Path) -> Lesson:
 def parse_lesson(text: str, path: Path) -> Lesson:
     """Read a lesson from its text; ``path`` is its name for errors."""
     document = read_yaml(text, str(path), error=LessonError)
-    read = open_record(_File, document, FORMAT)
+    read = open_record(_File, document, LESSON_FORMAT)
     steps = tuple(
         _completed(step, document.line(("steps", index)), step.agent or read.agent)
         for index, step in enumerate(read.steps)

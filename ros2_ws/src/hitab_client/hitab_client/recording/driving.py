@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from hitab_client.errors import SwarmError
-from hitab_client.recording.reading import Messages, agent_meant
+from hitab_client.recording.reading import RecordedMessages, agent_meant
 from hitab_core import Fix, quantity
 from hitab_core.labeling import ShownAction
 from hitab_ros import names
 from hitab_ros.stamps import seconds_of
 
-VELOCITY = "cmd_vel"
+VELOCITY_TOPIC = "cmd_vel"
 """Topic of the velocity that a robot was driven with, in the agent's namespace."""
 
 NANOSECONDS = 1e9
@@ -52,7 +52,7 @@ def driving_of(path: Path, agent: str = "") -> Driven:
     Raises:
         SwarmError: if it has no percepts of the agent, or nothing of what was done.
     """
-    messages = Messages(path)
+    messages = RecordedMessages(path)
     parts = {message.topic.rpartition("/") for message in messages}
     there = sorted({namespace for namespace, _, name in parts if name in _PERCEPTS})
     if not there:
@@ -61,7 +61,7 @@ def driving_of(path: Path, agent: str = "") -> Driven:
     swarm, _, name = namespace.rpartition("/")
     world = f"{swarm}/{names.WORLD}"
     seen_on = next(topic for topic in _PERCEPTS if (namespace, "/", topic) in parts)
-    told = [f"{namespace}/{topic}" for topic in (seen_on, VELOCITY, names.STATUS)]
+    told = [f"{namespace}/{topic}" for topic in (seen_on, VELOCITY_TOPIC, names.STATUS)]
     told += [f"{world}/{names.ACTIONS}", f"{world}/{names.STATUS}"]
     seen: list[tuple[float, Any]] = []
     did: list[Any] = []
@@ -85,7 +85,7 @@ def driving_of(path: Path, agent: str = "") -> Driven:
                 did[latest[content.sequence]] = content.values
             else:
                 early[content.sequence] = content.values
-        elif topic == VELOCITY:
+        elif topic == VELOCITY_TOPIC:
             twist = getattr(content, "twist", content)
             velocity = twist.linear.x, twist.linear.y, twist.angular.z
             if did:

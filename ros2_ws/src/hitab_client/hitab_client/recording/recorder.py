@@ -30,7 +30,7 @@ from hitab_client.recording.message_definitions import definition, message_class
 from hitab_client.ros_link import RosLink
 from hitab_ros import names, own_hash, qos
 
-KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
+RECORDED_TOPICS: Mapping[str, tuple[Any, QoSProfile]] = {
     "state": (WorldState, qos.LATCHED),
     "actions": (Action, qos.ROLL_CALL),
     "episodes": (Episode, qos.EVENTS),
@@ -159,7 +159,7 @@ class Recorder:
         name = topic.rsplit("/", 1)[-1]
         if name == "status":
             return [(kind, qos.LATCHED) for kind in STATUSES]
-        return [KINDS[name]] if name in KINDS else []
+        return [RECORDED_TOPICS[name]] if name in RECORDED_TOPICS else []
 
     def _alone(self) -> Iterator[str]:
         """Yield the namespaces of agents in processes of their own; those have parameters."""

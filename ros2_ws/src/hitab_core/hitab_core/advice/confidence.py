@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.nearness import UNKNOWN, Nearness
+from hitab_core.advice.nearness import UNKNOWN_DISTANCE, Nearness
 from hitab_core.learning import Leaf, Node
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.transition_function import TransitionFunction
@@ -40,7 +40,7 @@ class Confidences:
             largest: it is unsure if no example is as near as this.
         """
         distance = self.distance(values)
-        if distance == UNKNOWN:
+        if distance == UNKNOWN_DISTANCE:
             return "no example has the values that it depends on"
         if distance > largest:
             return f"it is {distance:.2g} spreads of the examples from the nearest one"

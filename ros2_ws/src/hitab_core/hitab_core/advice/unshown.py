@@ -45,10 +45,10 @@ ASSUMED = 0.2
 TOUCHING = 0.01
 """No distance counts as less: an example does not decide all."""
 
-FAR = 1e6
+NO_EXAMPLE_DISTANCE = 1e6
 """The distance of the nearest example where there is none."""
 
-LEAST = 0.1
+GAIN_MIN = 0.1
 """What an answer has to add: a tenth of all that can be learned of one kind of situation."""
 
 
@@ -107,17 +107,17 @@ def unshown(
         ]
     )
     open_part = 1.0 - weights.max(axis=0) / weights.sum(axis=0)
-    nearest = away.min(axis=1, initial=FAR)
+    nearest = away.min(axis=1, initial=NO_EXAMPLE_DISTANCE)
     near = np.maximum(apart(situations, situations, evidence.scales, spread), TOUCHING)
     told = (nearest[:, None] / (nearest[:, None] + near)).T @ (open_part * parts)
     place, most = int(told.argmax()), float(told.max())
     taken = _taken_for_granted(evidence, situations)
     half = float(parts[taken].sum()) / 2  # what the answer settles
-    bisects = half >= LEAST
+    bisects = half >= GAIN_MIN
     if bisects:
         there = np.flatnonzero(taken)[np.argsort(nearest[taken], kind="stable")]
         place, most = int(there[len(there) // 2]), half
-    if most < LEAST:
+    if most < GAIN_MIN:
         return None
     situation = tuple(situations[place].tolist())
     tree = evidence.learn()

@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 BENDS = (0.06, 0.1, 0.14, 0.18, 0.22, 0.26, 0.31, 0.36)
 """How far an arrow may bow out to its right, as a fraction of its length; less is better."""
 
-GAP = 0.06
+FREE_INCHES = 0.06
 """Inches left free around labels and states."""
 
 
@@ -120,7 +120,7 @@ def bend_arrows(
 
 
 def _roomy(box: Box) -> Box:
-    return Box(box.x, box.y, box.width + 4 * GAP, box.height + 4 * GAP)
+    return Box(box.x, box.y, box.width + 4 * FREE_INCHES, box.height + 4 * FREE_INCHES)
 
 
 COARSE = 4
@@ -235,7 +235,7 @@ def _candidates(size: tuple[float, float], points: Floats) -> Floats:
 
 def _overlaps(places: Floats, size: tuple[float, float], other: Box) -> Floats:
     """Return how much words at each place, enlarged by the gap, overlap a box."""
-    reach = np.array([size[0] + other.width, size[1] + other.height]) / 2 + GAP
+    reach = np.array([size[0] + other.width, size[1] + other.height]) / 2 + FREE_INCHES
     common = reach - np.abs(places - (other.x, other.y))
     areas: Floats = np.prod(np.maximum(common, 0.0), axis=1)
     return areas

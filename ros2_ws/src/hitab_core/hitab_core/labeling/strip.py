@@ -15,7 +15,7 @@ from hitab_core.errors import LibraryError, TrainingError
 from hitab_core.labeling.labels import Run, Told, label, untold
 from hitab_core.labeling.shown_actions import ShownAction, behaviors_meant, features_meant, runs_of
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.saving import Saved
+from hitab_core.saving import SavedBehavior
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.use import Use
 from hitab_core.vocabulary import check_known
@@ -24,7 +24,7 @@ from hitab_core.wording import quantity
 UNSURE = 0.8
 """What is less probable is unsure."""
 
-MOST = 0.5
+UNEXPLAINED_MAX = 0.5
 """The share of moments that may be explained by no behavior."""
 
 
@@ -113,7 +113,7 @@ class Strip:
         unexplained[[*self.known]] = False
         varies = self._varied > 0
         in_vain = varies.any() and (shown.spread >= self._varied)[varies].all()
-        if in_vain or unexplained.mean() > MOST:
+        if in_vain or unexplained.mean() > UNEXPLAINED_MAX:
             what = "" if in_vain else f" at {unexplained.mean():.0%} of the moments"
             raise TrainingError(
                 f"these behaviors do not explain what {self.agent} did{what}: "
@@ -171,7 +171,7 @@ class Strip:
         """When the last moment ends: it is as long as the one before."""
         return 2 * self.moments[-1].when - self.moments[-2].when
 
-    def train(self, name: str, library: BehaviorLibrary, source: str) -> Saved:
+    def train(self, name: str, library: BehaviorLibrary, source: str) -> SavedBehavior:
         """Train a behavior as if each change of the label had been commanded, and save it.
 
         Args:

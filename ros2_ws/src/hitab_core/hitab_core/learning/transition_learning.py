@@ -24,7 +24,7 @@ from hitab_core.wording import quantity
 
 TREE = "tree"
 
-KEPT = 256
+CACHED_MAX = 256
 """How many functions are kept: saving learns from the same examples several times."""
 
 Learn = Callable[[ArrayLike, Sequence[str], Sequence[bool]], LearnedTransition]
@@ -132,7 +132,7 @@ def learn_transitions(
     return functions
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_MAX)
 def _learned(
     classifier: str,
     scales: tuple[Scale, ...],

@@ -2,7 +2,7 @@ from . import commit as commit
 from . import durable_files as durable_files
 from . import yaml_models as yaml_models
 from . import yaml_places as yaml_places
-from .behavior_file import SUFFIX as SUFFIX
+from .behavior_file import BEHAVIOR_SUFFIX as BEHAVIOR_SUFFIX
 from .behavior_file import BehaviorFile as BehaviorFile
 from .bundle import Bundle as Bundle
 from .bundle import bundle_digest as bundle_digest

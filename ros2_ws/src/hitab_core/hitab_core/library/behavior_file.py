@@ -19,13 +19,13 @@ from hitab_core.library.provenance import Provenance
 from hitab_core.use import Use
 from hitab_core.wording import quantity
 
-FORMAT = 3
+BEHAVIOR_FORMAT = 3
 """The format version that is written, and the only one that is read."""
 
 FLAG = "flag"
 """The kind of a feature that is true if the active sub-behavior has raised a flag."""
 
-SUFFIX = ".hfa.yaml"
+BEHAVIOR_SUFFIX = ".hfa.yaml"
 """Ending of a behavior file's name."""
 
 BASIC = "basic"
@@ -77,7 +77,7 @@ class BehaviorFile:
 
 def file_name(name: str) -> str:
     """Return the name of the file of the behavior called ``name``."""
-    return name + SUFFIX
+    return name + BEHAVIOR_SUFFIX
 
 
 def meaning_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> dict[str, str]:
@@ -121,7 +121,7 @@ def text_of(
         LibraryError: if a transition function was not learned, which cannot be stored.
     """
     content: dict[str, Any] = {
-        "format": FORMAT,
+        "format": BEHAVIOR_FORMAT,
         "name": automaton.name,
         "description": automaton.description,
         "domain": {

@@ -16,7 +16,7 @@ from hitab_core.example import CYCLE_MAX, ExampleKind
 from hitab_core.library.behavior_file import FLAG
 from hitab_core.library.yaml_models import Record, among, read_use
 from hitab_core.library.yaml_places import kind_of
-from hitab_core.use import NAME_RULE
+from hitab_core.use import VOCABULARY_NAME_RULE
 
 
 def _matching(pattern: str, told: str) -> AfterValidator:
@@ -40,7 +40,7 @@ def _whole(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-Name = Annotated[str, _matching("[A-Za-z][A-Za-z0-9_]*", f"a name; {NAME_RULE}")]
+Name = Annotated[str, _matching("[A-Za-z][A-Za-z0-9_]*", f"a name; {VOCABULARY_NAME_RULE}")]
 Digest = Annotated[
     str, _matching("[0-9a-f]{64}", "a digest (64 characters 0-9 and a-f); was it cut off?")
 ]

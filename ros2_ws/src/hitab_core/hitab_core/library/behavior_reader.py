@@ -14,8 +14,8 @@ from hitab_core.example import Example
 from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.behavior_file import (
-    FORMAT,
-    SUFFIX,
+    BEHAVIOR_FORMAT,
+    BEHAVIOR_SUFFIX,
     BehaviorFile,
     feature_record,
     file_name,
@@ -69,16 +69,16 @@ def read_behavior(
     if record is None:
         complaints.raise_any()  # what follows relies on the form
     reader = _Reader(document, record, domain, complaints, accepting)
-    return reader.read(name or file.removesuffix(SUFFIX), text)
+    return reader.read(name or file.removesuffix(BEHAVIOR_SUFFIX), text)
 
 
 def _check_format(content: Any, complaints: Complaints) -> None:
     found = content.get("format") if isinstance(content, dict) else None
-    if found == FORMAT and not isinstance(found, bool):
+    if found == BEHAVIOR_FORMAT and not isinstance(found, bool):
         return
-    wrong = f"is not a behavior file of format {FORMAT}, the one that this HiTAB reads"
-    if isinstance(found, int) and found > FORMAT:
-        wrong = newer_format(found, FORMAT)
+    wrong = f"is not a behavior file of format {BEHAVIOR_FORMAT}, the one that this HiTAB reads"
+    if isinstance(found, int) and found > BEHAVIOR_FORMAT:
+        wrong = newer_format(found, BEHAVIOR_FORMAT)
     complaints.add(("format",), f"{wrong}, or save the behavior with the version that wrote it")
     complaints.raise_any()
 

@@ -11,7 +11,7 @@ from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.remedies import Fix, Remedy
-from hitab_core.use import NAME
+from hitab_core.use import VOCABULARY_NAME
 from hitab_core.wording import quantity
 
 
@@ -125,7 +125,7 @@ class LibraryContents:
     ) -> tuple[Remedy, ...]:
         """Return what a person can do about a lost behavior that no other explains."""
         file = folder / file_name(cause)
-        if NAME.match(cause) is None or cause in RESERVED:
+        if VOCABULARY_NAME.match(cause) is None or cause in RESERVED:
             return (Fix.MOVE_AWAY(file=file),)
         accepted: list[Remedy] = []
         gone = frozenset({cause})

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hitab_core.automaton import RESERVED
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import SUFFIX, BehaviorFile, file_name
+from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX, BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.check import misfits
 from hitab_core.library.commit import Changes
@@ -17,7 +17,7 @@ from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.durable_files import file_errors
 from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.library.yaml_places import read_text
-from hitab_core.use import NAME, NAME_RULE
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 from hitab_core.vocabulary import has
 
 VERSIONS = ".versions"
@@ -49,8 +49,8 @@ class LibraryFiles:
         """
         if name in RESERVED:
             raise LibraryError(f'no behavior can be called "{name}", which is reserved')
-        if NAME.match(name) is None:
-            raise LibraryError(f'no behavior can be called "{name}"; {NAME_RULE}')
+        if VOCABULARY_NAME.match(name) is None:
+            raise LibraryError(f'no behavior can be called "{name}"; {VOCABULARY_NAME_RULE}')
         return self.path / file_name(name)
 
     def versions(self, name: str) -> list[int]:
@@ -85,7 +85,9 @@ class LibraryFiles:
 
     def next_number(self, name: str, planned: Changes) -> int:
         """Return the number of the next version after the ``planned`` changes."""
-        kept = [int(Path(p).name.removesuffix(SUFFIX)) for p in planned if _is_of(p, name)]
+        kept = [
+            int(Path(p).name.removesuffix(BEHAVIOR_SUFFIX)) for p in planned if _is_of(p, name)
+        ]
         return 1 + max([0, *self.versions(name), *kept])
 
     def addition(self, name: str, number: int, text: str) -> Changes:
@@ -154,7 +156,7 @@ class LibraryFiles:
 
 
 def _version(name: str, number: int) -> str:
-    return f"{VERSIONS}/{name}/{number:04}{SUFFIX}"
+    return f"{VERSIONS}/{name}/{number:04}{BEHAVIOR_SUFFIX}"
 
 
 def _is_of(path: str, name: str) -> bool:
@@ -168,7 +170,7 @@ def _names(folder: Path) -> list[str]:
         except FileNotFoundError:
             return []
     return [
-        name.removesuffix(SUFFIX)
+        name.removesuffix(BEHAVIOR_SUFFIX)
         for name in found
-        if name.endswith(SUFFIX) and not name.startswith(".")
+        if name.endswith(BEHAVIOR_SUFFIX) and not name.startswith(".")
     ]

@@ -18,7 +18,7 @@ from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import described, nodes
 from hitab_core.repertoire import Repertoire
 from hitab_core.transition_function import TransitionFunction
-from hitab_core.use import NAME, NAME_RULE, Use
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use
 from hitab_core.vocabulary import has
 
 
@@ -109,8 +109,10 @@ def rebind(
             raise VocabularyError(
                 f'"{old}" is not in automaton "{automaton.name}" {has(there, old)}'
             )
-        if "(" not in old and NAME.match(new) is None:
-            raise VocabularyError(f'"{new}" cannot be a target or parameter; {NAME_RULE}')
+        if "(" not in old and VOCABULARY_NAME.match(new) is None:
+            raise VocabularyError(
+                f'"{new}" cannot be a target or parameter; {VOCABULARY_NAME_RULE}'
+            )
 
     def bound(use: Use) -> Use:
         whole = bindings.get(str(use)) if use.arguments else None

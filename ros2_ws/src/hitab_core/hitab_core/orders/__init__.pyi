@@ -1,4 +1,4 @@
-from .order import OTHERS as OTHERS
+from .order import ALL_OTHERS as ALL_OTHERS
 from .order import Order as Order
 from .order import OrderId as OrderId
 from .order import Report as Report

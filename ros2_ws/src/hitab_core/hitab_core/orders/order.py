@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 OrderId = tuple[int, int]
 """Epoch and sequence; the larger one is newer."""
 
-OTHERS = ""
+ALL_OTHERS = ""
 """Receiver of an order: every subordinate not addressed by name or role."""
 
 
@@ -21,7 +21,7 @@ class Order:
         sequence: counts up within the epoch; 0: no order yet.
         name: of the order, such as ``Attack``; a behavior of the commander.
         behaviors: to perform, such as ``GoTo(ball)``, by receiver: a subordinate's name, else a
-            role, else `OTHERS`. Empty text: perform nothing.
+            role, else `ALL_OTHERS`. Empty text: perform nothing.
         report: features whose values the subordinates should report.
         report_position: whether they should report their position.
         report_states: whether they should report the active states of their top-level behavior.
@@ -46,7 +46,7 @@ class Order:
 
     def behavior_for(self, name: str, role: str) -> str | None:
         """Return what a subordinate should perform; None: continue what it is doing."""
-        for receiver in (name, role, OTHERS):
+        for receiver in (name, role, ALL_OTHERS):
             if receiver in self.behaviors:
                 return self.behaviors[receiver]
         return None

@@ -51,7 +51,7 @@ class NumberExample(NamedTuple):
     weight: float
 
 
-class Table(NamedTuple):
+class NumberTable(NamedTuple):
     """What was learned as plain data, for other programs.
 
     Attributes:
@@ -69,7 +69,7 @@ class Neighbors:
 
     Examples:
         >>> shown = Neighbors([[0.0], [1.0]], [[170.0], [-170.0]], [Scale()],
-        ...                   [Number("direction", -180, 180, circular=True)])
+        ...                   [BoundedNumber("direction", -180, 180, circular=True)])
         >>> shown([0.5]), shown([0.0])
         ((-180.0,), (170.0,))
     """
@@ -104,11 +104,11 @@ class Neighbors:
         self._wanted = tuple(wanted)
 
     @property
-    def table(self) -> Table:
+    def table(self) -> NumberTable:
         """What was learned, as plain data."""
         places = map(tuple, self._places.T.tolist())
         moments = tuple(zip(places, map(tuple, self._numbers), strict=True))
-        return Table(tuple(axis.form for axis in self._axes), moments)
+        return NumberTable(tuple(axis.form for axis in self._axes), moments)
 
     def _place(self, values: Sequence[float]) -> list[float]:
         """Return a situation as a point."""

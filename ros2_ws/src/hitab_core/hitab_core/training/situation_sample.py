@@ -15,7 +15,7 @@ from random import Random
 
 from hitab_core.training.recent_percepts import PerceptRecord
 
-KEPT = 400
+SITUATIONS_MAX = 400
 """The most moments that are kept; with more, looking for questions takes long."""
 
 
@@ -40,7 +40,7 @@ class SituationSample:
         """
         sample = self._kinds.setdefault(kind, [])
         self._seen[kind] = self._seen.get(kind, 0) + 1
-        if sum(map(len, self._kinds.values())) >= KEPT:
+        if sum(map(len, self._kinds.values())) >= SITUATIONS_MAX:
             largest = max(self._kinds.values(), key=len)
             if len(sample) == len(largest):
                 place = self._random.randrange(self._seen[kind])

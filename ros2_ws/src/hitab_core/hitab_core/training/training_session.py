@@ -36,7 +36,7 @@ from hitab_core.training.percept_history import PerceptHistory
 from hitab_core.training.question import Question, QuestionContext, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
-from hitab_core.training.test_statistics import TestStatistics
+from hitab_core.training.trial_statistics import TrialStatistics
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -46,7 +46,7 @@ Journal = Callable[[Mapping[str, Any]], None]
 """Writes a record to disk before it returns."""
 
 
-REMEMBERED = 1000
+COMMANDS_MAX = 1000
 """Maximum number of commands that are recognized when they come again."""
 
 
@@ -128,13 +128,13 @@ class TrainingSession:
         self.log = ExampleLog(examples)
         self.testing = False
         self.asked = Questions(self.log, self.perception.situations, self._material)
-        self.requests: deque[Request] = deque(maxlen=REMEMBERED)
-        self.edits: deque[Request] = deque(maxlen=REMEMBERED)
+        self.requests: deque[Request] = deque(maxlen=COMMANDS_MAX)
+        self.edits: deque[Request] = deque(maxlen=COMMANDS_MAX)
         self._asked_by: Request | None = None
         self.note = ""
         self.late = LateCommands({} if people is None else people)
         self._loops: tuple[tuple[Example, ...], list[Remark]] = (), []
-        self._trial = TestStatistics()
+        self._trial = TrialStatistics()
         self._taken_over = False
         self._tested = False
         self._left = False

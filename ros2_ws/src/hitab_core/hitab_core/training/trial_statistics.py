@@ -14,7 +14,7 @@ from hitab_core.automaton import FLAGS, START
 from hitab_core.example import Example
 from hitab_core.remedies import Fix
 
-EPISODES = 50
+EPISODES_MIN = 50
 """After so many episodes what has not happened is remarked on.
 
 The rarest states of the shipped lessons are entered in one episode of ten to fifteen; what is due
@@ -22,7 +22,7 @@ in one of fifteen is missing in all of fifty with a probability of 0.03.
 """
 
 
-class TestStatistics:
+class TrialStatistics:
     """What the automaton that is being tested has done."""
 
     def __init__(self) -> None:
@@ -72,7 +72,7 @@ class TestStatistics:
         return self._found if examples is self._about else []
 
     def _remarks(self) -> list[Remark]:
-        if self._episodes < EPISODES:
+        if self._episodes < EPISODES_MIN:
             return []
         found = []
         commands = [e for e in self._about if not e.is_default]
@@ -84,7 +84,11 @@ class TestStatistics:
             if state not in self._ever:
                 sign = RemarkKind.NOT_RAISED if state in FLAGS else RemarkKind.NOT_ENTERED
                 found.append(_remark(sign, state, self._episodes, state))
-            elif state in follows and state not in self._left and self._entered[state] >= EPISODES:
+            elif (
+                state in follows
+                and state not in self._left
+                and self._entered[state] >= EPISODES_MIN
+            ):
                 sign, episodes = RemarkKind.NOT_LEFT, self._entered[state]
                 found.append(_remark(sign, state, episodes, follows[state]))
         return found
