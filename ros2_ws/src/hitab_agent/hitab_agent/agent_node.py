@@ -127,7 +127,7 @@ class AgentNode(AgentBase):
     def resumed(self) -> dict[str, Any]:
         """Return what a restart resumes."""
         agent = self.agent
-        performed = agent.top if agent.mode is Mode.PERFORMING else agent.awaited
+        performed = agent.top if agent.mode is Mode.PERFORMING else agent.pending_behavior
         return {"behavior": str(performed or "")}
 
     def _begin(self, behavior: str) -> None:
@@ -143,7 +143,7 @@ class AgentNode(AgentBase):
             self.agent.perform(use)
         except HitabError as error:
             if isinstance(error, LostBehaviorError):
-                self.agent.awaited = use
+                self.agent.pending_behavior = use
             self._start_error = (
                 f'{self.agent_name} is idle: it cannot perform its start behavior "{behavior}": '
                 f"{error.problem}; have it perform something else, or give it the behavior"

@@ -1,4 +1,4 @@
-"""One agent without its robot or middleware: what it knows, does and is being taught.
+"""One agent without its robot or middleware: its library, behavior and training.
 
 A node (`hitab_agent.agent_node`) passes in percepts and a demonstrator's commands and publishes
 the actions. Errors that a user can fix raise `HitabError` and leave the agent unchanged.
@@ -74,10 +74,9 @@ class Agent:
     journal folder, across restarts of the process.
 
     Attributes:
-        context: shared by everything that it performs.
-        monitor: what it does when it is unsure, and why it is unsure of its next decision.
-        awaited: what it begins to perform once that is no longer lost, unless something else is
-            asked of it before; None: nothing.
+        context: shared by all performed behaviors.
+        monitor: of unsure decisions: the response, and why the next decision is unsure.
+        pending_behavior: started as soon as its file is usable again; None if nothing waits.
     """
 
     def __init__(
@@ -106,7 +105,7 @@ class Agent:
         self._episode_since = 0
         self.mode = Mode.IDLE
         self.top: Use | None = None
-        self.awaited: Use | None = None
+        self.pending_behavior: Use | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
         self._latest_saved = ""
         self.monitor = CautionMonitor()
@@ -129,25 +128,25 @@ class Agent:
         if self.session is not None:
             self.mode = Mode.TRAINING
 
-    # -- what it knows ----------------------------------------------------------------------
+    # -- its library ------------------------------------------------------------------------
 
     def _resumed(self) -> TrainingSession | None:
         return self.journal.resume(self.context, self.library.has_saved, self.people)
 
     @property
     def repertoire(self) -> Repertoire:
-        """All behaviors that it can perform."""
+        """All behaviors that the agent can perform."""
         return self.context.repertoire
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """What it has lost: behaviors, and an interrupted training."""
+        """Lost behaviors, and an interrupted training, as sentences."""
         damage = self.journal.damage
         return (*self.loaded.losses.faults, *([damage] if damage else ()))
 
     @property
     def remedies(self) -> tuple[Remedy, ...]:
-        """What a person can do about `faults`, and about what its repertoire lacks."""
+        """Remedies for `faults`, and for anything missing in the repertoire."""
         damaged = [Fix.DISCARD(agent=self.name)] if self.journal.damage else []
         return (*self.loaded.losses.ways_out, *damaged)
 
@@ -187,7 +186,7 @@ class Agent:
 
     @property
     def running(self) -> Running | None:
-        """What it performs, its training included; None: nothing."""
+        """The performed behavior, which may be in training, or None."""
         return self._performed if self._trained is None else self._trained.running
 
     @property
@@ -214,7 +213,7 @@ class Agent:
 
         Args:
             values: in the layout of the domain.
-            heard: messages that it hears.
+            heard: the messages heard.
             cycle: of the world.
             time: simulated, or the robot's, s.
             jumped: whether the situation does not follow from the last one, as when something was
@@ -278,7 +277,7 @@ class Agent:
             )
 
     def perform(self, use: Use | None) -> None:
-        """Perform a behavior as the top-level one, from Start; None: nothing.
+        """Perform a behavior as the top-level one, from Start; None to become idle.
 
         If it cannot be begun, the agent is idle.
 
@@ -290,7 +289,7 @@ class Agent:
         if use is not None:
             self.check_saved(use.name)
         performance = None if use is None else self._prepared(use)
-        self.awaited = None
+        self.pending_behavior = None
         self._stop()
         if self.session is not None:
             self.session.leave()
@@ -362,7 +361,7 @@ class Agent:
         self._stop()
         self.session = session
         self.mode = Mode.TRAINING
-        self.awaited = None
+        self.pending_behavior = None
         return session
 
     def command(
@@ -458,7 +457,7 @@ class Agent:
         Args:
             name: of the saved behavior; empty: the name that training began with.
             bindings: targets or parameters to replace, and their replacements.
-            description: for people who browse the library; empty: that of what it replaces.
+            description: for people who browse the library; empty to keep the present one.
             keep_unused: keep features that no transition function uses yet, so that training can
                 be resumed with them, as in behavior bootstrapping.
             note: on where it comes from, for its provenance.
@@ -582,10 +581,10 @@ class Agent:
             VocabularyError: naming what does not fit, and the way out.
         """
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
-        if use is None and self.mode is Mode.IDLE and self.awaited is not None:
+        if use is None and self.mode is Mode.IDLE and self.pending_behavior is not None:
             with suppress(VocabularyError):
-                loaded.repertoire.check_performable(self.awaited)
-                use = self.awaited
+                loaded.repertoire.check_performable(self.pending_behavior)
+                use = self.pending_behavior
         losses = loaded.losses
         gone = sorted(losses.reasons.keys() & self.loaded.files.keys())
         kept = "it keeps what it knew:"
@@ -645,7 +644,7 @@ class Agent:
                 self.session = self._resumed()
         if state.performance is not None:
             assert state.use is not None
-            self.awaited = None
+            self.pending_behavior = None
             self._performances[state.use] = state.performance
             self.mode = Mode.PERFORMING
             try:

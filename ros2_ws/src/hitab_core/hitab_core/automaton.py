@@ -61,7 +61,7 @@ class Automaton:
     """A learned or hand-written hierarchical finite-state automaton.
 
     Attributes:
-        name: what it is called as a behavior.
+        name: of the automaton, also as a behavior.
         states: S without Start: flags and uses of basic behaviors or other automata (B).
         features: F, in the order of the examples' values; a flag's name is the feature that the
             active sub-behavior has raised that flag.

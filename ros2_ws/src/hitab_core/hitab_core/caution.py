@@ -1,9 +1,9 @@
 """Caution: what an agent does when it is unsure; it goes on, halts, or hands back to the person.
 
 A decision is unsure if the situation is far from all examples of the state
-(`hitab_core.advice.confidence`). That is judged before the agent decides, for each level
-of what it performs, so that nothing is done that has to be taken back. Which state takes numbers
-is known only afterwards: far from the moments that showed them, it does nothing (`NumberRange`).
+(`hitab_core.advice.confidence`). Each level of the performed behavior is judged before the agent
+decides, so that no action has to be taken back. Which state takes numbers is known only
+afterwards: far from the moments that showed its numbers, a state does nothing (`NumberRange`).
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ class WhenUnsure(StrEnum):
 
 @dataclass(frozen=True)
 class Caution:
-    """When an agent is unsure, and what it does then.
+    """When an agent is unsure, and its response.
 
     Attributes:
-        when_unsure: what it does.
+        when_unsure: the response.
         distance: it is unsure farther than this from any example, in spreads of the state's
             examples; 0: any distance will do.
     """
@@ -76,7 +76,7 @@ class Caution:
 
 
 class CautionMonitor:
-    """Judges whether an agent's next decision is sure, and halts what it performs meanwhile.
+    """Judges whether an agent's next decision is sure, and halts its behavior meanwhile.
 
     Attributes:
         caution: when a decision is unsure, and what is done then.

@@ -41,7 +41,7 @@ class Example:
         cycle: the world's cycle of the situation, 0 where unknown.
         ago: seconds of simulated time from the situation to the command.
         readings: everything that could be read in that situation, in the order of the training's
-            or automaton's ``readable``; NaN where there was no value. Empty: not kept.
+            or automaton's ``readable``; NaN where there was no value. Empty if not kept.
         numbers: with which ``next_state`` was commanded; empty: it takes none.
     """
 

@@ -12,7 +12,7 @@ Uses = Callable[[str], Iterable[str]]
 
 
 def in_order(names: Iterable[str], uses: Uses) -> list[str]:
-    """Return behaviors and everything they are made of, each after what it uses.
+    """Return behaviors and everything they are made of, each after its parts.
 
     Raises:
         ValueError: if one uses itself; see `circle_among`.

@@ -135,7 +135,7 @@ class Repertoire:
         self.commanded(use)
 
     def check(self, automaton: Automaton) -> None:
-        """Check that everything ``automaton`` uses exists and that it is not recursive.
+        """Check that ``automaton`` is not recursive, and that all its parts exist.
 
         Raises:
             VocabularyError: naming the automaton and what is wrong.

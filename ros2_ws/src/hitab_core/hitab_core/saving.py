@@ -41,7 +41,7 @@ def to_be_saved(
     *,
     keep_unused: bool = False,
 ) -> tuple[Automaton, list[str]]:
-    """Return what saving would add to the library and what it would trim; see `Agent.save`.
+    """Return what saving would add to the library and would trim; see `Agent.save`.
 
     Raises:
         TrainingError: if no example leaves Start.

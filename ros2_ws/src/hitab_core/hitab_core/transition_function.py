@@ -58,7 +58,7 @@ class TransitionFunction(Protocol):
         """Explain the decision for a full feature vector; ``names`` name its features."""
 
     def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
-        """Explain a past decision from the values that it read, without repeating it.
+        """Explain a past decision from its feature values, without repeating it.
 
         Args:
             values: of the features; None if the decision did not read one, NaN if it was

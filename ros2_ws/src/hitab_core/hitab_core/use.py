@@ -1,4 +1,4 @@
-"""The use of a behavior or feature in an automaton: its name and what it is bound to.
+"""A behavior or feature with its arguments, as an automaton uses it.
 
 It is written ``DistanceTo(ball)``, or without parameters just ``Stop``. An argument names a target
 of the domain or a parameter of the automaton that contains the use.

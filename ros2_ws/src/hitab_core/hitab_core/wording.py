@@ -32,7 +32,7 @@ def numbered(noun: str, numbers: Iterable[int], most: int | None = None) -> str:
     Args:
         noun: for one.
         numbers: of the things.
-        most: with more, only say how many there are; None: name all.
+        most: with more, only say how many there are; None to name all.
 
     Examples:
         >>> numbered("example", [3]), numbered("example", [5, 4]), numbered("example", [1, 2], 1)

@@ -249,7 +249,7 @@ def test_what_is_restored_comes_back_with_all_that_is_made_of_it(
 ) -> None:
     damage(trained, "Low")
     agent = make()
-    agent.awaited = Use("High")
+    agent.pending_behavior = Use("High")
     BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
     assert agent.reload() == ["High", "Low", "Middle", "Other"]
     assert agent.faults == ()

@@ -5,7 +5,7 @@ tested, see `hitab_core.advice.nearness`. It follows from the values that a deci
 it can be computed after it, and nothing more is read.
 
 If a tested value was missing, the decision was a mixture over the branches; its distance is then
-the largest of the leaves that it could have come from.
+the largest of its possible leaves.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ class Confidences:
     """Rates the decisions of one learned transition function.
 
     Args:
-        function: a learned one; one that is no tree tests all features that it uses.
-        evidence: the examples that it was learned from.
+        function: a learned one; one that is no tree tests all of its features.
+        evidence: the examples learned from.
     """
 
     def __init__(self, function: TransitionFunction, evidence: Evidence) -> None:

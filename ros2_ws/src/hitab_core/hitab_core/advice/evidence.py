@@ -28,7 +28,7 @@ class Evidence:
         default: shape (n,), whether an example is a default one.
         scales: how the values of each feature compare.
         names: of the features.
-        units: of the features; empty: none.
+        units: of the features, or empty.
         classifier: what learns from it, as in `learn_transitions`.
     """
 

@@ -1,6 +1,6 @@
 """How far a situation is from the nearest of some examples.
 
-The distance to an example is the largest of the distances in the single features, so that it means
+The distance to an example is the largest of the distances in the single features, and so means
 the same however many features matter. In one feature it is
 
 - on a line: the difference, divided by the spread of the examples, which is the median difference

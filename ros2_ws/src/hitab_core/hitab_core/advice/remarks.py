@@ -3,7 +3,7 @@
 Two commands that lead back to each other in one situation contradict each other in no state, so no
 question is about them; yet the automaton goes round forever there. A *loop* is found in each
 situation of an example, with the features held constant, if from the state of that time the
-automaton can only change: no state that it can reach stays, ends in a flag or is executed only
+automaton can only change: no reachable state stays, ends in a flag or is executed only
 once per entry. States are seen as they are entered, so a flag or a timer that is waited for makes
 no loop. Situations that were merely perceived are left out: where two boundaries overlap, changing
 to and fro may well be what moves the robot on.
@@ -66,7 +66,7 @@ def loops(automaton: Automaton, repertoire: Repertoire, classifier: str) -> list
 
     Args:
         automaton: with its examples and transition functions.
-        repertoire: that it was learned with.
+        repertoire: used in learning.
         classifier: that learned it.
 
     Raises:

@@ -10,11 +10,11 @@ the share of the weights that does not stand behind the heaviest next state, tim
 way by which the situation asked about is nearer than the nearest example. Each kind of situation,
 by what is so or not so, counts 1 in all, however often it was met.
 
-Before all that, an agent asks about sides of circles that it takes for granted: where a tree that
-learns nothing but what was shown on a circle decides otherwise (`hitab_core.learning.boundaries`).
-It asks in the middle, so that an answer halves what is open, as long as that is much.
+Before all that, an agent asks about assumed sides of circles: where a tree without
+assumptions about circles decides otherwise (`hitab_core.learning.boundaries`). The agent asks in
+the middle, so that an answer halves the open part, as long as that part is large.
 
-Default examples from the entry of a state say *stay* where nobody has decided that, so they are
+Default examples from the entry of a state say *stay* where no person has decided so; they are
 taken for `ASSUMED` away even where they are.
 
 Source:
@@ -54,12 +54,12 @@ GAIN_MIN = 0.1
 
 @dataclass(frozen=True)
 class Unshown:
-    """A situation in which nobody said what is right.
+    """A situation without an example of the right decision.
 
     Attributes:
         state: in which it was met.
         situation: a value for each feature; NaN: missing.
-        decided: what the learned tree decides there; empty: nothing was learned.
+        decided: what the learned tree decides there; empty if nothing was learned.
         next_states: what may be right, the most probable first.
         told: what an answer tells.
         bisects: whether it is in the middle of a side of a circle of which only the beginning was
@@ -131,7 +131,7 @@ def unshown(
 
 
 def _taken_for_granted(evidence: Evidence, situations: Floats) -> Booleans:
-    """Return where a tree decides what it does only since a side of a circle is taken for one."""
+    """Return where a decision of a tree rests only on an assumed side of a circle."""
     nowhere = np.zeros(len(situations), np.bool_)
     if all(scale.kind is not FeatureKind.TOROIDAL for scale in evidence.scales):
         return nowhere

@@ -45,11 +45,11 @@ SETTLED = 0.002
 
 Functions = Mapping[str, LearnedTransition]
 Told = Callable[[int, int, str], None]
-"""Is told the amount done, the total and the current activity."""
+"""Called with the amount done, the total and the current activity."""
 
 
 def untold(done: int, total: int, doing: str) -> None:
-    """Tell nobody."""
+    """Ignore the progress."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def label(
         scales: of the m features.
         rounds: of alternating at most; 0: labels by a sticky prior alone.
         seed: of the draws.
-        told: is told the number of rounds that are done.
+        told: called with the number of rounds done.
 
     Raises:
         TrainingError: if there is nothing to label.

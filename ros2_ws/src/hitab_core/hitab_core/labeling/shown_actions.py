@@ -1,4 +1,4 @@
-"""What somebody did at each moment, and what each basic behavior would have done instead."""
+"""The shown action at each moment, and what each basic behavior would have done instead."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from hitab_core.vocabulary import has
 
 @dataclass(frozen=True, slots=True)
 class ShownAction:
-    """One cycle of an agent that somebody drove.
+    """One cycle of an agent that a person or program drove.
 
     Attributes:
-        when: it was, s, as the one who shows it counts.
+        when: time on the clock of the source, s.
         time: simulated, or the robot's, s.
         cycle: of the world.
         episode: number of it; each is a run of its own.
         values, heard: the percept.
-        did: the action, in the layout of the domain; empty: none; None: not known.
+        did: the action, in the layout of the domain, empty if there is none; None if unknown.
     """
 
     when: float
@@ -98,9 +98,9 @@ def runs_of(
         moments: in their order.
         domain: of the agent.
         agent: its name.
-        behaviors: that it may have been.
+        behaviors: possible ones.
         features: by which they may have been chosen.
-        told: is told the number of moments that are done.
+        told: called with the number of moments done.
     """
     body = domain.body(agent)
     feature_cache = FeatureCache(body, domain)

@@ -34,11 +34,11 @@ class Span:
 
     Attributes:
         begin, end: s; the end is when the next one begins.
-        behavior: that it was.
+        behavior: the label.
         sure: how probable that is, the mean of its moments.
         moments: how many they are.
         unexplained: at how many of them no behavior would have done what was done.
-        corrected: whether a person said what it was, of some of them.
+        corrected: whether a person labeled some of the moments.
     """
 
     begin: float
@@ -79,7 +79,7 @@ class Strip:
             behaviors: basic ones, that moments may have been; none: all without targets.
             features: by which they may have been chosen.
             corrections: see `correct`.
-            told: is told how far it is.
+            told: called with the progress.
 
         Raises:
             TrainingError: if there is nothing to label, or the behaviors do not explain it.
@@ -117,7 +117,7 @@ class Strip:
             what = "" if in_vain else f" at {unexplained.mean():.0%} of the moments"
             raise TrainingError(
                 f"these behaviors do not explain what {self.agent} did{what}: "
-                f"{', '.join(self.behaviors)}; choose those that it may have been"
+                f"{', '.join(self.behaviors)}; choose possible ones"
             )
         self.labels: Integers = np.concatenate(shown.labels)
         self.confidence: Floats = np.concatenate(shown.confidence)
@@ -125,7 +125,7 @@ class Strip:
         self.rounds = shown.rounds
 
     def correct(self, begin: float, end: float, behavior: str) -> None:
-        """Say what it was from when to when; `label` then labels the rest again.
+        """Set the behavior of a span of time; `label` then labels the rest again.
 
         Raises:
             TrainingError: if there is no moment then.

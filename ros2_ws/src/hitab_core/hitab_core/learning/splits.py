@@ -281,7 +281,7 @@ Leaves = Callable[[Chosen], int]
 """``leaves(chosen)`` returns how many leaves the tree has below a node that is split so."""
 
 Choose = Callable[[Sequence[Split | None], Sequence[Scale], Leaves | None], Chosen | None]
-"""``choose(candidates, scales, leaves)`` returns what to split a node by; None: nothing."""
+"""``choose(candidates, scales, leaves)`` returns what to split a node by, or None."""
 
 
 def worthy_splits(candidates: Sequence[Split | None]) -> list[tuple[int, Split]]:

@@ -257,7 +257,7 @@ Row = tuple[int, str, Node, tuple[Step, ...]]
 
 
 def rows(root: Node, scales: Sequence[Scale], names: Sequence[str]) -> Iterator[Row]:
-    """Yield the rows of a drawing: a branch each, below the branch that it is part of.
+    """Yield the rows of a drawing: a branch each, below its parent branch.
 
     Tests of one feature that follow each other are one row, with what they say together. Rows say
     the same of nested intervals only once, and of each what is left of the one around it.

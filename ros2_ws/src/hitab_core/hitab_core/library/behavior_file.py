@@ -50,7 +50,7 @@ class BehaviorFile:
         checksum: SHA-256 of the contents.
         text: of the file.
         state_lines: line of each state, in the automaton's order.
-        expectations: that it carries.
+        expectations: stored in the file.
     """
 
     automaton: Automaton = field(compare=False)

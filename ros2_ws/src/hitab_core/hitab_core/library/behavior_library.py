@@ -236,7 +236,7 @@ class BehaviorLibrary:
                 text = read_text(path)
                 edited[name] = read_behavior(text, path.name, self.domain, accepting=True)
             accepted = []
-            while edited:  # each after what it uses; if they are recursive, saving refuses them
+            while edited:  # each after its parts; if they are recursive, saving refuses them
                 made_of = {name: file.automaton.behaviors_used for name, file in edited.items()}
                 name = min(edited, key=lambda name: len(made_of[name] & made_of.keys()))
                 file = edited.pop(name)

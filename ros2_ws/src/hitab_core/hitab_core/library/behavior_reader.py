@@ -46,7 +46,7 @@ def read_behavior(
         text: of the file.
         file: its name, for errors.
         domain: in which it must have been trained.
-        name: that it must have; by default that of the file.
+        name: required of the behavior; by default that of the file.
         accepting: accept an edited text whatever its digests.
 
     Raises:
@@ -160,7 +160,7 @@ class _Reader:
             self._complaints.raise_any()
 
     def _check_meaning(self, states: Sequence[Use], features: Sequence[Use]) -> None:
-        """Check that what it uses means what it did; other words may have come and gone."""
+        """Check that all used words mean the same as before; unused ones may have changed."""
         stated, domain = self._content["domain"], self._domain
         ours = meaning_of(states, features, domain)
         # An edited file may use other words than it says.

@@ -18,7 +18,7 @@ from hitab_core.vocabulary import has
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Behavior files, each after those that it uses; the last is the behavior to send.
+    """Behavior files, each after its parts; the last is the behavior to send.
 
     Attributes:
         files: pairs of behavior name and file text.
@@ -53,7 +53,7 @@ def make_bundle(texts: Mapping[str, str], repertoire: Repertoire, name: str) -> 
         name: of the behavior.
 
     Raises:
-        LibraryError: if the behavior, or one that it uses, has not been saved.
+        LibraryError: if the behavior, or a part of it, has not been saved.
     """
     try:
         needed = repertoire.needed_by(name)
@@ -97,7 +97,7 @@ def digest_in(loaded: LoadedLibrary, names: Iterable[str]) -> str:
 
 
 def read_bundle(bundle: Bundle, reader: LibraryReader) -> dict[str, BehaviorFile]:
-    """Return the files of a bundle by name, each after those that it uses.
+    """Return the files of a bundle by name, each after its parts.
 
     Args:
         bundle: what was received.

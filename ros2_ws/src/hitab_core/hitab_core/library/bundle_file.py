@@ -60,7 +60,7 @@ def bundle_file_text(texts: Mapping[str, str], domain: str) -> str:
     """Return the text of a file with some behaviors, given the texts of their files.
 
     Args:
-        texts: by name, each after those that it uses.
+        texts: by name, each after its parts.
         domain: name of the domain in which they were trained.
     """
     content = {

@@ -88,7 +88,7 @@ class LibraryChange:
             provenance: where it comes from.
             edited: whether a person has made its file, and accepts it now.
             restored: whether a person brings an earlier version back.
-            expectations: that it carries; None: those that it had so far.
+            expectations: to store; None to keep the present ones.
 
         Raises:
             LibraryError: if it does not fit the library, breaks an expectation that blocks, or the
@@ -189,7 +189,7 @@ class LibraryChange:
         return sorted(self.contents.problems.keys() & self.contents.all_users(name))
 
     def replaced(self, name: str) -> str:
-        """Return the number of a planned version and what it replaces; "" if nothing.
+        """Return the number of a planned version and the replaced version; "" if none.
 
         Such as ``version 7, replaces version 6 (12 examples)``.
         """

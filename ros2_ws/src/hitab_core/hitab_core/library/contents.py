@@ -24,7 +24,7 @@ class LostBehaviors:
 
     Attributes:
         reasons: why, as a sentence, by name.
-        faults: one per cause: what is wrong, and what it is needed for.
+        faults: one per cause: what is wrong, and which behaviors need the lost one.
         remedies: of the cause, by name.
         unread: why the folder cannot be read, so that more may be lost; empty if it can.
     """
@@ -97,7 +97,7 @@ class LibraryContents:
 
         Args:
             folder: of the files.
-            sound_version: returns the newest version of a behavior that can be read; None: none.
+            sound_version: returns the newest readable version of a behavior, or None.
         """
         reasons: dict[str, str] = {}
         remedies: dict[str, tuple[Remedy, ...]] = {}
@@ -131,7 +131,7 @@ class LibraryContents:
         gone = frozenset({cause})
         if cause in self.unreadable:
             accepted = [Fix.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
-        else:  # its own file is sound; perhaps what it uses was deleted
+        else:  # its own file is sound; perhaps a part was deleted
             gone = self.readable[cause].automaton.behaviors_used - self.readable.keys()
         restored = [
             Fix.RESTORE(behavior=name, version=version, folder=folder)

@@ -92,7 +92,7 @@ class Expectation:
 def broken_expectations(
     expectations: Iterable[Expectation], automaton: Automaton, file: str = ""
 ) -> list[str]:
-    """Return which expectations an automaton breaks, and what it decides instead.
+    """Return which expectations an automaton breaks, with its actual decisions.
 
     Args:
         expectations: to check.

@@ -25,8 +25,8 @@ def plan_renaming(
     Args:
         change: of the library.
         domain: in which the behaviors were trained.
-        old: the name that it has.
-        new: the name that it gets.
+        old: the present name.
+        new: the next name.
         with_users: change the behaviors that use it, too.
 
     Returns:
@@ -102,7 +102,7 @@ def _renamed(file: BehaviorFile, domain: Domain, old: str, new: str) -> Automato
 
 
 def _rules(file: BehaviorFile, old: str = "", new: str = "") -> Counter[tuple[Any, ...]]:
-    """Return what its trees decide, with another name for one of its states."""
+    """Return an automaton's trees with another name for one of its states."""
 
     def label(text: str) -> str:
         return new + text.removeprefix(old) if text.partition("(")[0] == old else text

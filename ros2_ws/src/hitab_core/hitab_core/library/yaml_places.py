@@ -117,7 +117,7 @@ def read_text(path: Path, *, error: type[HitabError] = LibraryError) -> str:
         with path.open("rb") as file:
             data = file.read(4 * LARGEST + 1)
     if len(data) > 4 * LARGEST:
-        raise error(f"{path}: has more than {4 * LARGEST} bytes; check that it is the right file")
+        raise error(f"{path}: has more than {4 * LARGEST} bytes; is this the right file?")
     try:
         return data.decode()
     except UnicodeDecodeError as wrong:

@@ -45,7 +45,7 @@ class Order:
         return self.epoch, self.sequence
 
     def behavior_for(self, name: str, role: str) -> str | None:
-        """Return what a subordinate should perform; None: continue what it is doing."""
+        """Return the behavior that a subordinate should perform; None to continue."""
         for receiver in (name, role, ALL_OTHERS):
             if receiver in self.behaviors:
                 return self.behaviors[receiver]
@@ -66,7 +66,7 @@ class Report:
             or stopped.
         flags: raised by its top-level behavior since that order.
         values: of the features that the commander requested; NaN: no value.
-        position: x and y, m; empty: not requested, or unknown.
+        position: x and y, m; empty if not requested or unknown.
         cycle, episode, seed: of its last percept.
         seconds: the agent's own time, s.
         round: in lockstep, number of the last percept; 0: in real time.

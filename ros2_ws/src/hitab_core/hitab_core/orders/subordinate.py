@@ -1,4 +1,4 @@
-"""An agent under a commander: it obeys orders and reports what it is doing."""
+"""An agent under a commander: it obeys orders and reports its state."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Subordinate:
     behavior is missing; `settle` carries it out once nothing prevents it.
 
     Attributes:
-        order: the newest one received; None: none yet.
+        order: the newest one received, or None.
         stopped: whether its robot may not act.
-        ordered: what the agent should perform according to it; None: nothing was ordered.
+        ordered: the behavior that the order demands of the agent, or None.
         waits: whether the order is still pending.
         refusal: why the order cannot be obeyed, and the way out; empty if it can.
         episode, seed, seconds: of the last percept, for the reports.

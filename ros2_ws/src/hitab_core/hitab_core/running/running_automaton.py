@@ -28,7 +28,7 @@ class Running(Protocol):
 
     @property
     def raised(self) -> set[str]:
-        """The flags that it has raised and that are still up."""
+        """The raised flags that are still up."""
 
     @property
     def active_path(self) -> list[str]:
@@ -46,7 +46,7 @@ class Running(Protocol):
 
 @dataclass(slots=True)
 class Clock:
-    """The simulated time of an agent's last percept, s; whoever gives it the percept sets it."""
+    """The simulated time of an agent's last percept, s; set together with the percept."""
 
     now: float = 0.0
 
@@ -57,7 +57,7 @@ class NumberRange:
 
     Attributes:
         max_distance: in usual differences; farther off, a state that takes numbers does nothing.
-        reason: why one did nothing in this tick; empty: none.
+        reason: why such a state did nothing in this tick, or empty.
     """
 
     max_distance: float = math.inf

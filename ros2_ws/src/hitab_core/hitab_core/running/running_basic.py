@@ -52,7 +52,7 @@ class RunningWithNumbers(RunningBasicBehavior):
     """A basic behavior that takes numbers; it does nothing while it has none.
 
     Attributes:
-        numbers: for its next pulse; empty: none.
+        numbers: for its next pulse, or empty.
     """
 
     __slots__ = ("_halted", "numbers")

@@ -1,6 +1,6 @@
 """What a training cost the person who gave it, from its journal.
 
-Source: the paper, table 1, counts the examples of each behavior and the minutes that it took.
+Source: the paper, table 1, counts the examples and the minutes of each behavior.
 """
 
 from __future__ import annotations

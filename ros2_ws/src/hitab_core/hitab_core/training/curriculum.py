@@ -21,7 +21,7 @@ class Curriculum:
 
     Attributes:
         name: of the automaton to be trained.
-        features: what its transition functions may look at.
+        features: available to the transition functions.
         states: that may be commanded; empty: anything in the repertoire.
         parameters: its free variables.
         arguments: the targets that the parameters are bound to during training.

@@ -147,7 +147,7 @@ class ExampleJournal:
         self.close()
 
     def archive(self) -> Path:
-        """Close it and rename its file so that it is not resumed.
+        """Close the journal and rename its file, so that no process resumes it.
 
         Returns:
             The file: ``training.jsonl`` becomes ``training.1.jsonl``, or the next free number.
@@ -211,7 +211,7 @@ def records_in(path: Path) -> list[dict[str, Any]]:
 
 
 def archive(path: Path) -> Path:
-    """Rename a journal so that it is not resumed; see `ExampleJournal.archive`."""
+    """Rename a journal, so that no process resumes it; see `ExampleJournal.archive`."""
     with file_errors(path, "rename"):
         archived = _free_name(path)
         if path.exists():  # else it was removed by other means

@@ -16,7 +16,7 @@ from hitab_core.use import Use
 
 
 class LateCommands:
-    """Knows which commands came late, nobody knows by how much, and estimates it.
+    """Estimates the delay of commands whose reaction time is unknown.
 
     What a person has retimed stays as it is.
 

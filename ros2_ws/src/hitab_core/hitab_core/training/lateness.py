@@ -1,9 +1,9 @@
 """Lateness: when late commands were due, learned from the commands themselves.
 
-A person who commands a moving robot is late, by how much nobody knows before. But commands of one
+A person who commands a moving robot is late by an unknown time. But commands of one
 kind (leave this state, go to that one) have something in common: all of them answer to the same
 thing, say, to the ball being nearer than some distance, or to a flag that was raised. A guess of
-what it was says for each command when it was due, and so how late it came; a good guess makes the
+that cause says for each command when it was due, and so how late it came; a good guess makes the
 same person about equally late each time. So what was meant and how late the person is are
 estimated together, as a distribution over both:
 
@@ -16,7 +16,7 @@ estimated together, as a distribution over both:
 
 The moment of a command is the median of what this says about it. A command without any like it
 says little, so it counts as due the person's usual time before it came. Who takes over from an
-automaton corrects either its last change of state or that it has not changed, whichever fits.
+automaton corrects its last change of state, or a missing change, whichever fits.
 """
 
 from __future__ import annotations
@@ -60,13 +60,13 @@ class LateCommand:
     """A command that came late.
 
     Attributes:
-        state, label: that it leaves and goes to.
+        state, label: the state left, and the next state.
         delays: shape (n,), how long before the command each moment was for which it may have been
             meant, in the person's seconds, descending.
         values: shape (n, m), of the features in these moments.
-        changed: how long before the command the automaton changed its state, where the command
-            may correct that; None: it may not.
-        corrects: whether it corrects that; None: nobody knows yet.
+        changed: how long before the command the automaton changed its state; None if the command
+            cannot correct that change.
+        corrects: whether the command corrects that; None if unknown.
     """
 
     state: str
@@ -78,7 +78,7 @@ class LateCommand:
 
     @property
     def odds_of_change(self) -> float:
-        """How probable it is, before looking at the time, that it corrects the change."""
+        """Probability, before looking at the time, that the command corrects the change."""
         if self.changed is None:
             return 0.0
         return 0.5 if self.corrects is None else float(self.corrects)
@@ -174,7 +174,7 @@ class _Explanations:
         first: shape (guesses, commands), the first moment in which each guess holds; -1: none.
         fitting: shape (guesses, commands, medians, spreads), how probable it is that a command
             answers to a guess.
-        changing: of the same shape, that it corrects a change of state.
+        changing: of the same shape, for correcting a change of state.
         log_likelihood: shape (guesses, medians, spreads), with the guess's own probability.
     """
 

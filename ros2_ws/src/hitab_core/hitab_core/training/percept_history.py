@@ -31,7 +31,7 @@ from hitab_core.training.situation_sample import SituationSample
 from hitab_core.use import Use
 
 TIMERS = tuple(use for use in OWN_FEATURES if use.name not in FLAGS)
-"""Nobody responds to how a timer is set back."""
+"""Timers are excluded: their reset is not an event in the world."""
 
 BLAMED_SECONDS = 1.0
 """A change of state that was longer before a correction was due is not what is corrected."""
@@ -100,7 +100,7 @@ class PerceptHistory:
         """Keep what the agent perceives now, before it acts on that.
 
         Args:
-            running: what it performs.
+            running: the performed behavior.
             cycle: of the world.
             time: simulated time, s.
             jumped: whether the situation does not follow from the last one.
@@ -237,12 +237,12 @@ class PerceptHistory:
         """Return what to keep with a command, as plain data for the journal.
 
         Args:
-            due: the moment at which it was due.
+            due: the moment at which the command was due.
             taken_over_in: label of the state that the automaton was in when the person took over
-                to give this command; empty: the automaton had not decided.
+                to give this command; empty if the automaton had not decided.
             commanded: label of the state that was commanded.
-            pace: simulated seconds in a second of the person who was late by nobody knows how
-                much; 0: the moment is known.
+            pace: simulated seconds per second of a person with an unknown delay; 0 if the
+                moment is known.
         """
         record: dict[str, Any] = {
             "time": self.time,
@@ -299,7 +299,7 @@ class PerceptHistory:
 
         Args:
             command: its number.
-            label: of the state that it goes to.
+            label: of the next state.
             features: of the automaton in training.
             lateness: of the person.
             recorded: the state and the cycle for which it was recorded; None: it was not yet.

@@ -109,7 +109,7 @@ class Questions:
             if self._about is not examples:
                 return
         found.sort(key=lambda ranked: -ranked[0])
-        # What is asked already stays: somebody may be reading it, or about to answer it.
+        # Questions asked already stay: a person may be reading or answering them.
         asked = [q for q in self.known() if q not in self._contradicting]
         others = [question for _, question in found if question not in asked]
         self._known = [*self._contradicting, *asked, *others]
@@ -203,7 +203,7 @@ class Questions:
 def _about(
     state: str, given: QuestionContext
 ) -> tuple[list[tuple[float, ...]], tuple[str, ...], Booleans]:
-    """Return what was met in a state, what may be right in it, and what its entries assumed."""
+    """Return the situations met in a state, its possible answers, and the assumed entries."""
     met = [values for there, values in given.met if there == state]
     met += [e.features for e in given.examples if e.state != state == e.next_state]
     own = [e for e in given.examples if e.state == state and e.is_learned]

@@ -1,7 +1,7 @@
 """What an agent in training perceived in the last seconds, so that a command can come late.
 
 A person needs time to react, so the situation that a command is meant for is already past when the
-command arrives. The agent keeps its last percepts, as readings of everything that it could read,
+command arrives. The agent keeps its last percepts, as readings of everything readable,
 with the state that was active. A command that says how long ago it was due is recorded with the
 situation of that time.
 """
@@ -178,7 +178,7 @@ class RecentPercepts:
             kept[place] = replace(kept[place], state=state)
 
     def window(self, due: PerceptRecord) -> tuple[PerceptRecord, ...]:
-        """Return the moments to keep with an example, so that it can be retimed later."""
+        """Return the percepts to keep with an example, for retiming the example later."""
         kept = self._kept
         start = min(due.time - WINDOW_SECONDS / 2, kept[-1].time - WINDOW_SECONDS) if kept else 0
         chosen = [moment for moment in kept if moment.time >= start]

@@ -76,9 +76,9 @@ class TrainingSession:
 
     In training mode the demonstrator decides: `command` changes the state and records examples. In
     testing mode the learned transition functions decide. Switching between the two keeps the
-    active state and what it performs.
+    active state and its behavior.
 
-    A command can say that it was due some time ago; it is then recorded with the situation and the
+    A command can state that it was due earlier; it is then recorded with the situation and the
     active state of that time (`hitab_core.training.recent_percepts`). Each example keeps all
     readings of its situation, so that features can be exchanged afterwards.
 
@@ -552,7 +552,7 @@ class TrainingSession:
         return self._learned(self.log.after(edit), "shown", edit.features)
 
     def _prepared(self, record: Mapping[str, Any]) -> Edit | None:
-        """Return the edit that a record describes; None: no edit.
+        """Return the edit that a record describes, or None if it describes none.
 
         Raises:
             TrainingError: if it is not possible.
@@ -641,7 +641,7 @@ class TrainingSession:
             first = "take over first, and " if self.testing else ""
             raise TrainingError(
                 f'"{self.curriculum.name}" cannot be {done}: no example leaves {START}; '
-                f"{first}command the behavior that it should begin with"
+                f"{first}command the behavior to begin with"
             )
         chosen = self.curriculum.features if features is None else map(Use.parse, features)
         unlearned = Automaton(

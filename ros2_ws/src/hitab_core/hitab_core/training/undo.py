@@ -26,9 +26,9 @@ class Edit:
     """A change of the examples, stored as a difference.
 
     Attributes:
-        words: what it does, for people, as in ``Start → GoFast, 2 examples``.
-        gone: removed examples, and those that it changes as they were, by number.
-        came: added examples, and those that it changes as they are then, by number.
+        words: the effect, for people, as in ``Start → GoFast, 2 examples``.
+        gone: removed examples, and changed ones as they were, by number.
+        came: added examples, and changed ones as they are then, by number.
         left, entered: labels of the states before and after a command; None if the edit is not a
             command. An undo swaps them.
         features: names of the features after the edit; None: unchanged.
