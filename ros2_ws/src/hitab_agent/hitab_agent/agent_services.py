@@ -342,7 +342,7 @@ def bindings_of(request: Any) -> dict[str, str]:
 def _open_questions(agent: Agent) -> str:
     """Return how many questions about a training are open, as far as known; empty: none."""
     session = agent.session
-    known = session.asked.known() if session is not None else []
+    known = session.questions.known() if session is not None else []
     if not known:
         return ""
     told = quantity(len(known), "open question")

@@ -148,7 +148,7 @@ class StatusPublisher:
         examples = session.examples if session else ()
         status.examples = len(examples)
         status.default_examples = sum(example.is_default for example in examples)
-        status.questions = len(session.asked.known()) if session else 0
+        status.questions = len(session.questions.known()) if session else 0
         status.remarks = len(agent.remarks())
         status.unsure = agent.monitor.unsure
         status.when_unsure = agent.monitor.caution.when_unsure.value

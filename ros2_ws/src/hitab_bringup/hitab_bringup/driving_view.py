@@ -52,7 +52,7 @@ def lines(
         f"error: {demonstrator.said}" if demonstrator.failed else demonstrator.said or " ",
         "red" if demonstrator.failed else "green",
     )
-    yield from _asking(demonstrator) if demonstrator.asked is not None else _keys(demonstrator)
+    yield from _asking(demonstrator) if demonstrator.prompt is not None else _keys(demonstrator)
     if help_wanted:
         yield from _help()
     else:
@@ -92,7 +92,7 @@ def _keys(demonstrator: Demonstrator) -> Iterator[Text]:
 
 
 def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
-    asked = demonstrator.asked
+    asked = demonstrator.prompt
     assert asked is not None
     if asked.number is not None:
         yield console.line(

@@ -97,9 +97,9 @@ class Branch:
     """A commander or an agent, with its subordinates.
 
     Attributes:
-        behavior: the top-level behavior that it performs; empty: none.
+        behavior: the performed top-level behavior, or empty.
         path: a commander's active states.
-        order: a commander's current order; empty: none yet.
+        order: a commander's current order, or empty.
         obeys: whether it performs its own commander's order; None: it has no commander.
         silent: whether its commander has missed its heartbeat.
         stopped: whether its robot may not act.

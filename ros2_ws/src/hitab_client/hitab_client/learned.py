@@ -127,7 +127,7 @@ class Training(Learned):
         searched: whether all questions were looked for, and the cost is known.
         questions: that are open.
         answered: those that were answered, and how, oldest first.
-        remarks: signs that it does not play.
+        remarks: signs of a behavior that does not play.
         cost: what the training has cost so far; None: unknown.
     """
 

@@ -24,12 +24,12 @@ DOMAINS = 233
 SERVER = "ROS_DISCOVERY_SERVER"
 SERVERS = re.compile(r"(?:^|;) *(?:UDPv4:\[)?([\w.-]+)\]?(?::(\d+))? *(?=;|$)")
 SERVER_PORT, DISCARD = 11811, 9
-PORT_TIMEOUT_SECONDS = 0.2  # in which a machine says that nobody listens at a port of it
+PORT_TIMEOUT_SECONDS = 0.2  # in which a machine refuses connections to an unused port
 
 RANGES = ("LOCALHOST", "SUBNET", "SYSTEM_DEFAULT", "OFF")
 
 Problem = tuple[str, str, str]
-"""What it is about, what is wrong, and the way out."""
+"""The subject, the fault and the way out."""
 
 
 def problems() -> Iterator[Problem]:

@@ -99,7 +99,7 @@ class RosLink:
         """Handle pending events; wait at most this long for one, and defer Ctrl-C so long.
 
         Raises:
-            SwarmError: if this process was suspended for so long that it needs a new link.
+            SwarmError: if a long suspension of this process requires a new link.
         """
         if self._suspended:
             raise SwarmError(
@@ -171,7 +171,7 @@ class RosLink:
                 yield topic
 
     def will_call(self, kind: Any, service: str) -> None:
-        """Prepare to call a service, so that it appears while others are called."""
+        """Prepare to call a service, for discovery while others are called."""
         if service not in self._clients:
             self._clients[service] = self.node.create_client(kind, service)
 

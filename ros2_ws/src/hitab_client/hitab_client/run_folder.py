@@ -52,7 +52,7 @@ class RunRecord:
         identity: unique to this start of the swarm. All of its nodes publish it in their statuses.
         commanders: those of the agents that are commanders.
         processes: the agents that each process runs, by the name of the process.
-        namespace: of all its nodes, such as ``/left``; empty: none.
+        namespace: of all its nodes, such as ``/left``, or empty.
     """
 
     swarm: str

@@ -1,4 +1,4 @@
-"""Why a process of a running swarm does not answer: what its supervisor and the system know."""
+"""Why a process of a running swarm does not answer, from its supervisor and the system."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class RunProcesses:
     """The processes of a swarm that `hitab up` has started.
 
     Args:
-        record: of the run; None: nothing is known of any process.
+        record: of the run; None if no process is known.
     """
 
     def __init__(self, record: RunRecord | None = None) -> None:
@@ -196,7 +196,7 @@ class RunProcesses:
 
 
 def is_suspended(pid: int) -> bool:
-    """Return whether a process exists, but was stopped until somebody lets it continue."""
+    """Return whether a process exists, but is stopped by a signal."""
     try:
         return bool(psutil.Process(pid).status() == psutil.STATUS_STOPPED)
     except psutil.Error:

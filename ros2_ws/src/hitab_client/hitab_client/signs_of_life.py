@@ -28,8 +28,8 @@ ROSTERS = QoSProfile(
 class SignsOfLife:
     """Which agents of a swarm are silent, and whether its world is.
 
-    An agent is silent if all processes that run it are, and nothing else comes of it: a process
-    that is slow gives its signs late, but what it sends shows that it lives. One whose process
+    An agent is silent if all of its processes are, and no message of the agent arrives: a slow
+    process gives its signs late, but its messages show that it lives. An agent whose process
     never gave a sign, such as one written in another language, is never silent.
 
     Args:

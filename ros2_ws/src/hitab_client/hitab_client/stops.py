@@ -22,7 +22,7 @@ REPEAT_S = 0.5
 """Between two messages of an emergency stop to those who have not confirmed it, s."""
 
 SETTLED_S = 0.7
-"""How long nobody new may have been found before all are known, s."""
+"""All are known once no new one was found for so long, s."""
 
 
 class Stops:
@@ -115,7 +115,7 @@ class Stops:
         What holds a robot is released only if it was known when it was first said.
 
         Raises:
-            SwarmError: if somebody has released the stop meanwhile.
+            SwarmError: if the stop was released meanwhile.
         """
         known = self.switch.known
         reported = {it for _, report in self._present() if report for it in report.emergencies}
@@ -189,7 +189,7 @@ class Stops:
             Those who have not confirmed it, and why not.
 
         Raises:
-            SwarmError: if somebody has released the stop meanwhile.
+            SwarmError: if the stop was released meanwhile.
         """
         lacking: dict[str, str] = {}
         began = time.monotonic()
@@ -223,5 +223,5 @@ class Stops:
 
     @staticmethod
     def settled(ends: Sequence[Stops]) -> bool:
-        """Whether nobody new was found for a while."""
+        """Whether no new one was found for a while."""
         return all(time.monotonic() - end.found_at > SETTLED_S for end in ends)

@@ -27,7 +27,7 @@ DISCOVERY_SECONDS = 3.0
 """How long to look for a swarm that the registry does not know."""
 
 ALONE_SECONDS = 1.0
-"""How long to look if nobody at all is there, s: the first answer comes much earlier."""
+"""How long to look in an empty domain, s: the first answer comes much earlier."""
 
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 
@@ -206,11 +206,11 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
         there = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
         return there & {namespace.rstrip("/")} if namespace else there
 
-    def somebody() -> bool:
+    def is_occupied() -> bool:
         return len(link.node.get_node_names()) > 1
 
     if not (
-        link.spin_until(somebody, ALONE_SECONDS) and link.spin_until(spaces, DISCOVERY_SECONDS)
+        link.spin_until(is_occupied, ALONE_SECONDS) and link.spin_until(spaces, DISCOVERY_SECONDS)
     ):
         which = f"namespace {namespace} of {where}" if namespace else where
         raise SwarmError(f"no swarm answers in {which}", Fix.UP(swarm="keepaway"))

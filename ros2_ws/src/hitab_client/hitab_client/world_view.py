@@ -27,7 +27,7 @@ class Thing(Protocol):
 
 
 def no_reading(agent: str, feature: str) -> float:
-    """Raise, since nobody can ask the agents what they perceive."""
+    """Raise, since no service answers what the agents perceive."""
     raise LessonError(f"nobody can ask {agent} what it perceives")
 
 

@@ -225,11 +225,11 @@ def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):
 
 def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
     desk.press("2")
-    assert desk.demonstrator.asked.targets == ("goal", "home")
+    assert desk.demonstrator.prompt.targets == ("goal", "home")
     desk.press("2")
     assert desk.agents.done == [("perform", ONE, "GoTo(home)")]
     desk.press("2", "x")
-    assert desk.demonstrator.asked is None
+    assert desk.demonstrator.prompt is None
     assert len(desk.agents.done) == 1
     desk.agents.become(ONE, "training", "Start")
     desk.press("2", "3")
@@ -247,14 +247,14 @@ def test_a_target_may_be_pressed_before_an_agent_has_answered(desk):
 def test_numbers_are_typed_after_the_target(desk):
     desk.agents.become(ONE, "training", "Start")
     desk.press("3", "1")
-    assert desk.demonstrator.asked.number.name == "direction"
+    assert desk.demonstrator.prompt.number.name == "direction"
     assert "direction of" in desk.press(*"400", "\n")
     assert desk.demonstrator.failed
     desk.press(*"-49", "\x7f", "0", "\n", *"3.5", "\r")
     assert desk.agents.done[-1][2] == "Kick(goal, direction=-40, power=3.5)"
-    assert desk.demonstrator.asked is None
+    assert desk.demonstrator.prompt is None
     desk.press("3", "1", "4", "\x1b")
-    assert desk.demonstrator.asked is None
+    assert desk.demonstrator.prompt is None
     assert len(desk.agents.done) == 1
 
 

@@ -22,7 +22,7 @@ def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) 
 
     Args:
         node: that stands for its process; its namespace gives the name.
-        swarm: identity of its swarm; empty: none.
+        swarm: identity of its swarm, or empty.
         others: further names that stand for the process, such as those of a host's commanders.
     """
     signs = [Alive(process=name, swarm=swarm) for name in (names.own_name(node), *others)]

@@ -48,7 +48,7 @@ class Diagnosis:
 
     Attributes:
         name: of it.
-        hardware: that it stands for; unique.
+        hardware: unique name of the diagnosed part.
         found: what is wrong; the worst counts, and of those the first is the message.
         details: returns the message if nothing is wrong, and more that is of interest, by key.
     """

@@ -30,7 +30,7 @@ class Receivers:
         self._ends: frozenset[bytes] = frozenset()
 
     def look(self) -> bool:
-        """Update who receives; return whether somebody new does.
+        """Update the receivers; return whether one of them is new.
 
         A killed process is given up long after another has taken its place: that is no news.
         """

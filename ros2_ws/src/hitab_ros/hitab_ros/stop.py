@@ -1,4 +1,4 @@
-"""The stop of one robot as others see it: what it says of itself, and how it is re-armed."""
+"""The stop of one robot as others see it: its reports, and how to re-arm it."""
 
 from __future__ import annotations
 

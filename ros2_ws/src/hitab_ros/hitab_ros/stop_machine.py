@@ -9,11 +9,11 @@ all of its states and events::
     stopping   it stands still                                stopped
     stopped    it moves                                       stopping
     stopped    the last cause is gone                         stopped; armed if it re-arms itself
-    stopped    somebody re-arms it, no cause is left          armed
-    any other  somebody re-arms it                            the same; refused, with the reason
+    stopped    a person re-arms it, no cause is left          armed
+    any other  a person re-arms it                            the same; refused, with the reason
 
-So nothing moves again by itself: what has stopped waits for a person, whatever stopped it and
-however often its process was killed meanwhile.
+So nothing moves again by itself: a stopped robot waits for a person, after any cause and after
+any restart of its process.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus
 
 from hitab_client.demonstrating.behavior_keys import Keys
-from hitab_client.demonstrating.pressed import Asked, Pressed
+from hitab_client.demonstrating.pressed import Pressed, Prompt
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
 from hitab_core import FLAGS, BoundedNumber, Use, some, without_numbers
@@ -52,13 +52,13 @@ class AgentVocabulary:
                 )
         return None
 
-    def open_part(self, pressed: Pressed) -> Asked | None:
+    def open_part(self, pressed: Pressed) -> Prompt | None:
         """Return what a person can be asked for, of a behavior that needs a target or a number."""
         use = Use.parse(pressed.behavior)
         place, numbers = self.open_parameter(use), self.open_numbers(use)
         if place is not None:
-            return Asked(use, pressed, place, self.targets) if self.targets else None
-        return Asked(use, pressed, number=numbers[0]) if numbers else None
+            return Prompt(use, pressed, place, self.targets) if self.targets else None
+        return Prompt(use, pressed, number=numbers[0]) if numbers else None
 
     def check_bound(self, use: Use, agent: str) -> None:
         """Check that a behavior of an agent has all its targets.

@@ -26,7 +26,7 @@ def command(
 ) -> str:
     """Command a behavior, or in no training have it performed; return what came of it.
 
-    If the agent is testing what it has learned, take over first.
+    If the agent is testing, take over first.
 
     Args:
         agents: of the swarm.
@@ -37,7 +37,7 @@ def command(
             agent estimates how long before it the command was due.
         sequence: number of the command; 0: a new one.
         seconds: how long to wait for the agent's acknowledgement.
-        demonstrator: who commands; empty: whoever the client says.
+        demonstrator: who commands; empty for the client's own.
 
     Raises:
         SwarmError: if the agent is missing, refuses, or does not acknowledge.
@@ -101,7 +101,7 @@ def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
 
 
 def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> str:
-    """Have the last command be due a little earlier than it is at present; return what it is.
+    """Have the last command be due a little earlier than at present; return by how much.
 
     Raises:
         SwarmError: if there is none, or that time is not kept.

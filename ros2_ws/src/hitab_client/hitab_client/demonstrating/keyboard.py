@@ -66,7 +66,7 @@ class KeyboardInput:
         demonstrator = self._demonstrator
         if ACTION_KEYS.get(key) == "stop":
             demonstrator.press("stop")  # whatever else is going on
-        elif demonstrator.asked is not None:
+        elif demonstrator.prompt is not None:
             demonstrator.answer(key)
         elif key in ARROW_AXES:
             self._drive(*ARROW_AXES[key])

@@ -31,7 +31,7 @@ class Pressed:
     Attributes:
         what: for people.
         agent: whom it is for.
-        behavior: that is commanded; empty: none.
+        behavior: that is commanded, or empty.
         at: when, s, by the demonstrator's clock.
         seen: the world's cycle that the person saw; 0: unknown.
     """
@@ -44,7 +44,7 @@ class Pressed:
 
 
 @dataclass(frozen=True)
-class Asked:
+class Prompt:
     """A behavior of which a target or a number is still to be given.
 
     Attributes:
@@ -52,7 +52,7 @@ class Asked:
         pressed: the key that commanded it.
         place: of the parameter in question.
         targets: among which to choose.
-        number: in question, instead of a parameter; None: none.
+        number: in question, instead of a parameter, or None.
         typed: of the number so far.
     """
 
@@ -73,8 +73,8 @@ class Asked:
 class UnseenOutcomes:
     """Whether agents have taken the commands whose outcomes the person cannot have seen yet.
 
-    Who presses undo before is told that the last command was not taken does not mean the one
-    before it.
+    A person who presses undo before seeing that the last command was refused does not mean the
+    command before.
     """
 
     def __init__(self) -> None:

@@ -86,7 +86,7 @@ class Steering:
 
     @property
     def topic_name(self) -> str:
-        """Where velocities are sent; empty: nowhere yet."""
+        """Topic of the velocities, empty before the first."""
         return "" if self._topic is None else self._topic.topic_name
 
     def hold(self, velocity: Sequence[float], seconds: float) -> None:

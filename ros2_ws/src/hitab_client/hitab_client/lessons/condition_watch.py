@@ -1,8 +1,8 @@
 """Sees what conditions ask for, moment by moment: in a world that is stepped, or without a world.
 
 A simulated world is stepped cycle by cycle, and every condition is checked in every cycle. Robots
-without a world are watched as time passes; nobody knows where they are, so that only what the
-agents themselves report and perceive can be asked for.
+without a world are watched as time passes; their places are unknown, so conditions are
+limited to reports and percepts of the agents.
 """
 
 from __future__ import annotations

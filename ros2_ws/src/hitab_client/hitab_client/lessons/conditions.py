@@ -137,7 +137,7 @@ class FeatureValue(Limited):
         return f"{self.feature} of {self.agent}"
 
     def value(self, view: WorldView) -> float:
-        """Return the value that it perceives; NaN: none."""
+        """Return the perceived value, or NaN."""
         return view.reading(self.agent, self.feature)
 
 

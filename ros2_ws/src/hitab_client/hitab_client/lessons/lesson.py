@@ -151,7 +151,7 @@ class Never(Until):
 
 
 class Wait(Step):
-    """Short for ``until: {seconds: 2}``, which is what it becomes."""
+    """Short for ``until: {seconds: 2}``, and replaced by it."""
 
     seconds: float = Field(alias="wait", gt=0.0)
 
@@ -212,9 +212,9 @@ class Lesson:
     """A whole lesson.
 
     Attributes:
-        name: the automaton that it teaches.
+        name: of the automaton to teach.
         agent: to teach.
-        budget: maximum number of examples, including default ones; None: no limit.
+        budget: maximum number of examples, including default ones, or None for no limit.
     """
 
     name: str
@@ -255,7 +255,7 @@ def parse_lesson(text: str, path: Path) -> Lesson:
 
 
 def _completed(step: Step, line: int, agent: str) -> Step:
-    """Return a step with its line, and the agent that it is about where it names none."""
+    """Return a step with its line, and with the default agent where it names none."""
     more: dict[str, Any] = {"line": line, "agent": agent}
     match step:
         case Wait():

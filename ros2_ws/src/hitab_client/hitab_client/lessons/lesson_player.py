@@ -177,7 +177,7 @@ class LessonPlayer:
         world.shown(world.control(Control.Request.RESET))
 
     def _begin(self, step: Begin) -> None:
-        # Whoever interrupts this must know whether it has begun.
+        # After an interruption it must be known whether the training has begun.
         with not_interrupted():
             self.swarm.begin(
                 step.agent,

@@ -100,7 +100,7 @@ class BagFile:
         self.count += 1
 
     def flush(self) -> None:
-        """Give everything to the system, so that it survives this process.
+        """Give everything to the system, where it survives this process.
 
         Raises:
             OSError: if it cannot be written.

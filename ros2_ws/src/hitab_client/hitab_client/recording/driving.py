@@ -1,4 +1,4 @@
-"""What somebody did with an agent in a recording, moment by moment, without commands."""
+"""The actions of an agent in a recording, moment by moment, without commands."""
 
 from __future__ import annotations
 
@@ -40,17 +40,17 @@ class Driven:
 
 
 def driving_of(path: Path, agent: str = "") -> Driven:
-    """Return what was done with an agent, whoever drove it.
+    """Return the actions of an agent, from any driver.
 
-    An agent, and whoever answers percepts in its place, publishes actions. A robot's are the
+    An agent, or a program that answers percepts in its place, publishes actions. A robot's are the
     velocities that its relay passed on, so that a person who drives by hand counts.
 
     Args:
         path: of the recording.
-        agent: its name, with its namespace if there are several; empty: the only one.
+        agent: its name, with its namespace if there are several; empty for the only one.
 
     Raises:
-        SwarmError: if it has no percepts of the agent, or nothing of what was done.
+        SwarmError: if the recording lacks percepts or actions of the agent.
     """
     messages = RecordedMessages(path)
     parts = {message.topic.rpartition("/") for message in messages}
@@ -80,7 +80,7 @@ def driving_of(path: Path, agent: str = "") -> Driven:
             did.append(velocity or early.pop(content.sequence, None))
         elif topic == names.ACTIONS and content.agent == name:
             if velocity is not None:
-                continue  # a robot did what it was driven with, whoever drove
+                continue  # a robot did as the velocity says, from any driver
             if content.sequence in latest:
                 did[latest[content.sequence]] = content.values
             else:

@@ -109,7 +109,7 @@ class Recorder:
 
     @property
     def missing(self) -> list[str]:
-        """The chosen topics that nobody publishes yet."""
+        """The chosen topics without a publisher yet."""
         return sorted(self._also - set(self._subscriptions))
 
     @property

@@ -127,7 +127,7 @@ class TrainingSession:
         self.perception = PerceptHistory(domain, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
         self.testing = False
-        self.asked = Questions(self.log, self.perception.situations, self._material)
+        self.questions = Questions(self.log, self.perception.situations, self._material)
         self.requests: deque[Request] = deque(maxlen=COMMANDS_MAX)
         self.edits: deque[Request] = deque(maxlen=COMMANDS_MAX)
         self._asked_by: Request | None = None
@@ -230,7 +230,7 @@ class TrainingSession:
             elif "request" in record:
                 self.edits.append(Request.from_record(record))
             if record["do"] == "dismiss":
-                self.asked.dismiss(record["key"])
+                self.questions.dismiss(record["key"])
             self._tested |= record["do"] == "test"
         self.perception.remember()
         self.check_on(self.context.repertoire)
@@ -415,7 +415,7 @@ class TrainingSession:
 
     def search(self) -> Iterator[None]:
         """Look for questions in steps, see `Questions.search`, and for loops."""
-        yield from self.asked.search()
+        yield from self.questions.search()
         self.remarks(look=True)
 
     def remarks(self, *, look: bool = False) -> list[Remark]:
@@ -460,14 +460,14 @@ class TrainingSession:
         Raises:
             TrainingError: if the question is not open, or has no such choice.
         """
-        question = self.asked.get(number)
+        question = self.questions.get(number)
         chosen = choice_of(question, choice)
         if dismiss or chosen.record is None:
             self._write({"do": "dismiss", "key": list(question.words)})
-            self.asked.dismiss(question.words)
+            self.questions.dismiss(question.words)
             return question
         self._edit({**chosen.record, "proposed": chosen is question.choices[0]})
-        self.asked.answered.append(f"{question.text} {chosen.name}")
+        self.questions.answered.append(f"{question.text} {chosen.name}")
         return question
 
     def begins(self, request: Request) -> bool:
