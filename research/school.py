@@ -32,7 +32,7 @@ from hitab_client.lessons.lesson import (
     Say,
     Step,
     TakeOver,
-    TestStep,
+    Test,
     Until,
 )
 from hitab_client.world_view import WorldView, speakers
@@ -216,7 +216,7 @@ class School:
         if self._await(step.condition, step.within, self._agent(step)):
             raise LessonError(f"{step.condition.describe(self._view())} came but should not")
 
-    def _test(self, step: TestStep, lesson: Lesson) -> None:
+    def _test(self, step: Test, lesson: Lesson) -> None:
         self._agent(step).test(restart=step.restart)
 
     def _take_over(self, step: TakeOver, lesson: Lesson) -> None:
@@ -257,7 +257,7 @@ _STEPS: dict[type[Step], Callable[[School, Any, Lesson], None]] = {
     Until: School._until,
     Check: School._until,
     Never: School._never,
-    TestStep: School._test,
+    Test: School._test,
     TakeOver: School._take_over,
     Save: School._save,
     Distribute: School._distribute,

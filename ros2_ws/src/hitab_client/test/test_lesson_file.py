@@ -9,7 +9,7 @@ from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import ActiveState, Distance, Passed
 from hitab_client.lessons.lesson import (
     Command,
-    TestStep,
+    Test,
     Until,
     parse_lesson,
     read_lesson,
@@ -53,7 +53,7 @@ def test_a_lesson_is_read_step_by_step():
     assert until.within == 3.0
     assert isinstance(wait, Until)
     assert wait.condition == Passed(seconds=1.5)
-    assert isinstance(test, TestStep)
+    assert isinstance(test, Test)
     assert (test.line, test.agent, test.restart) == (13, "keeper_1", True)
     assert save.bind == {"ball": "A"}
     assert (distribute.line, distribute.agent) == (17, "keeper_1")

@@ -156,7 +156,7 @@ class Wait(Step):
     seconds: float = Field(alias="wait", gt=0.0)
 
 
-class TestStep(Step):
+class Test(Step):
     """Give control to what the agent has learned."""
 
     __test__: ClassVar[bool] = False  # not a test case, despite its name

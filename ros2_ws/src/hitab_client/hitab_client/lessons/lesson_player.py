@@ -31,7 +31,7 @@ from hitab_client.lessons.lesson import (
     Say,
     Step,
     TakeOver,
-    TestStep,
+    Test,
     Undo,
     Until,
 )
@@ -222,7 +222,7 @@ class LessonPlayer:
             )
         self.report.checks.append(f"never {step.condition.describe()} in {step.within:g} s")
 
-    def _test(self, step: TestStep) -> None:
+    def _test(self, step: Test) -> None:
         self.swarm.set_mode(step.agent, AgentStatus.TESTING, restart=step.restart)
 
     def _take_over(self, step: TakeOver) -> None:
