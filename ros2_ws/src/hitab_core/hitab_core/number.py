@@ -63,7 +63,7 @@ def with_numbers(use: Use, values: Sequence[float], wanted: Sequence[BoundedNumb
     """Return a use with numbers, as it is commanded; none: as it is.
 
     Examples:
-        >>> str(with_numbers(Use("RunTowards"), [40.0], [Number("direction", -180, 180)]))
+        >>> str(with_numbers(Use("RunTowards"), [40.0], [BoundedNumber("direction", -180, 180)]))
         'RunTowards(direction=40)'
     """
     given = (f"{n.name}={value:.6g}" for n, value in zip(wanted, values, strict=bool(values)))
@@ -77,7 +77,7 @@ def numbers_of(use: Use, wanted: Sequence[BoundedNumber]) -> tuple[float, ...]:
         VocabularyError: if one is unknown, missing, there twice, no number or out of its bounds.
 
     Examples:
-        >>> numbers_of(Use.parse("RunTowards(direction=40)"), [Number("direction", -180, 180)])
+        >>> numbers_of(Use.parse("RunTowards(direction=40)"), [BoundedNumber("direction", -180, 180)])
         (40.0,)
     """
     names = [number.name for number in wanted]
