@@ -1,4 +1,4 @@
-"""Who of a swarm is there: waits for agents, and says why one does not answer."""
+"""Presence of agents: waits for them, and says why one does not answer."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ WATCHED_MAX = 100
 """In a larger swarm only the requested agents are watched."""
 
 PRESENCE_CHECK_SECONDS = 0.25
-"""Between two looks at topics and processes, which cost more than an event from DDS."""
+"""Period of checks of topics and processes, s; they cost more than an event from DDS."""
 
 LOOK_SECONDS_EACH = 0.002
 """Added per agent of a swarm: the look at the topics of a thousand takes 0.1 s."""

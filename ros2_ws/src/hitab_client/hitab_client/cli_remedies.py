@@ -53,10 +53,10 @@ REMEDY_COMMANDS = {
     Fix.DOCTOR: "doctor",
     Fix.RECORD: "record",
 }
-"""What is typed after the name of the command. Some remedies are not done with it."""
+"""Arguments of the command, by remedy. Some remedies have no command."""
 
 THEN = ", then "
-"""Between two commands of one remedy."""
+"""Separator of the commands of one remedy."""
 
 
 def called() -> str:

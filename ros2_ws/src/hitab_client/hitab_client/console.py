@@ -1,4 +1,4 @@
-"""What the command prints: messages and progress on stderr, results and JSON on stdout."""
+"""Output of the command: messages and progress on stderr, results and JSON on stdout."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 SECONDS_BELOW = 2.0
-"""Between two states that are shown one below the other."""
+"""Separator of two states shown one below the other."""
 
 PIPED_WIDTH = 10_000
 """Columns, if the output is no terminal: then nothing has to fit."""

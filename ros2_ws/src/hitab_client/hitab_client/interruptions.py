@@ -18,7 +18,7 @@ FROM_C = "pymunk._callbacks"
 """Module of functions that are called from C, where an exception would be lost."""
 
 SIGNAL_REPEAT_S = 0.01
-"""After which a signal that came in such a function comes again."""
+"""Delay after which a signal that came in such a function is raised again, s."""
 
 
 def handle_interruptions() -> None:

@@ -1,4 +1,4 @@
-"""What an agent has learned, as it publishes it and as its service `get_behavior` answers."""
+"""Learned behaviors of an agent, from its topics and its service `get_behavior`."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ class Learned:
 
     @cached_property
     def numbers(self) -> Mapping[str, Neighbors]:
-        """What gives the numbers of each state that takes some, by label."""
+        """Number functions of the states that take numbers, by label."""
         states = map(Use.parse, self.states)
         return learn_numbers(states, self.scales, self.examples, self.numbers_of)
 
@@ -119,7 +119,7 @@ class Learned:
 
 @dataclass(frozen=True)
 class Training(Learned):
-    """What an agent is being trained, as it publishes it.
+    """Training of an agent, as published.
 
     Attributes:
         revision: counts up with each change.

@@ -1,4 +1,4 @@
-"""Whether ROS can start with the variables of the environment, found without loading ROS.
+"""Check of the environment variables for ROS, without loading ROS.
 
 With a middleware that is not installed, ROS ends the process that loads it.
 """

@@ -24,10 +24,10 @@ NODE_NAME = "hitab"
 """Name of the node of a program that talks to a swarm, always the same for security policies."""
 
 CALL_SECONDS = 15.0
-"""How long to wait for the answer of an available service."""
+"""Timeout for the answer of an available service, s."""
 
 REQUEST_REPEAT_SECONDS = 1.0
-"""How long to wait before sending a request again; doubled each time."""
+"""Time before a request is sent again, s; doubled each time."""
 
 NOTICEABLE_SECONDS = 0.5
 """A wait that takes longer is announced."""

@@ -1,4 +1,4 @@
-"""Where a running swarm keeps its files, and how other verbs find it.
+"""Run folders: files of a running swarm, through which other verbs find it.
 
     ~/.local/state/hitab/               or $XDG_STATE_HOME/hitab, or $HITAB_HOME
       keepaway/                         the run folder of swarm "keepaway"

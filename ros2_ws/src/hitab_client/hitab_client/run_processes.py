@@ -20,13 +20,13 @@ from hitab_ros.exit_codes import DO_NOT_RESTART
 from hitab_ros.names import WORLD
 
 SUPERVISOR_TIMEOUT_SECONDS = 5.0
-"""How long to wait for the answer of the supervisor of a swarm that is up."""
+"""Timeout for the answer of the supervisor of a swarm that is up, s."""
 
 STARTING_TIMEOUT_SECONDS = 60.0
-"""How long to wait for it while it starts many processes."""
+"""Timeout for the answer of a supervisor that is starting many processes, s."""
 
 FRESH_SECONDS = 0.3
-"""How long the supervisor's answer is used before it is asked again."""
+"""Time for which an answer of the supervisor is used, s."""
 
 ENDED_STATES = ("EXITED", "FATAL", "UNKNOWN")
 STOPPED_STATES = ("STOPPED", "STOPPING")
@@ -84,7 +84,7 @@ def answers(record: RunRecord) -> bool:
 
 @dataclass(frozen=True)
 class Silence:
-    """Why a process does not answer.
+    """Reason why a process does not answer.
 
     Attributes:
         process: its name.

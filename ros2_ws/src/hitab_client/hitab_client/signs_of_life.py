@@ -26,7 +26,7 @@ ROSTERS = QoSProfile(
 
 
 class SignsOfLife:
-    """Which agents of a swarm are silent, and whether its world is.
+    """Silent agents of a swarm, and whether its world is silent.
 
     An agent is silent if all of its processes are, and no message of the agent arrives: a slow
     process gives its signs late, but its messages show that it lives. An agent whose process

@@ -16,17 +16,17 @@ from hitab_ros import EmergencySwitch, names, qos, why_stopped
 TYPE = "hitab_msgs/msg/StopState"
 
 FRESH_S = 1.0
-"""How long a report counts, s. They come several times a second."""
+"""Time for which a report is valid, s. Reports come several times a second."""
 
 REPEAT_S = 0.5
-"""Between two messages of an emergency stop to those who have not confirmed it, s."""
+"""Period of an emergency stop's messages to robots that have not confirmed it, s."""
 
 SETTLED_S = 0.7
 """All are known once no new one was found for so long, s."""
 
 
 class Stops:
-    """What robots and simulated worlds of one ROS domain say of whether they act.
+    """Stop reports of the robots and simulated worlds in one ROS domain.
 
     Args:
         link: the node to use.
@@ -159,7 +159,7 @@ class Stops:
             raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
         request = Arm.Request(stop=self._reports[topic][1].stop)
         service = f"/{robot}/{names.ARM}"
-        missing = SwarmError(f"{robot} cannot be re-armed: nobody offers {service}")
+        missing = SwarmError(f"{robot} cannot be re-armed: no node offers {service}")
         answer = self._link.call(Arm, service, request, missing=lambda: missing)
         if not answer.success:
             raise refused(answer, f"{robot} may not act again")

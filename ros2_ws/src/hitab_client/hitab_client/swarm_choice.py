@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
 
 DISCOVERY_SECONDS = 3.0
-"""How long to look for a swarm that the registry does not know."""
+"""Discovery time for a swarm that the registry does not know, s."""
 
 ALONE_SECONDS = 1.0
-"""How long to look in an empty domain, s: the first answer comes much earlier."""
+"""Discovery time in an empty domain, s: the first answer comes much earlier."""
 
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 

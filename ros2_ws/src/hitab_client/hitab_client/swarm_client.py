@@ -45,7 +45,7 @@ DRAIN_SECONDS = 0.02
 """Time to process messages that arrived while the client was not spinning."""
 
 PUBLISHED_SECONDS = 15.0
-"""How long an agent may take to publish its training; it looks for questions first."""
+"""Timeout for an agent to publish its training, s; it looks for questions first."""
 
 SERVICES_PER_BATCH = 50
 """Agents of a host create a service when a client appears; for so many at the same time."""
@@ -241,7 +241,7 @@ class SwarmClient(AgentPresence):
             has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
         ):
             raise self.processes.reason(agent) or SwarmError(
-                "it does not publish what it is being trained", Fix.LOGS(node=agent), where=agent
+                "it does not publish its training", Fix.LOGS(node=agent), where=agent
             )
         if not self.statuses[agent].training_revision:
             raise SwarmError(

@@ -119,7 +119,7 @@ class WorldClient:
 
     @property
     def _absent(self) -> SwarmError:
-        """Why there is no world, and what to do: a swarm of robots is not meant to have one."""
+        """Error for a missing world, with the way out; a swarm of robots needs none."""
         if self._processes.are_known:
             return SwarmError(NOT_SIMULATED)
         return SwarmError(NO_WORLD, Fix.UP())

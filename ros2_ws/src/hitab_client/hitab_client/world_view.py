@@ -28,7 +28,7 @@ class Thing(Protocol):
 
 def no_reading(agent: str, feature: str) -> float:
     """Raise, since no service answers what the agents perceive."""
-    raise LessonError(f"nobody can ask {agent} what it perceives")
+    raise LessonError(f"the feature values of {agent} are unavailable here")
 
 
 @dataclass(frozen=True)
@@ -59,8 +59,8 @@ class WorldView:
         """
         if self.things is None:
             raise LessonError(
-                f'nobody knows where "{name}" is, since there is no world; ask for what an agent '
-                'perceives, such as {feature: "DistanceTo(ball)", below: 2}'
+                f'the place of "{name}" is unknown, since there is no world; ask for a '
+                'feature of an agent, such as {feature: "DistanceTo(ball)", below: 2}'
             )
         if name.startswith(CLOSEST):
             kind = name[len(CLOSEST) :]

@@ -96,7 +96,7 @@ def test_a_thing_that_is_not_there_is_told_with_what_was_meant():
 def test_without_a_world_only_what_agents_say_can_be_asked_for():
     nowhere = WorldView(None, 1.0, {"robot": ["GoFast"]})
     assert ActiveState(active="GoFast", agent="robot").holds(nowhere)
-    with pytest.raises(LessonError, match='nobody knows where "robot" is'):
+    with pytest.raises(LessonError, match='the place of "robot" is unknown'):
         nowhere.distance("robot", "ball")
-    with pytest.raises(LessonError, match="nobody can ask robot"):
+    with pytest.raises(LessonError, match="the feature values of robot"):
         nowhere.reading("robot", "DistanceTo(ball)")

@@ -110,7 +110,7 @@ def test_what_a_commander_has_learned_outlasts_new_orders_and_features_beside_th
     more = text.replace("nothing}", "Stop, Home: Home}").replace("}}", "}, Near: {minimum: X}}")
     assert list(library(more).load()) == ["Lead"]
     for changed in (text.replace("Search", "Find"), text.replace("mean", "maximum")):
-        with pytest.raises(LibraryError, match="of what it uses"):
+        with pytest.raises(LibraryError, match="of its parts"):
             library(changed).load()
 
 

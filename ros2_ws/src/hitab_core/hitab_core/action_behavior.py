@@ -211,7 +211,7 @@ class ActionCalls:
         except HitabError as error:
             call.fail(str(error))
         if self.carrier is None:
-            call.fail("nobody here carries out actions; only an agent's ROS node does")
+            call.fail("this program carries out no actions; only an agent's ROS node does")
         elif call.outcome:
             self.carrier.failed(call)
         else:

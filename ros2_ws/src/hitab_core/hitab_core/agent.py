@@ -50,7 +50,7 @@ from hitab_core.wording import quantity
 
 
 class Mode(StrEnum):
-    """What an agent's decisions come from."""
+    """Modes of an agent, by the source of its decisions."""
 
     IDLE = "idle"
     PERFORMING = "performing"
@@ -543,7 +543,7 @@ class Agent:
         loaded = library.loaded(strict=False)
         if loaded.losses.reasons.keys() - self.loaded.losses.reasons.keys():
             raise LibraryError(
-                f"it keeps what it knew: {'; '.join(loaded.losses.faults)}",
+                f"it keeps its present library: {'; '.join(loaded.losses.faults)}",
                 *loaded.losses.ways_out,
             )
         self.take_up(loaded, library=library)
@@ -587,7 +587,7 @@ class Agent:
                 use = self.pending_behavior
         losses = loaded.losses
         gone = sorted(losses.reasons.keys() & self.loaded.files.keys())
-        kept = "it keeps what it knew:"
+        kept = "it keeps its present library:"
         if gone:
             raise LostBehaviorError(
                 f"{kept} {', '.join(gone)} would be lost: {'; '.join(losses.faults)}",

@@ -24,7 +24,7 @@ from hitab_core.vocabulary import unknown
 
 
 class WhenUnsure(StrEnum):
-    """What an unsure agent does."""
+    """Responses of an unsure agent."""
 
     GO_ON = "go_on"  # it decides all the same
     HALT = "halt"  # it does nothing until it is sure
@@ -178,5 +178,5 @@ class CautionMonitor:
             halted.start()
 
     def forget(self) -> None:
-        """Forget what was halted, since something else is performed."""
+        """Forget the halted behavior, since another one is performed."""
         self._halted = None

@@ -95,7 +95,7 @@ class Feature:
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """How the values of a feature compare: all that a classifier needs to know of it."""
+    """Scale of a feature's values: everything that a classifier needs to know of the feature."""
 
     kind: FeatureKind = FeatureKind.CONTINUOUS
     period: float = 0.0
@@ -157,7 +157,7 @@ class BasicBehavior:
 
 
 class Body(Protocol):
-    """What the basic behaviors and features of a domain act on: one agent's percept and action."""
+    """Body of one agent, with its percept and action, for basic behaviors and features."""
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
         """Take this cycle's percept; the layout of ``values`` is the domain's own."""

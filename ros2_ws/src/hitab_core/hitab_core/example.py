@@ -1,4 +1,4 @@
-"""What a demonstrator's command teaches: one example of a transition function."""
+"""Example of a transition function, as a demonstrator's command gives it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Place = tuple[str, tuple[float | None, ...]]
 
 
 class ExampleKind(StrEnum):
-    """Where an example comes from."""
+    """Origin of an example."""
 
     DEMONSTRATED = "demonstrated"
     CORRECTION = "correction"  # demonstrated after taking over from the learned behavior

@@ -1,4 +1,4 @@
-"""Which behavior uses which: order and cycles, visiting each behavior once.
+"""Order and cycles of behaviors that use each other, visiting each behavior once.
 
 Behaviors are shared, so a hierarchy may have far more paths than behaviors.
 """

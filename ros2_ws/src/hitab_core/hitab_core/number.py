@@ -77,7 +77,8 @@ def numbers_of(use: Use, wanted: Sequence[BoundedNumber]) -> tuple[float, ...]:
         VocabularyError: if one is unknown, missing, there twice, no number or out of its bounds.
 
     Examples:
-        >>> numbers_of(Use.parse("RunTowards(direction=40)"), [BoundedNumber("direction", -180, 180)])
+        >>> direction = BoundedNumber("direction", -180, 180)
+        >>> numbers_of(Use.parse("RunTowards(direction=40)"), [direction])
         (40.0,)
     """
     names = [number.name for number in wanted]

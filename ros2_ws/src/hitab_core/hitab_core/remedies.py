@@ -1,4 +1,4 @@
-"""What a person can do about an error: data, which each face words in its own way."""
+"""Remedies for errors, as data: each user interface words them in its own way."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from enum import Enum, unique
 
 @unique
 class Fix(Enum):
-    """What can be done, in plain words; its arguments are the names in braces.
+    """Fixes for errors, in plain words; arguments are the names in braces.
 
     Faces that have a command, a button or a call for it keep a table from these to words.
     ``Fix.SAVE(agent="keeper_1")`` is a remedy. An argument that is not given is named in capitals.
@@ -21,7 +21,7 @@ class Fix(Enum):
     RESUME = "go on with the training of {agent}"
     DEMONSTRATE = "command {agent} a behavior"
     CORRECT = "take over from {agent}, and command {behavior} where it is right"
-    CHOOSE_FEATURES = "choose features for {agent} by what it decides"
+    CHOOSE_FEATURES = "choose features for {agent} by its decisions"
     VOCABULARY = "list what {agent} can do and perceive"
     QUESTIONS = "see what {agent} asks"
     EXAMPLES = "list the examples of {agent}"

@@ -16,7 +16,7 @@ PREFIX = "hitab_file_"
 
 
 LONG_SECONDS = 5.0
-"""After which it is said that a file still runs: one with only definitions takes less."""
+"""Time after which a file is reported as still running, s; definitions alone take less."""
 
 
 def loaded_file(name: str) -> ModuleType | None:

@@ -1,4 +1,4 @@
-"""How much the values of a feature usually differ, and how far apart situations are by that."""
+"""Usual differences of feature values, and distances of situations in these units."""
 
 from __future__ import annotations
 

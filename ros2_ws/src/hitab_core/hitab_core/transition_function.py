@@ -23,7 +23,7 @@ is no value: a `NoValueError` if the decision may do without. ``draw()`` is unif
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """Why a state was chosen: the tests that held and the distribution drawn from.
+    """Reason for a decision: the tests that held and the distribution drawn from.
 
     Attributes:
         tests: readable conditions in the order of testing, such as ``"DistanceTo(ball) <= 4"``.

@@ -159,7 +159,7 @@ def test_without_anybody_who_carries_out_actions_they_fail():
     running.start()
     running.tick()
     assert running.raised == {"Failed"}
-    assert "nobody here carries out actions" in calls_of(body).current.why
+    assert "this program carries out no actions" in calls_of(body).current.why
     running.stop()
 
 

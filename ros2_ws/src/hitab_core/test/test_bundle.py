@@ -100,7 +100,7 @@ def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
         'Control.hfa.yaml:10: state "Approach" uses behavior "Approach", which is neither in': (
             repacked(control, keepaway)
         ),
-        "each once and after what it uses": repacked(control, approach, keepaway),
+        "each once and after its own parts": repacked(control, approach, keepaway),
         "each once and after": repacked(approach, approach, control, keepaway),
         "and nothing else": repacked(approach, keepaway, control),
         'Control.hfa.yaml:4: is called "Keepaway"': (

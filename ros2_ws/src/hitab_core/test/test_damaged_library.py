@@ -238,7 +238,7 @@ def test_an_agent_that_is_up_keeps_what_it_has_when_a_reload_would_lose_it(
 ) -> None:
     trained.perform(Use("Other"))
     damage(trained, "Low")
-    with pytest.raises(LibraryError, match="it keeps what it knew: Low is lost: "):
+    with pytest.raises(LibraryError, match="it keeps its present library: Low is lost: "):
         trained.reload()
     assert sorted(trained.loaded.files) == ["High", "Low", "Middle", "Other"]
     assert trained.behavior == "Other"

@@ -309,7 +309,7 @@ def test_a_change_that_one_of_a_shared_library_cannot_follow_leaves_it_what_it_k
     bob.perform(Use("Go", ("ball",)))
     before = known(bob)
     teach(ann, "Go", "Left")
-    with pytest.raises(VocabularyError, match=r'it keeps what it knew.*"Go\(ball\)"'):
+    with pytest.raises(VocabularyError, match=r'it keeps its present library.*"Go\(ball\)"'):
         bob.reload()
     assert known(bob) == before
     assert bob.behavior == "Go(ball)"

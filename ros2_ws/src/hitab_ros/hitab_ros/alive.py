@@ -11,7 +11,7 @@ from hitab_ros import names, qos
 from hitab_ros.steady_timer import steady_timer
 
 HEARTBEAT_PERIOD_S = 0.5
-"""Time between two signs of life, s, by the machine's clock: a paused world is alive, too."""
+"""Period of heartbeats, s, by the machine's clock: a paused world is alive, too."""
 
 
 def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) -> None:

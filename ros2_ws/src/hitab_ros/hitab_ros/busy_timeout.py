@@ -1,11 +1,11 @@
-"""How long to wait for others, on a busy machine too."""
+"""Timeouts that allow for a busy machine."""
 
 from __future__ import annotations
 
 import time
 
 BUSY_FACTOR = 5.0
-"""How many times as long a wait may be if the machine is too busy."""
+"""Maximum factor by which a busy machine prolongs a wait."""
 
 
 class BusyTimeout:

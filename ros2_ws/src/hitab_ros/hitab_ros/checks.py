@@ -57,7 +57,7 @@ CYCLES = frozenset({"cycle", "episode_cycle", "seen"})
 """Fields of any message with a world's cycle, which must fit into the files that keep it."""
 
 CLOCK_AHEAD_MAX_S = 3600.0
-"""How far numbers made from the time of day may be ahead of this machine's clock."""
+"""Maximum lead of numbers made from the time of day over this machine's clock, s."""
 TIMES_OF_DAY = frozenset({"HostRoster.number", "Order.epoch", "Report.epoch"})
 """Such numbers, ns. One from the far future would make all later ones look old."""
 

@@ -1,4 +1,4 @@
-"""What a process finds wrong, on ROS's topic ``/diagnostics``, where rqt and others show it.
+"""Diagnostics of a process on ROS's topic ``/diagnostics``, for rqt and others.
 
 One message per process and second, however many agents it runs; and one soon after a change.
 """
@@ -19,7 +19,7 @@ from hitab_ros.steady_timer import steady_timer
 DIAGNOSTICS_TOPIC = "/diagnostics"  # absolute, as in REP 107
 DIAGNOSTICS_PERIOD_S = 1.0
 SOON_S = 0.1
-"""How long after a change a message is sent, for all changes until then."""
+"""Delay of a message after a change, for all changes until then."""
 
 LOOKED_AT_PER_S = 1000
 """With more agents, changes wait longer, so that looking at all of them costs little."""
@@ -29,7 +29,7 @@ STATUSES_MAX = 50
 
 
 class Level(IntEnum):
-    """How bad it is, as ``diagnostic_msgs/DiagnosticStatus`` numbers it."""
+    """Severity, as numbered in ``diagnostic_msgs/DiagnosticStatus``."""
 
     OK = 0
     WARN = 1
@@ -38,13 +38,13 @@ class Level(IntEnum):
 
     @property
     def severity(self) -> int:
-        """How it compares: an error is worse than what nothing is known of."""
+        """Order of severity: an error is worse than an unknown state."""
         return (Level.OK, Level.WARN, Level.STALE, Level.ERROR).index(self)
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """What is wrong with one agent or world; cheap to make, since of many few are shown.
+    """Faults of one agent or world; cheap to make, since few of many are shown.
 
     Attributes:
         name: of it.

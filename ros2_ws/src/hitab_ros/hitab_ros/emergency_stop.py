@@ -23,7 +23,7 @@ from hitab_ros.known_stops import KnownStops, must_tell
 from hitab_ros.steady_timer import steady_timer
 
 STOP_CHECK_PERIOD_S = 1.0
-"""Between two looks for stops that others latch, or have not been told, s."""
+"""Period of checks for stops that others latch, or have not received, s."""
 
 
 class EmergencySwitch:

@@ -60,7 +60,7 @@ class Faults:
 
     @property
     def remedies(self) -> list[Remedy]:
-        """What a person can do about the faults."""
+        """Remedies for the faults."""
         return [remedy for key in self.by_key for remedy in self._remedies[key]]
 
     def texts(self) -> list[str]:

@@ -26,7 +26,7 @@ TRACE_MAX = 6000
 
 
 class _Guarding:
-    """What is done in this context raises nothing; it may be entered again and again."""
+    """Reusable context manager that catches and reports exceptions."""
 
     def __init__(self, guard: Guard, key: str) -> None:
         self._guard = guard

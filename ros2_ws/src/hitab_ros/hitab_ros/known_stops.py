@@ -14,19 +14,19 @@ from typing import Self
 from hitab_ros.plain_text import plain
 
 KEPT_MAX = 100
-"""How many stops, and how many releases, are kept. An older stop that is delivered again after its
+"""Maximum number of stops, and of releases, kept. An older stop that is delivered again after its
 release was forgotten stops the robots again."""
 
 WORDS_MAX = 200
 """Maximum characters of who stopped or released the robots, and why."""
 
 STOPS_NAMED_MAX = 3
-"""How many stops the text for people names."""
+"""Maximum number of stops named in the text for people."""
 
 
 @dataclass(frozen=True)
 class KnownStops:
-    """What one participant knows; true if the robots have to stand still.
+    """Stops known to one participant; true if the robots have to stand still.
 
     Attributes:
         stops: who stopped the robots and why, for each stop that is not released, by identity.

@@ -21,7 +21,7 @@ _RELATIVE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*\Z", re.ASCII)
 WORLD = "world"
 STATUS_TYPE = "hitab_msgs/msg/AgentStatus"
 STATUS_TYPES = (STATUS_TYPE, "hitab_msgs/msg/WorldStatus")
-"""Of agents and worlds. A swarm has one or both."""
+"""Namespaces of agents and worlds. A swarm has one or both."""
 
 # Of an agent.
 COMMAND = "command"

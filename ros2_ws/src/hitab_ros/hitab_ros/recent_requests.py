@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 Answer = TypeVar("Answer")
 
 ANSWER_MEMORY_S = 60.0
-"""How long an answer is remembered; no client repeats a request for longer than that."""
+"""Time for which an answer is remembered, s; no client repeats a request for longer."""
 
 ANSWERS_MAX = 1000
 """Maximum number of answers remembered."""

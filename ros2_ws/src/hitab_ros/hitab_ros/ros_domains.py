@@ -1,4 +1,4 @@
-"""Which ROS domains are free on this machine."""
+"""Free ROS domains on this machine."""
 
 from __future__ import annotations
 

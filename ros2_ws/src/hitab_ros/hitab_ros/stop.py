@@ -18,7 +18,7 @@ from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import JUST_STARTED, StopMachine, StopState
 
 STOP_REPORT_PERIOD_S = 0.1
-"""Between two reports, s, by the machine's clock. They are signs of life as well."""
+"""Period of reports, s, by the machine's clock. Reports are heartbeats, too."""
 
 
 class Stop:
@@ -67,7 +67,7 @@ class Stop:
 
     @property
     def why(self) -> str:
-        """Why the robot may not act; empty: it may."""
+        """Reason why the robot may not act; empty if it may."""
         machine = self.machine
         return why_stopped(machine.why, machine.causes.values())
 

@@ -23,7 +23,7 @@ from collections.abc import Callable
 from enum import StrEnum
 
 JUST_STARTED = "it has just started"
-"""Why a robot does not act that never did: causes that pass meanwhile are not why it waits."""
+"""Reason of a robot that has not acted since its start, in place of causes that have passed."""
 
 
 class StopState(StrEnum):

@@ -18,10 +18,10 @@ from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.spinning import FinalError, Spinner
 
 DISCOVERY_S = 0.7
-"""How long to look for others; nodes on one machine discover each other well within this."""
+"""Discovery time, s; nodes on one machine discover each other well within it."""
 
 DEAD_AFTER_S = 2.5
-"""How long to wait for a discovered node to publish; killed ones stay discovered for longer."""
+"""Timeout for a discovered node to publish, s; killed ones stay discovered for longer."""
 
 _PARTICIPANT = 12  # bytes of an endpoint's identifier that identify the process
 _LONGEST_LIFESPAN_S = 2**31 - 2  # of what DDS can announce

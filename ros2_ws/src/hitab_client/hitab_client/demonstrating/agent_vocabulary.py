@@ -1,4 +1,4 @@
-"""What an agent can be commanded at present, with the keys of its behaviors."""
+"""Vocabulary for commands to an agent, with the keys of its behaviors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from hitab_ros.conversions import numbers_of_behaviors
 
 @dataclass(frozen=True)
 class AgentVocabulary:
-    """What an agent can be commanded.
+    """Vocabulary for commands to an agent.
 
     Attributes:
         domain: of the agent.

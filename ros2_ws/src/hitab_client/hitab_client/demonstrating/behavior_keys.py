@@ -1,4 +1,4 @@
-"""Which key commands which behavior: a key stays with its behavior, whatever else appears.
+"""Keys of behaviors: a key stays with its behavior when others appear.
 
 The keys are kept on this machine, so that `hitab drive`, `hitab joystick` and the studio agree on
 them, today and tomorrow.

@@ -29,16 +29,16 @@ from hitab_core import START, HitabError, Use, natural, numbers_of, some
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names
 
 KEY_AGE_MAX_S = 1.0
-"""What was pressed longer ago, s, before it could be carried out, was meant for another moment."""
+"""Maximum age of a key, s: an older one was meant for another moment."""
 
 PENDING_MAX = 8
 """Keys that may wait until an agent has answered; more are not meant."""
 
 TAKEN_S = 2.0
-"""How long to wait for an agent to take a command, s."""
+"""Timeout for an agent to take a command, s."""
 
 RELAY_TIMEOUT_S = 3.0
-"""How long a robot's relay may take to be found, s."""
+"""Timeout for finding a robot's relay, s."""
 
 DRIVING_BY_HAND = "driving by hand"
 
@@ -47,7 +47,7 @@ PARTS, BACKSPACES, ENTERS = "0123456789.-", "\x7f\b", "\r\n"
 
 
 class Demonstrator:
-    """What one person commands with keys or buttons.
+    """Demonstrator: a person who commands with keys or buttons.
 
     Args:
         agents: of the swarm.
@@ -113,7 +113,7 @@ class Demonstrator:
 
     @property
     def words(self) -> AgentVocabulary:
-        """What the agent can be commanded, as far as it is known."""
+        """Vocabulary of the agent, as far as known."""
         return self._words.known(self.agent)
 
     def tell(self, text: str, *, failed: bool = False) -> None:

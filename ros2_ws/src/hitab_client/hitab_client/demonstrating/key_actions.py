@@ -1,4 +1,4 @@
-"""What a demonstrator does with one key, whatever the key is on: a terminal, a stick or a page."""
+"""Actions that a demonstrator triggers with one key, on a terminal, a stick or a page."""
 
 from __future__ import annotations
 

@@ -9,8 +9,8 @@ from hitab_client.demonstrating.demonstrator import Demonstrator
 from hitab_client.demonstrating.steering import Velocity
 
 HOLD_S = 0.4
-"""How long one press of an arrow key drives, s. Terminals do not tell when a key is let go; one
-that is held comes again and again, about 30 times a second after a first pause."""
+"""Time for which one press of an arrow key drives, s. Terminals do not tell when a key is let go;
+one that is held comes again and again, about 30 times a second after a first pause."""
 
 ACTION_KEYS = {
     "t": "test",
@@ -36,7 +36,7 @@ ARROW_AXES = {
     "shift-left": (LEFT, 1.0),
     "shift-right": (LEFT, -1.0),
 }
-"""Which number of the velocity an arrow key drives, and which way."""
+"""Component of the velocity, and its sign, by arrow key."""
 
 
 class KeyboardInput:

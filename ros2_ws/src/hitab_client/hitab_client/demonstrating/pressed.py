@@ -1,4 +1,4 @@
-"""What a person who trains agents can press, and has pressed."""
+"""Keys that a person who trains agents can press, and has pressed."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ KEY_ACTIONS = {
     "go": "release them; robots wait",
     "arm": "let the robot act again",
 }
-"""What can be pressed besides behaviors."""
+"""Key actions besides behaviors."""
 
 
 @dataclass(frozen=True)
 class Pressed:
-    """What a person has pressed.
+    """A pressed key or button.
 
     Attributes:
         what: for people.

@@ -21,7 +21,7 @@ from hitab_ros import names, qos
 from hitab_ros.stamps import seconds_of
 
 CONDITION_CHECK_SECONDS = 0.1
-"""Between two looks at robots without a world."""
+"""Period of checks of robots without a world, s."""
 
 
 class ConditionWatch:
@@ -68,7 +68,7 @@ class ConditionWatch:
         self._passed.setdefault(event.agent, []).append(event.to_state)
 
     def begin(self) -> None:
-        """Forget what has been said, entered and ended; count the time from now."""
+        """Forget past messages, entries and ends; count the time from now."""
         self._entered: dict[str, list[str]] = {}
         self._said: frozenset[str] = frozenset()
         self._ended: tuple[str, ...] = ()

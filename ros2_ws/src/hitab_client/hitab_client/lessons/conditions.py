@@ -61,7 +61,7 @@ class Limited(Condition):
 
     @property
     def named(self) -> str:
-        """What is compared, such as ``speed of ball``."""
+        """Text of the compared value, such as ``speed of ball``."""
         raise NotImplementedError
 
     def value(self, view: WorldView) -> float:
@@ -102,7 +102,7 @@ class Distance(Limited):
 
     @property
     def named(self) -> str:
-        """What is compared."""
+        """Text of the compared value."""
         return f"{self.what} of {' and '.join(self.things)}"
 
     def value(self, view: WorldView) -> float:
@@ -133,7 +133,7 @@ class FeatureValue(Limited):
 
     @property
     def named(self) -> str:
-        """What is compared."""
+        """Text of the compared value."""
         return f"{self.feature} of {self.agent}"
 
     def value(self, view: WorldView) -> float:

@@ -61,7 +61,7 @@ Behavior = Annotated[Use, PlainValidator(lambda text: read_use(str(text)))]
 
 
 class ThingPlacement(Record):
-    """Where a thing is put; its heading is in degrees."""
+    """Placement of a thing; the heading is in degrees."""
 
     x: float | None = None
     y: float | None = None
@@ -110,7 +110,7 @@ class Place(Step):
 
     @property
     def things(self) -> dict[str, dict[str, float]]:
-        """Where to put what, in the world's units."""
+        """Placements of things by name, in the world's units."""
         return placed(self.where)
 
 

@@ -22,7 +22,7 @@ _PERCEPTS = (names.PERCEIVED, names.PERCEPT)
 
 @dataclass(frozen=True)
 class Driven:
-    """What was done with one agent.
+    """Actions of one agent.
 
     Attributes:
         agent: its name.

@@ -42,7 +42,7 @@ RECORDED_TOPICS: Mapping[str, tuple[Any, QoSProfile]] = {
     "distribution_ack": (DistributionAck, qos.EVENTS),
     "markers": (MarkerArray, qos.LATCHED),
 }
-"""What is recorded besides all statuses, by the last part of the topic's name."""
+"""Recorded topics besides all statuses, by the last part of their names."""
 
 STATUSES = (WorldStatus, AgentStatus)
 
@@ -50,13 +50,13 @@ DEPTH = 1000
 """Messages of one topic that may wait while this process is busy."""
 
 NO_HASH = "INVALID"
-"""What rclpy says of a definition whose hash is not announced, as by other versions of ROS 2."""
+"""Hash that rclpy reports for an unannounced definition, as by other versions of ROS 2."""
 
 ROBOT_PACKAGES = frozenset({"geometry_msgs", "nav_msgs", "sensor_msgs", "tf2_msgs"})
 """Packages of the messages that robots have in common."""
 
 PERCEIVING_MAX = 64
-"""Of how many agents at most the percepts are recorded."""
+"""Maximum number of agents whose percepts are recorded."""
 
 
 class Recorder:

@@ -1,4 +1,4 @@
-"""How sure a decision is: how far its situation is from what was demonstrated.
+"""Confidence of a decision: the distance of its situation from the examples.
 
 The distance is that from the nearest example of the state, in the features that the decision
 tested, see `hitab_core.advice.nearness`. It follows from the values that a decision has read, so
@@ -41,7 +41,7 @@ class Confidences:
         """
         distance = self.distance(values)
         if distance == UNKNOWN_DISTANCE:
-            return "no example has the values that it depends on"
+            return "no example has values of its features"
         if distance > largest:
             return f"it is {distance:.2g} spreads of the examples from the nearest one"
         return ""

@@ -18,7 +18,7 @@ from hitab_core.learning.transition_tree import TransitionTree
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What the transition function of one state is learned from.
+    """Examples from which the transition function of one state is learned.
 
     Attributes:
         state: its label.

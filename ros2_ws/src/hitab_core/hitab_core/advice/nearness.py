@@ -1,4 +1,4 @@
-"""How far a situation is from the nearest of some examples.
+"""Distance of a situation from the nearest of some examples.
 
 The distance to an example is the largest of the distances in the single features, and so means
 the same however many features matter. In one feature it is

@@ -1,4 +1,4 @@
-"""What an agent met and was never shown: the situation in which one answer would tell it most.
+"""Situations without examples: those in which one answer would tell the agent most.
 
 An example says what is right in its situation, and less the farther another one is from it. What
 the examples of a state say of a situation is a weight for each next state: the inverse of the
@@ -49,7 +49,7 @@ NO_EXAMPLE_DISTANCE = 1e6
 """The distance of the nearest example where there is none."""
 
 GAIN_MIN = 0.1
-"""What an answer has to add: a tenth of all that can be learned of one kind of situation."""
+"""Minimum gain of an answer, as a part of all that can be learned of one kind of situation."""
 
 
 @dataclass(frozen=True)

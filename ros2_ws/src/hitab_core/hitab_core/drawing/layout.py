@@ -1,4 +1,4 @@
-"""Where to draw the states of an automaton and the words on its arrows. Lengths are in inches.
+"""Layout of an automaton's states and of the words on its arrows. Lengths are in inches.
 
 States lie on an ellipse, Start at the top, in the order with the fewest crossings. Labels are
 moved along their arrows, beside them, until they cover neither states nor other labels and no

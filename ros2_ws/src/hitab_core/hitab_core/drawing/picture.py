@@ -122,7 +122,7 @@ _TITLE_HEIGHT = 0.5
 
 @dataclass(frozen=True)
 class AutomatonPanel:
-    """Where everything of one automaton is drawn; lengths in inches, around the middle.
+    """Places of all parts of one drawn automaton; lengths in inches, around the middle.
 
     Attributes:
         width, height: with the title above.

@@ -1,4 +1,4 @@
-"""Which behavior each moment was, alternating with learning the automaton that chose it.
+"""Labels of moments, found in alternation with learning the automaton that chose them.
 
 With given transition functions, those sequences of states are likely that explain both what was
 done and when it changed; with given sequences, the engine's own learner learns the functions. The
@@ -69,7 +69,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Shown:
-    """What runs have shown.
+    """Labeled runs.
 
     Attributes:
         labels: of each run, the index of the most probable behavior at each moment.

@@ -1,4 +1,4 @@
-"""How likely each basic behavior makes an action: a bell around the behavior's own action."""
+"""Likelihood of an action under each basic behavior: a bell around its own action."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from hitab_core.vocabulary import check_known
 from hitab_core.wording import quantity
 
 UNSURE = 0.8
-"""What is less probable is unsure."""
+"""Labels below this probability are unsure."""
 
 UNEXPLAINED_MAX = 0.5
 """The share of moments that may be explained by no behavior."""

@@ -25,7 +25,7 @@ from hitab_core.wording import quantity
 TREE = "tree"
 
 CACHED_MAX = 256
-"""How many functions are kept: saving learns from the same examples several times."""
+"""Maximum number of functions cached: saving learns from the same examples several times."""
 
 Learn = Callable[[ArrayLike, Sequence[str], Sequence[bool]], LearnedTransition]
 """``learn(X, y, default)`` learns from the examples of one state."""

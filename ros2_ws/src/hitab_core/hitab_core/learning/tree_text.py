@@ -35,7 +35,7 @@ NEGLIGIBLE = 1e-300
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What a tree decides where a set of conditions holds.
+    """Decision of a tree where a set of conditions holds.
 
     Attributes:
         conditions: readable; at most one per feature.

@@ -66,12 +66,12 @@ class BehaviorFile:
 
     @property
     def name(self) -> str:
-        """What the behavior is called."""
+        """Name of the behavior."""
         return self.automaton.name
 
     @property
     def broken(self) -> list[str]:
-        """Which expectations it breaks, and what is decided instead, by line."""
+        """Broken expectations, with the actual decisions, by line."""
         return broken_expectations(self.expectations, self.automaton, file_name(self.name))
 
 

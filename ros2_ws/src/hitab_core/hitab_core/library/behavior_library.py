@@ -116,7 +116,7 @@ class BehaviorLibrary:
 
     @property
     def problems(self) -> Mapping[str, str]:
-        """What was wrong with the others then, by behavior."""
+        """Faults of the other behaviors at that time, by behavior."""
         return {} if self._contents is None else self._contents.problems
 
     def file(self, name: str) -> BehaviorFile:
@@ -167,7 +167,7 @@ class BehaviorLibrary:
         """Add a behavior, or a new version of it.
 
         Args:
-            automaton: trained; its transition functions must be what its examples teach.
+            automaton: trained; its transition functions must follow from its examples.
             classifier: that learned them.
             agent: the agent that was trained.
             note: free text.

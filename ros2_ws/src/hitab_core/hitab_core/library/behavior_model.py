@@ -108,14 +108,14 @@ class ExampleRecord(Record):
 
 
 class ReadingRecord(Record):
-    """What else could be read when a command was given."""
+    """Further readings at the time of a command."""
 
     command: Count
     values: list[Value]
 
 
 class ProvenanceRecord(Record):
-    """Where a behavior comes from."""
+    """Origin of a behavior."""
 
     version: PositiveCount
     created: str

@@ -169,8 +169,8 @@ class _Reader:
         if not same and not self._accepting:
             self._complain(
                 f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
-                f"{stated['signature']} of what it uses), but this is version {ours['version']} "
-                f"(signature {ours['signature']}); if what it uses no longer means the same, give "
+                f"{stated['signature']} of its parts), but this is version {ours['version']} "
+                f"(signature {ours['signature']}); if its parts no longer mean the same, give "
                 "it up and train it again",
                 "domain",
                 remedy=self._accept,

@@ -118,8 +118,8 @@ def read_bundle(bundle: Bundle, reader: LibraryReader) -> dict[str, BehaviorFile
     problems = list(misfits(files, reader.domain)[0].values())
     if not problems and not _is_well_packed(bundle, files):
         problems.append(
-            f'"{bundle.name}" is not packed with what it is made of and nothing else, each once '
-            "and after what it uses; pack it again"
+            f'"{bundle.name}" is not packed with all of its parts and nothing else, each once '
+            "and after its own parts; pack it again"
         )
     if problems:
         raise LibraryError("\n".join(problems))

@@ -1,4 +1,4 @@
-"""What a library folder holds: the behaviors that can be used, and why the others cannot."""
+"""Contents of a library folder: usable behaviors, and why the others are lost."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class LostBehaviors:
 
     @property
     def ways_out(self) -> tuple[Remedy, ...]:
-        """What a person can do about the only cause; about several, see them all."""
+        """Remedies for the only cause; for several causes, a list of them."""
         if len(self.faults) == 1 and self.remedies:
             return next(iter(self.remedies.values()))
         return (Fix.CHECK_LIBRARY(),) * bool(self)

@@ -15,7 +15,7 @@ KEY = "expectations"
 
 @dataclass(frozen=True)
 class Expectation:
-    """What must be decided in a situation, whatever is learned.
+    """Required decision in a situation.
 
     Attributes:
         name: unique in the behavior.

@@ -52,7 +52,7 @@ class NumberExample(NamedTuple):
 
 
 class NumberTable(NamedTuple):
-    """What was learned as plain data, for other programs.
+    """Learned numbers as plain data, for other programs.
 
     Attributes:
         axes: of each feature the turn and the radius of its circle, both 0 if it has none, its
@@ -105,7 +105,7 @@ class Neighbors:
 
     @property
     def table(self) -> NumberTable:
-        """What was learned, as plain data."""
+        """Learned numbers, as plain data."""
         places = map(tuple, self._places.T.tolist())
         moments = tuple(zip(places, map(tuple, self._numbers), strict=True))
         return NumberTable(tuple(axis.form for axis in self._axes), moments)

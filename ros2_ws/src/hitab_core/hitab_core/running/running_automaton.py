@@ -53,7 +53,7 @@ class Clock:
 
 @dataclass(slots=True)
 class NumberRange:
-    """How far from the moments shown numbers are taken from them.
+    """Range around the shown moments in which numbers are taken from them.
 
     Attributes:
         max_distance: in usual differences; farther off, a state that takes numbers does nothing.
@@ -214,12 +214,12 @@ class RunningAutomaton:
 
     @property
     def numbers(self) -> NumberFunction | None:
-        """What gives the numbers of the active state; None if it takes none."""
+        """Number function of the active state, or None."""
         return self._numbers.get(self._active)
 
     @property
     def child(self) -> Running | None:
-        """What the active state performs; None in Start and in flag states."""
+        """Behavior of the active state; None in Start and in flag states."""
         return self._children[self._active]
 
     @property

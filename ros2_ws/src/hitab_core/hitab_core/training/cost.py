@@ -1,4 +1,4 @@
-"""What a training cost the person who gave it, from its journal.
+"""Cost of a training for the demonstrator, from its journal.
 
 Source: the paper, table 1, counts the examples and the minutes of each behavior.
 """
@@ -16,7 +16,7 @@ from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.undo import Edit
 
 RESUMED = "resume"
-"""What a journal calls the moment from which on another process goes on with a training."""
+"""Journal entry for the moment at which another process resumes a training."""
 
 PAUSE_SECONDS = 300.0
 """A person who did nothing for longer was away; that time is not counted."""
@@ -24,7 +24,7 @@ PAUSE_SECONDS = 300.0
 
 @dataclass(frozen=True, slots=True)
 class TrainingCost:
-    """What one training cost.
+    """Cost of one training.
 
     Attributes:
         automaton: its name.

@@ -1,4 +1,4 @@
-"""What is chosen before a training begins: the automaton's name, features and states."""
+"""Curriculum of a training: the automaton's name, features and states."""
 
 from __future__ import annotations
 

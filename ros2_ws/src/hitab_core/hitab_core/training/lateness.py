@@ -41,9 +41,9 @@ OTHERWISE = 0.1
 """The part of commands that do not answer to what others of their kind do."""
 
 P_IMMEDIATE = 0.1
-"""How probable it is that a command answers to what was so when its state began, relative to what
-came later: of these guesses there are more, since half of all thresholds are passed from the
-beginning."""
+"""Probability that a command answers to a condition that held when its state began, relative to
+later conditions. The former guesses are more numerous, since half of all thresholds are passed
+from the beginning."""
 
 SHORTEST = 0.05
 """No delay is shorter, s: a person's eyes and fingers take that long."""
@@ -167,7 +167,7 @@ def _log_sum(values: Floats) -> Floats:
 
 @dataclass
 class _Explanations:
-    """What commands of one kind may answer to.
+    """Possible causes of commands of one kind.
 
     Attributes:
         commands: of the kind.

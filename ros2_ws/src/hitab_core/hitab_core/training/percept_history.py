@@ -1,4 +1,4 @@
-"""What the agent perceived during a training: lately, and around each command.
+"""Percepts of the agent in training: the latest, and those around each command.
 
 A command is recorded with the situation in which it was due, see
 `hitab_core.training.recent_percepts`. The percepts around it are kept, so that the command can be

@@ -16,7 +16,7 @@ from hitab_core.vocabulary import has
 
 
 class QuestionKind(StrEnum):
-    """What a question is about."""
+    """Kind of a question."""
 
     CONTRADICTION = "contradiction"
     UNSHOWN = "unshown"
@@ -70,7 +70,7 @@ class Question:
 
 @dataclass(frozen=True)
 class QuestionContext:
-    """What questions are found from.
+    """Inputs of the search for questions.
 
     Attributes:
         examples: of the training.

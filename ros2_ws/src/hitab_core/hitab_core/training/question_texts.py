@@ -1,4 +1,4 @@
-"""What questions to the demonstrator say: short sentences in words of the README."""
+"""Texts of questions to the demonstrator: short sentences in words of the README."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hitab_core.example import Example
 from hitab_core.wording import numbered, some
 
 VALUES_SHOWN_MAX = 4
-"""Of a situation with more values, those are named that the decision depends on."""
+"""Maximum number of values named; beyond it, only those that the decision depends on."""
 
 
 def commanded(group: Sequence[Example]) -> str:

@@ -1,4 +1,4 @@
-"""What an agent asks its demonstrator about the examples of a training, and what answers do.
+"""Questions of an agent about the examples of its training, and the effects of answers.
 
 There are two kinds of questions: two commands in the same situation contradict each other; or a
 situation was met, and nothing like it was shown. Each is found again from the examples as they are
@@ -33,7 +33,7 @@ from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
 
 CORRECTED = 2
-"""How many other commands a correction outweighs evenly."""
+"""Number of other commands that a correction outweighs evenly."""
 
 
 class Questions:

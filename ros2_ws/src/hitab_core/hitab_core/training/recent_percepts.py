@@ -1,4 +1,4 @@
-"""What an agent in training perceived in the last seconds, so that a command can come late.
+"""Percepts of an agent in training in the last seconds, so that a command can come late.
 
 A person needs time to react, so the situation that a command is meant for is already past when the
 command arrives. The agent keeps its last percepts, as readings of everything readable,
@@ -21,10 +21,10 @@ from hitab_core.example_codec import value_records, values_of
 from hitab_core.use import Use
 
 KEPT_SECONDS = 10.0
-"""How long moments are kept, in simulated time."""
+"""Simulated time for which percepts are kept."""
 
 WINDOW_SECONDS = 2.0
-"""How far before its command the moments stay with an example, at least."""
+"""Minimum time before its command for which percepts stay with an example."""
 
 WINDOW_MAX = 50
 """The most moments that stay with an example."""

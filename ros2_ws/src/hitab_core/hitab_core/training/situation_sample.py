@@ -52,7 +52,7 @@ class SituationSample:
 
     @property
     def news(self) -> tuple[int, int]:
-        """What changes when a kind is met first, and when twice as much has been met."""
+        """Counter that changes with each new kind, and whenever the number met doubles."""
         return len(self._kinds), sum(self._seen.values()).bit_length()
 
     def forget_from(self, time: float) -> None:

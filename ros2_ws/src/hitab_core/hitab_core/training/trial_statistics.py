@@ -1,7 +1,7 @@
-"""What an automaton does in a test, by episodes, and the remarks that follow.
+"""Statistics of an automaton under test, by episodes, and the remarks that follow.
 
 A world tells an agent when an episode begins; robots in no world have no episodes, and get none
-of these remarks. Only whole episodes count, in which nobody took over, of a test of the same
+of these remarks. Only whole episodes without a takeover count, of a test of the same
 examples.
 """
 
@@ -15,7 +15,7 @@ from hitab_core.example import Example
 from hitab_core.remedies import Fix
 
 EPISODES_MIN = 50
-"""After so many episodes what has not happened is remarked on.
+"""Minimum number of episodes before a missing event is remarked on.
 
 The rarest states of the shipped lessons are entered in one episode of ten to fifteen; what is due
 in one of fifteen is missing in all of fifty with a probability of 0.03.
@@ -23,7 +23,7 @@ in one of fifteen is missing in all of fifty with a probability of 0.03.
 
 
 class TrialStatistics:
-    """What the automaton that is being tested has done."""
+    """Statistics of the tested automaton, by episodes."""
 
     def __init__(self) -> None:
         self._forget(())
