@@ -41,7 +41,7 @@ class AgentPresence:
         link: the node to use.
         expected: names of the expected agents, if known.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
         processes: of the swarm; they show why an agent does not answer.
 
     Attributes:

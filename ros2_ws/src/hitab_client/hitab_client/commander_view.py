@@ -24,7 +24,7 @@ class CommanderView:
     Args:
         link: the node to use.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
 
     Attributes:
         groups: each commander's latest report about its group, by name.
@@ -100,7 +100,7 @@ class Branch:
         behavior: the performed top-level behavior, or empty.
         path: a commander's active states.
         order: a commander's current order, or empty.
-        obeys: whether it performs its own commander's order; None: it has no commander.
+        obeys: whether it performs its own commander's order; None if it has no commander.
         silent: whether its commander has missed its heartbeat.
         stopped: whether its robot may not act.
         counts: of a commander's subordinates: obeying, total.

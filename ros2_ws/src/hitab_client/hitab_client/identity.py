@@ -46,8 +46,8 @@ def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
     """Whether a node belongs to the swarm in question.
 
     Args:
-        heard: the identity in its status; empty: it was started by hand.
-        meant: the identity of the swarm in question, or `STARTED_BY_HAND`; empty: any.
+        heard: the identity in its status; empty if it was started by hand.
+        meant: the identity of the swarm in question, or `STARTED_BY_HAND`; empty for any.
         started_by_it: whether that swarm has started a node of this name.
     """
     if not meant or heard == meant:

@@ -39,7 +39,7 @@ class Learned:
         origin: basic, hand-written, trained or training.
         parameters, arguments: the parameters, and their bindings during training.
         states: labels of its states; in training, of those that were chosen or commanded.
-        chosen: labels of the states that were chosen when the training began; empty: any can be
+        chosen: labels of the states that were chosen when the training began; empty if any can be
             commanded, or it is not in training.
         features: labels, in the order of the examples' values.
         units, scales: of the features.
@@ -128,7 +128,7 @@ class Training(Learned):
         questions: that are open.
         answered: those that were answered, and how, oldest first.
         remarks: signs of a behavior that does not play.
-        cost: what the training has cost so far; None: unknown.
+        cost: what the training has cost so far; None if unknown.
     """
 
     revision: int = 0

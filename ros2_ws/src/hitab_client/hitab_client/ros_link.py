@@ -37,7 +37,7 @@ class RosLink:
     """A node, its executor and its clients; a context manager.
 
     Args:
-        domain_id: ROS domain; None: that of the environment.
+        domain_id: ROS domain; None for that of the environment.
         announce: called with what a wait is for, once it takes noticeable time.
         name: of the node. Several programs may have the same one: they offer no services, and
             answers come to the client that asked, whatever its name.

@@ -142,7 +142,7 @@ class RunProcesses:
         return None if why is None else SwarmError(why.of(name), Fix.LOGS(node=why.process))
 
     def why_silent(self, name: str) -> Silence | None:
-        """Return why an agent or the world does not answer; None: its process looks healthy."""
+        """Return why an agent or the world does not answer; None if its process looks healthy."""
         self._ask()
         process = self.process_of(name)
         if process not in self._silences:
@@ -155,7 +155,7 @@ class RunProcesses:
         return why is not None and why.lasts
 
     def pid(self, name: str) -> int:
-        """Return the process id for an agent or the world; 0: it has none."""
+        """Return the process id for an agent or the world; 0 if it has none."""
         self._ask()
         state = self._states.get(self.process_of(name))
         return int(state["pid"]) if state is not None else 0

@@ -37,7 +37,7 @@ class SignsOfLife:
         expected: names of the agents that the swarm has started, and `names.WORLD` if it has
             started a world.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
     """
 
     def __init__(

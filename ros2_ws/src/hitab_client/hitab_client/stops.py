@@ -31,7 +31,7 @@ class Stops:
     Args:
         link: the node to use.
         expected: names of robots that are known to be there, though nothing of them may answer.
-        switch: of the emergency stop; None: a new one.
+        switch: of the emergency stop; None for a new one.
 
     Attributes:
         switch: the same.
@@ -73,7 +73,7 @@ class Stops:
         return take
 
     def _present(self) -> Iterator[tuple[str, StopState | None]]:
-        """Yield the name of each robot and world, and its last report; None: it is too old."""
+        """Yield the name of each robot and world, and its last report; None if it is too old."""
         of_robots = {topic.rpartition("/")[0].removeprefix("/") for topic in self._topics}
         for name in of_robots | set(self._expected):
             topic = f"/{name}/{names.STOP_STATE}"

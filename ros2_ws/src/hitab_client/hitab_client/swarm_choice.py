@@ -72,7 +72,7 @@ def find_running(which: str | None) -> Found | None:
     """Return the named swarm, or the only one that is up; None if none is up.
 
     Args:
-        which: its name, identity, namespace or run folder; None: the only one.
+        which: its name, identity, namespace or run folder; None for the only one.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
@@ -112,8 +112,8 @@ def find_meant(which: str | None, domain_id: int | None) -> Found | None:
     been started elsewhere.
 
     Args:
-        which: its name, identity, namespace or run folder; None: the only one.
-        domain_id: ROS domain of the swarm, if none is named; None: any.
+        which: its name, identity, namespace or run folder; None for the only one.
+        domain_id: ROS domain of the swarm, if none is named; None for any.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
@@ -192,8 +192,8 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
 
     Args:
         link: the node to use.
-        namespace: the one that is meant, see `is_namespace`; empty: any.
-        identity: of the swarm in question; empty: any.
+        namespace: the one that is meant, see `is_namespace`; empty for any.
+        identity: of the swarm in question; empty for any.
 
     Raises:
         SwarmError: if there are no such nodes, or if they are in several namespaces.

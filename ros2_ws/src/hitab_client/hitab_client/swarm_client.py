@@ -64,7 +64,7 @@ class SwarmClient(AgentPresence):
         expected: names of the expected agents, if known.
         prefix: namespace of the swarm.
         demonstrator: name of the demonstrator; by default, the user.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
         processes: of the swarm; they show why an agent does not answer.
 
     Attributes:
@@ -114,15 +114,15 @@ class SwarmClient(AgentPresence):
             behavior: to perform.
             targets: for the behavior's parameters.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
-            seen: the world's cycle that the demonstrator saw; 0: the last one.
+            seen: the world's cycle that the demonstrator saw; 0 for the last one.
             pace: simulated seconds per second of a person with an unknown delay;
                 0: ``ago`` is known.
             unrecorded: only perform it; no example is recorded.
             sequence: number of the command, such as the time in microseconds. An agent obeys a
                 number once, so a lost command can be sent again with its number. 0: a new one.
             seconds: how long to wait.
-            demonstrator: who commands; empty: the client's.
-            world: of the agent; None: it has none. An agent that is late in a stepped world is
+            demonstrator: who commands; empty for the client's.
+            world: of the agent; None if it has none. An agent that is late in a stepped world is
                 waited for: it would take the command for an answer to an earlier percept.
 
         Raises:

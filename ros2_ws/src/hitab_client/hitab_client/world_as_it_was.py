@@ -45,7 +45,7 @@ def standing_still(world: WorldClient | None) -> Iterator[WorldStatus | None]:
     """Have a world stand still, as fast as the agents when it goes on; then as before.
 
     Args:
-        world: the world; None: there is none, and nothing is done.
+        world: the world; None if there is none, and nothing is done.
 
     Raises:
         SwarmError: as `as_it_was`.

@@ -39,14 +39,14 @@ class WorldClient:
     Args:
         link: the node to use.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
         started_by_it: whether that swarm has started a world.
         processes: of the swarm; they show why the world does not answer.
 
     Attributes:
         status: the last status of the swarm's world.
         speed: as seen lately: simulated seconds in a second.
-        stranger: the other swarm that the world belongs to, if any; empty: it was started by hand.
+        stranger: the other swarm that the world belongs to, if any; empty if started by hand.
     """
 
     def __init__(

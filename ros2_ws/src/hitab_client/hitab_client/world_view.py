@@ -36,12 +36,12 @@ class WorldView:
     """One moment.
 
     Attributes:
-        things: the true state of everything in the world; None: there is no world.
+        things: the true state of everything in the world; None if there is no world.
         seconds: simulated seconds since the step of the lesson began.
         paths: the active states of each agent.
         said: the agents that have said something since the step began.
         ended: the outcomes of the episodes that have ended since the step began.
-        reading: returns what an agent perceives, given its name and a feature; NaN: no value.
+        reading: returns the value of a feature, given an agent's name and the feature, or NaN.
     """
 
     things: Sequence[Thing] | None

@@ -36,7 +36,7 @@ class ActionBehavior(BasicBehavior):
         goal: values of the goal's fields, by path, such as ``"pose.header.frame_id"``. A value
             is a constant, or a function of the body and the resolved targets. Fields that are
             left out keep their defaults.
-        feedback_within: the action fails if its server gives no feedback for so long, s; 0: the
+        feedback_within: the action fails if its server gives no feedback for so long, s; 0 if the
             server may be silent.
 
     Examples:

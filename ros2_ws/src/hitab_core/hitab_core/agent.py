@@ -379,8 +379,8 @@ class Agent:
         Args:
             use: what to perform, or a flag.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
-            seen: the world's cycle that the demonstrator saw; 0: that of the last percept.
-            pace: simulated seconds in a second of the demonstrator; 0: the situation has waited.
+            seen: the world's cycle that the demonstrator saw; 0 for that of the last percept.
+            pace: simulated seconds in a second of the demonstrator; 0 if the situation has waited.
             unrecorded: only perform it; no example is recorded.
             request: who commands it and with which number.
 
@@ -455,7 +455,7 @@ class Agent:
         """Trim what was learned, add it to the library and end the training.
 
         Args:
-            name: of the saved behavior; empty: the name that training began with.
+            name: of the saved behavior; empty for the name that training began with.
             bindings: targets or parameters to replace, and their replacements.
             description: for people who browse the library; empty to keep the present one.
             keep_unused: keep features that no transition function uses yet, so that training can

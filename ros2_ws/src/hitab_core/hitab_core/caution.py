@@ -38,7 +38,7 @@ class Caution:
     Attributes:
         when_unsure: the response.
         distance: it is unsure farther than this from any example, in spreads of the state's
-            examples; 0: any distance will do.
+            examples; 0 for any distance.
     """
 
     when_unsure: WhenUnsure = WhenUnsure.GO_ON

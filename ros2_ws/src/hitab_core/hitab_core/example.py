@@ -42,7 +42,7 @@ class Example:
         ago: seconds of simulated time from the situation to the command.
         readings: everything that could be read in that situation, in the order of the training's
             or automaton's ``readable``; NaN where there was no value. Empty if not kept.
-        numbers: with which ``next_state`` was commanded; empty: it takes none.
+        numbers: with which ``next_state`` was commanded; empty if it takes none.
     """
 
     state: str

@@ -248,7 +248,7 @@ class LearningAgent:
         Signs of an automaton that does not play are warnings.
 
         Args:
-            name: what to call it; empty: as it was begun.
+            name: what to call it; empty to keep the name.
             description: for people who browse the library.
 
         Returns:

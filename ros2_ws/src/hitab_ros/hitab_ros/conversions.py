@@ -169,7 +169,7 @@ def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> 
     Args:
         name: with its targets or parameters.
         feature: as the domain declares it.
-        scale: of its values; None: it is not asked for.
+        scale: of its values; None if it is not asked for.
     """
     told = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
     told.description = feature.description

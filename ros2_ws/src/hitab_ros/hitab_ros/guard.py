@@ -122,7 +122,7 @@ class Guard:
 
         Args:
             key: the topic, in words.
-            kind: the type of messages; None: the callback takes their bytes.
+            kind: the type of messages; None if the callback takes their bytes.
             callback: takes a message, or a message and information about it.
             checked: whether to check messages; otherwise the callback must do so.
         """

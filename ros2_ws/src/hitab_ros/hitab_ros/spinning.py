@@ -139,7 +139,7 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
     Args:
         start: creates nodes and adds them to the spinner's executor. It may return a main loop to
             run instead of handling one event after the other.
-        arguments: the command line, with ROS arguments; None: that of the process.
+        arguments: the command line, with ROS arguments; None for that of the process.
 
     Returns:
         The exit code: 1 after an error that a user can fix, which is printed in one line;

@@ -123,7 +123,7 @@ def stop_report(
         state: of the robot or the world.
         causes: why it has to stand still as yet.
         why: it was stopped.
-        switch: that the node obeys; None: it obeys another node.
+        switch: that the node obeys; None if it obeys another node.
     """
     report = msg.StopState(
         stamp=as_time(time.time_ns()),
@@ -139,7 +139,7 @@ def stop_report(
 
 
 def why_stopped(why: str, causes: Iterable[str]) -> str:
-    """Return why a robot may not act; empty: it may.
+    """Return why a robot may not act; empty if it may.
 
     Args:
         why: it was stopped.

@@ -39,7 +39,7 @@ class StopMachine:
 
     Attributes:
         causes: why it has to stand still as yet, by name.
-        why: why it was stopped, or `JUST_STARTED`; empty: it is armed.
+        why: why it was stopped, or `JUST_STARTED`; empty if it is armed.
         stop: number of this stop, later than those of earlier stops, also of other processes.
         stands: whether it was last seen to stand still.
     """
@@ -101,7 +101,7 @@ class StopMachine:
         """Let it act again; return why not, or an empty text if it may.
 
         Args:
-            stop: the number of the stop that is to end; 0: any.
+            stop: the number of the stop that is to end; 0 for any.
         """
         if not self.why:
             return ""

@@ -42,7 +42,7 @@ class AgentVocabulary:
         return [n for n in self.numbers.get(use.name, ()) if n.name not in given]
 
     def open_parameter(self, use: Use) -> int | None:
-        """Return the place of a parameter that is bound to no target; None: there is none."""
+        """Return the place of a parameter that is bound to no target; None if there is none."""
         use = without_numbers(use)
         for declared in map(Use.parse, self.behaviors):
             if declared.name == use.name and len(declared.arguments) == len(use.arguments):

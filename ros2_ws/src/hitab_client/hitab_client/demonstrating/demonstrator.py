@@ -53,7 +53,7 @@ class Demonstrator:
         agents: of the swarm.
         world: of the swarm, or an absent one.
         asks: whether the person can be asked for targets and numbers.
-        keys: of behaviors, kept for all processes; None: those of this one alone.
+        keys: of behaviors, kept for all processes; None for those of this one alone.
         clock: s; any steady clock.
 
     Attributes:
@@ -158,7 +158,7 @@ class Demonstrator:
 
         Args:
             behavior: with its targets and numbers.
-            first: the key that was pressed before these were given; None: it is this one.
+            first: the key that was pressed before these were given; None for this one.
         """
         now = self.pressed(behavior)
         pressed = now if first is None else replace(first, behavior=behavior, at=now.at)

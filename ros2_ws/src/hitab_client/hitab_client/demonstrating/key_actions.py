@@ -33,9 +33,9 @@ def command(
         world: that the person sees.
         agent: to command.
         behavior: with its targets.
-        seen: the world's cycle that the person saw; 0: the last one. While the world runs, the
+        seen: the world's cycle that the person saw; 0 for the last one. While the world runs, the
             agent estimates how long before it the command was due.
-        sequence: number of the command; 0: a new one.
+        sequence: number of the command; 0 for a new one.
         seconds: how long to wait for the agent's acknowledgement.
         demonstrator: who commands; empty for the client's own.
 
@@ -68,7 +68,7 @@ def simulated(seconds: float, status: WorldStatus | None, speed: float = 1.0) ->
 
     Args:
         seconds: of the person.
-        status: of the world; None: there is none, or it is a robot's, where time is the person's.
+        status: of the world; None if missing, or a robot's, where time is the person's.
         speed: of a world in lockstep, as seen: simulated seconds in a second.
     """
     if status is None:

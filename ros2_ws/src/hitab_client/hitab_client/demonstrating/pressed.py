@@ -33,7 +33,7 @@ class Pressed:
         agent: whom it is for.
         behavior: that is commanded, or empty.
         at: when, s, by the demonstrator's clock.
-        seen: the world's cycle that the person saw; 0: unknown.
+        seen: the world's cycle that the person saw; 0 if unknown.
     """
 
     what: str

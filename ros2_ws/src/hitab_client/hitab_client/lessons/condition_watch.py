@@ -32,8 +32,8 @@ class ConditionWatch:
 
     Args:
         swarm: the agents.
-        world: their world, which is paused and stepped here; None: they have none.
-        factor: multiple of real time, for people who look on; 0: as fast as possible.
+        world: their world, which is paused and stepped here; None if they have none.
+        factor: multiple of real time, for people who look on; 0 for full speed.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class ConditionWatch:
         )
 
     def _reading(self, agent: str, feature: str) -> float:
-        """Return the value that an agent perceives; NaN: none.
+        """Return the value that an agent perceives; NaN without a value.
 
         A flag is one of the automaton that uses it as a feature: the outermost one counts.
         """

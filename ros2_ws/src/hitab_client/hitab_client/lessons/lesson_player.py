@@ -78,8 +78,8 @@ class LessonPlayer:
     Args:
         lesson: the lesson.
         swarm: the agents.
-        world: the world, which the lesson drives; None: there is none, as with real robots.
-        factor: multiple of real time, for watching a world; 0: as fast as possible.
+        world: the world, which the lesson drives; None if there is none, as with real robots.
+        factor: multiple of real time, for watching a world; 0 for full speed.
         discard: whether to give up an unsaved training that an agent has before the lesson.
 
     Attributes:

@@ -224,7 +224,7 @@ def agent_meant(path: Path, there: Sequence[str], agent: str) -> str:
     Args:
         path: of the recording.
         there: the agents, with their namespaces.
-        agent: its name, with its namespace if there are several of that name; empty: the only one.
+        agent: its name, with its namespace if several have that name; empty for the only one.
 
     Raises:
         SwarmError: if it is not there, or there are several.

@@ -22,8 +22,8 @@ class Evidence:
 
     Attributes:
         state: its label.
-        values: shape (n, m), the examples' feature values, toroidal ones in [0, period); NaN: not
-            known.
+        values: shape (n, m), the examples' feature values, toroidal ones in [0, period); NaN if
+            not known.
         next_states: the n labels.
         default: shape (n,), whether an example is a default one.
         scales: how the values of each feature compare.

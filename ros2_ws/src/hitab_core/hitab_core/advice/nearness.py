@@ -32,7 +32,7 @@ def apart(some: Floats, others: Floats, scales: Sequence[Scale], spread: Floats)
     """Return the distances of situations from others; where nothing compares, `UNKNOWN_DISTANCE`.
 
     Args:
-        some, others: shapes (k, m) and (n, m); NaN: not known.
+        some, others: shapes (k, m) and (n, m); NaN if unknown.
         scales: how the values of each of the m features compare.
         spread: shape (m,), the usual differences, see `spreads`.
 
@@ -55,7 +55,7 @@ class Nearness:
         """Prepare to measure.
 
         Args:
-            values: shape (n, m), of the examples; NaN: not known.
+            values: shape (n, m), of the examples; NaN if unknown.
             scales: how the values of each of the m features compare.
             features: indices of those that matter.
         """

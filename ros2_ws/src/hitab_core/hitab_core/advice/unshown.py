@@ -58,7 +58,7 @@ class Unshown:
 
     Attributes:
         state: in which it was met.
-        situation: a value for each feature; NaN: missing.
+        situation: a value for each feature; NaN if missing.
         decided: what the learned tree decides there; empty if nothing was learned.
         next_states: what may be right, the most probable first.
         told: what an answer tells.

@@ -77,7 +77,7 @@ class Shown:
         unexplained: of each run, at which moments no behavior would have done what was done.
         drawn: of each run, sequences of labels drawn from what is probable, shape (draws, n).
         spread: shape (d,), of what was done around what the behaviors would have done.
-        rounds: of alternating; 0: none, by a sticky prior alone.
+        rounds: of alternating; 0 for a sticky prior alone.
     """
 
     labels: tuple[Integers, ...]
@@ -103,7 +103,7 @@ def label(
         runs: that were shown, of one person or script.
         behaviors: names of the k behaviors.
         scales: of the m features.
-        rounds: of alternating at most; 0: labels by a sticky prior alone.
+        rounds: of alternating at most; 0 for a sticky prior alone.
         seed: of the draws.
         told: called with the number of rounds done.
 

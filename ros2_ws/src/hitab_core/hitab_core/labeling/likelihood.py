@@ -56,7 +56,7 @@ def spread_of(apart: Floats, labels: Integers | None = None) -> Floats:
 
     Args:
         apart: shape (n, k, d).
-        labels: shape (n,), which behavior each moment was; None: the nearest, which makes the
+        labels: shape (n,), which behavior each moment was; None for the nearest, which makes the
             spread too small if behaviors are closer together than it.
     """
     size = np.nan_to_num(np.abs(apart))

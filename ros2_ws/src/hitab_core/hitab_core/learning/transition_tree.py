@@ -48,7 +48,7 @@ class TransitionTree:
     between equally good arcs of a toroidal feature.
 
     Parameters:
-        scales: how the values of each feature compare; None: all are continuous.
+        scales: how the values of each feature compare; None if all are continuous.
         min_samples_leaf: the fewest examples a branch may have; for a categorical feature, at
             least two branches must have as many.
         max_depth: the most tests on a path, or None for no limit.
@@ -118,8 +118,8 @@ class TransitionTree:
                 if missing.
             y: shape (n,), labels of the next states.
             default: shape (n,), whether an example is a default one; None if none are.
-            choose: which split of a node to take, see `tree_growth.grow`; None: the one with the
-                largest gain ratio, as C4.5.
+            choose: which split of a node to take, see `tree_growth.grow`; None for the one with
+                the largest gain ratio, as C4.5.
 
         Raises:
             FeatureValueError: naming a feature with an infinite or out-of-scale value.

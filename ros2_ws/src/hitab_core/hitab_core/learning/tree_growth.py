@@ -59,7 +59,7 @@ class _First:
 class _Place:
     """A node under construction: its examples and, once split, its split and branches.
 
-    ``weights`` are the fractions of the examples that are here; None: all of each.
+    ``weights`` are the fractions of the examples that are here; None for all of each.
     """
 
     rows: Integers

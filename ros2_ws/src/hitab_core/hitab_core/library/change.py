@@ -26,7 +26,7 @@ class LibraryChange:
 
     Attributes:
         before, contents: of the library before the change, and after it.
-        changed: the planned files, by name; None: to be removed.
+        changed: the planned files, by name; None for a removed file.
         numbers: of the versions that the planned files will be, by name.
         note: identifies the change once it is announced.
     """

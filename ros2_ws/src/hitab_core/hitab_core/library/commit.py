@@ -30,7 +30,7 @@ COMMIT = ".commit.json"
 """The note, which describes the change to make."""
 
 Changes = Mapping[str, bytes | None]
-"""New contents of files, by path in the folder; None: remove the file."""
+"""New contents of files, by path in the folder; None to remove the file."""
 
 _INSIDE = re.compile(r"(\.?[A-Za-z0-9][A-Za-z0-9_.-]*/)*\.?[A-Za-z0-9][A-Za-z0-9_.-]*\Z")
 _HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]+)\n")

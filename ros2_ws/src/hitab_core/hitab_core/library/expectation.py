@@ -23,7 +23,7 @@ class Expectation:
         features: the situation, by feature, in the units of the domain.
         next_state: what is to be decided.
         blocks: whether nothing else is saved under the behavior's name.
-        line: of the file; 0: of none.
+        line: of the file; 0 without a line.
     """
 
     name: str
@@ -97,7 +97,7 @@ def broken_expectations(
     Args:
         expectations: to check.
         automaton: that decides.
-        file: the name of the file that has them; empty: they are named without their lines.
+        file: the name of the file that has them; empty if they are named without their lines.
     """
     return [
         f"{file}:{one.line}: {told}" if file and one.line else told

@@ -148,7 +148,7 @@ Names = Annotated[dict[str, str], NONE_IS_EMPTY]
 
 
 def read_record(model: type[R], value: Any, complaints: Complaints) -> R | None:
-    """Read the content of a document; None: there are complaints."""
+    """Read the content of a document; None after complaints."""
     records: dict[int, type[Record]] = {}
     try:
         return model.model_validate(value, context=records)

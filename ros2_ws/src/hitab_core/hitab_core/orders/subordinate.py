@@ -31,7 +31,7 @@ class Subordinate:
         waits: whether the order is still pending.
         refusal: why the order cannot be obeyed, and the way out; empty if it can.
         episode, seed, seconds: of the last percept, for the reports.
-        round: in lockstep, number of the last percept; 0: in real time.
+        round: in lockstep, number of the last percept; 0 in real time.
     """
 
     def __init__(self, agent: Agent, role: str = "") -> None:

@@ -89,7 +89,7 @@ class Neighbors:
             numbers: shape (n, k), what was shown there, within the bounds.
             scales: how the values of each of the m features compare.
             wanted: the k numbers.
-            examples: the number of each moment; empty: from 0.
+            examples: the number of each moment; empty to count from 0.
         """
         rows = np.array(values, dtype=np.float64).reshape(len(values), len(scales))
         step = -(-len(rows) // SPREAD_ROWS)
@@ -205,7 +205,7 @@ class _Axis:
         return self._turn, self._radius, self._usual, len(self._scale.categories)
 
     def __call__(self, value: float) -> Sequence[float]:
-        """Return the coordinates of a value; NaN: it is missing."""
+        """Return the coordinates of a value; NaN if it is missing."""
         if self._turn:
             angle = value * self._turn
             return self._radius * math.cos(angle), self._radius * math.sin(angle)

@@ -59,7 +59,7 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
 
     Args:
         records: of its journal, all of them.
-        now: the time, if the training goes on; None: it was saved, given up or interrupted.
+        now: the time; None once the training is saved, given up or interrupted.
 
     Raises:
         TrainingError, KeyError, TypeError, ValueError: if they are no journal.

@@ -22,7 +22,7 @@ class Curriculum:
     Attributes:
         name: of the automaton to be trained.
         features: available to the transition functions.
-        states: that may be commanded; empty: anything in the repertoire.
+        states: that may be commanded; empty for anything in the repertoire.
         parameters: its free variables.
         arguments: the targets that the parameters are bound to during training.
         classifier: ``"tree"`` or a scikit-learn classifier (`scikit_learn_adapter`).

@@ -75,7 +75,7 @@ class ExampleLog:
         return replace(edit, left=first.state, entered=first.next_state)
 
     def prepared(self, record: Mapping[str, Any]) -> Edit | None:
-        """Prepare what a record of the journal describes; None: it changes no examples.
+        """Prepare what a record of the journal describes; None if it changes no examples.
 
         Raises:
             TrainingError: if it is not possible.

@@ -59,7 +59,7 @@ class PerceptHistory:
             domain: of the agent.
             parameters: of the automaton in training.
             chosen: its features.
-            names: of the readings; empty: all that can be read. What cannot be read any more is
+            names: of the readings; empty for all that can be read. What cannot be read any more is
                 NaN.
         """
         found = tuple(names) or readable(domain, parameters)
@@ -302,7 +302,7 @@ class PerceptHistory:
             label: of the next state.
             features: of the automaton in training.
             lateness: of the person.
-            recorded: the state and the cycle for which it was recorded; None: it was not yet.
+            recorded: the state and the cycle for which it was recorded; None before that.
 
         Returns:
             The command; and the moments in one state, with one in which the automaton changed its

@@ -116,7 +116,7 @@ def added(
 
 
 def choice_of(question: Question, name: str) -> Choice:
-    """Return a choice by its name; empty: the proposed one.
+    """Return a choice by its name; empty for the proposed one.
 
     Raises:
         TrainingError: if there is none of this name.

@@ -125,7 +125,7 @@ class RecentPercepts:
 
         Args:
             ago: how long before what the demonstrator saw, s of simulated time.
-            seen: the world's cycle that the demonstrator saw; 0: the last one.
+            seen: the world's cycle that the demonstrator saw; 0 for the last one.
 
         Raises:
             TrainingError: if that is in the future, or longer ago than is kept.

@@ -219,7 +219,7 @@ class TrainingJournal:
 
 
 def _cost_in(path: Path, now: float | None = None, *, begun: bool = True) -> TrainingCost | None:
-    """Return what a training cost; None: there is none, nothing is known, or it is damaged.
+    """Return what a training cost; None if there is none, nothing is known, or it is damaged.
 
     Args:
         path: of the journal.

@@ -113,7 +113,7 @@ class TrainingSession:
             curriculum: what to train.
             examples: to continue from, with readings in the order of `PerceptHistory.readable`.
             journal: keeps each step.
-            names: of the readings of ``examples``; empty: all that can be read. What cannot be
+            names: of the readings of ``examples``; empty for all that can be read. What cannot be
                 read any more is NaN.
             people: how late the commands of each demonstrator come; kept up to date.
 
@@ -268,8 +268,8 @@ class TrainingSession:
             cycle: of the world, stored with the examples.
             ago: how long before what the demonstrator saw the command was due, s of simulated
                 time. The examples are of that moment, and leave the state that was active then.
-            seen: the world's cycle that the demonstrator saw; 0: the last one.
-            pace: simulated seconds that pass for the demonstrator in a second; 0: the situation
+            seen: the world's cycle that the demonstrator saw; 0 for the last one.
+            pace: simulated seconds that pass for the demonstrator in a second; 0 if the situation
                 has waited. Without ``ago``, how late the command comes is then estimated
                 (`hitab_core.training.lateness`), and that of earlier ones again.
             request: who commands it and with which number, to recognize it when it comes again.
@@ -454,7 +454,7 @@ class TrainingSession:
 
         Args:
             number: of the question.
-            choice: the name of one of its choices; empty: the proposed one.
+            choice: the name of one of its choices; empty for the proposed one.
             dismiss: change nothing, and do not ask this again.
 
         Raises:

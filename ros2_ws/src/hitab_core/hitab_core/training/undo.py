@@ -31,8 +31,8 @@ class Edit:
         came: added examples, and changed ones as they are then, by number.
         left, entered: labels of the states before and after a command; None if the edit is not a
             command. An undo swaps them.
-        features: names of the features after the edit; None: unchanged.
-        features_before: names of the features before it; None: unchanged.
+        features: names of the features after the edit; None if unchanged.
+        features_before: names of the features before it; None if unchanged.
         direction: whether it is new, an undo or a redo.
     """
 
