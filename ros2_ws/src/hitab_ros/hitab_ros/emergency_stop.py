@@ -46,9 +46,9 @@ class EmergencySwitch:
         Args:
             node: to listen and speak with.
             changed: called when other stops are known.
-            hands_on: whether to tell the others what was heard. A latched message lasts as long as
-                its publisher, and the command that stops the robots may end at once; so those who
-                last, such as the robots' relays, keep it for those who come later.
+            hands_on: whether to rebroadcast received stops. A latched message lasts as long as its
+                publisher, and the command that stops the robots may exit at once; so long-lived
+                participants, such as the robots' relays, keep the stop for late joiners.
             known: the stops that this participant knew when it ended.
         """
         self.known = KnownStops() if known is None else known
