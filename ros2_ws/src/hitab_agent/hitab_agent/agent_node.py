@@ -28,7 +28,7 @@ from hitab_agent.training_topic import TrainingTopic
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core import (
-    RESERVED,
+    RESERVED_NAMES,
     Agent,
     Domain,
     Fix,
@@ -298,7 +298,7 @@ class AgentNode(AgentBase):
         if self._unsettled or log.changed:
             path = self.agent.active_path
             # The agent leaves a flag state without a transition.
-            self._unsettled = bool(path) and path[-1] in RESERVED
+            self._unsettled = bool(path) and path[-1] in RESERVED_NAMES
             log.changed = False
             changed = True
             if path != self.status.path and not percept.look:

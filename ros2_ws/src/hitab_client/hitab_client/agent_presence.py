@@ -197,7 +197,7 @@ class AgentPresence:
 
     @property
     def more_seconds(self) -> float:
-        """What to add to the time for which a node of the swarm is waited for."""
+        """Extra time, s, for which a node of the swarm is waited for."""
         return DISCOVERY_SECONDS_EACH * len(self.expected)
 
     @property

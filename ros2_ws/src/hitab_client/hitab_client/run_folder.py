@@ -104,7 +104,7 @@ class RunFolder:
 
     @property
     def started(self) -> datetime | None:
-        """When the current or last swarm here was started; None if there is no record of it."""
+        """Start time of the current or last swarm here; None without a record."""
         try:
             return datetime.fromtimestamp(self.record_file.stat().st_mtime)
         except OSError:

@@ -23,7 +23,7 @@ from hitab_core import Fix, Remedy, has
 if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
 
-DISCOVERY_SECONDS = 3.0
+LOOKUP_SECONDS = 3.0
 """Discovery time for a swarm that the registry does not know, s."""
 
 ALONE_SECONDS = 1.0
@@ -210,7 +210,7 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
         return len(link.node.get_node_names()) > 1
 
     if not (
-        link.spin_until(is_occupied, ALONE_SECONDS) and link.spin_until(spaces, DISCOVERY_SECONDS)
+        link.spin_until(is_occupied, ALONE_SECONDS) and link.spin_until(spaces, LOOKUP_SECONDS)
     ):
         which = f"namespace {namespace} of {where}" if namespace else where
         raise SwarmError(f"no swarm answers in {which}", Fix.UP(swarm="keepaway"))

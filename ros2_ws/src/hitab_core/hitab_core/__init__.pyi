@@ -13,7 +13,7 @@ from .agent import Mode as Mode
 from .automaton import FLAGS as FLAGS
 from .automaton import OWN_FEATURES as OWN_FEATURES
 from .automaton import OWN_NAMES as OWN_NAMES
-from .automaton import RESERVED as RESERVED
+from .automaton import RESERVED_NAMES as RESERVED_NAMES
 from .automaton import START as START
 from .automaton import Automaton as Automaton
 from .caution import Caution as Caution

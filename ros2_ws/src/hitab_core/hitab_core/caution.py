@@ -33,7 +33,7 @@ class WhenUnsure(StrEnum):
 
 @dataclass(frozen=True)
 class Caution:
-    """When an agent is unsure, and its response.
+    """Caution of an agent: when it is unsure, and its response.
 
     Attributes:
         when_unsure: the response.

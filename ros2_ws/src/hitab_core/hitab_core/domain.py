@@ -37,7 +37,7 @@ ENTRY_POINT_GROUP = "hitab.domains"
 
 
 class FeatureKind(StrEnum):
-    """How a feature's values are compared, and so how a transition tree may split on it."""
+    """Kind of a feature: how values compare, and how a transition tree may split on them."""
 
     CONTINUOUS = "continuous"
     TOROIDAL = "toroidal"  # wraps around after `period`, like an angle
@@ -87,7 +87,7 @@ class Feature:
 
     @property
     def scale(self) -> Scale:
-        """How values of this feature compare."""
+        """Scale on which values of this feature compare."""
         return Scale(
             self.kind, self.period if self.kind is FeatureKind.TOROIDAL else 0.0, self.categories
         )
@@ -113,7 +113,7 @@ def _own(name: str, description: str, **more: Any) -> tuple[str, Feature]:
     return name, Feature(name, _not_of_a_body, description=description, **more)
 
 
-OWN = dict(
+FLAGS_AND_TIMERS = dict(
     [
         _own("Done", "whether the active state's behavior is done", kind=FeatureKind.BOOLEAN),
         _own("Failed", "whether the active state's behavior failed", kind=FeatureKind.BOOLEAN),
@@ -285,7 +285,7 @@ class Domain:
 
     def feature(self, name: str) -> Feature:
         """Return a feature by name, of the domain or of the engine itself."""
-        return OWN[name] if name in OWN else self.features[name]
+        return FLAGS_AND_TIMERS[name] if name in FLAGS_AND_TIMERS else self.features[name]
 
     def scale_of(self, use: Use) -> Scale:
         """Return how the values of a feature compare."""
@@ -307,7 +307,7 @@ class Domain:
     @cached_property
     def _feature_parameters(self) -> dict[str, tuple[str, ...]]:
         found = {name: f.parameters for name, f in self.features.items()}
-        return found | {name: f.parameters for name, f in OWN.items()}
+        return found | {name: f.parameters for name, f in FLAGS_AND_TIMERS.items()}
 
     def check_use(
         self,

@@ -24,7 +24,7 @@ class ExampleKind(StrEnum):
 
     @property
     def shown(self) -> str:
-        """What people read."""
+        """Text for people."""
         return "overruled" if self is ExampleKind.SUPERSEDED else self.value
 
 

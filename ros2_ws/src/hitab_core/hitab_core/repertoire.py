@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NoReturn
 
-from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
+from hitab_core.automaton import FLAGS, RESERVED_NAMES, START, Automaton
 from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
@@ -105,7 +105,7 @@ class Repertoire:
         Raises:
             VocabularyError: naming what is unknown or wrongly bound.
         """
-        if use.name in RESERVED:
+        if use.name in RESERVED_NAMES:
             if use.name == START:
                 raise VocabularyError(f"{START} cannot be commanded; every automaton begins there")
             if use.arguments:
@@ -174,7 +174,7 @@ class Repertoire:
         Raises:
             VocabularyError: if it is reserved, or that of a basic behavior.
         """
-        if name in RESERVED:
+        if name in RESERVED_NAMES:
             raise VocabularyError(f'"{name}" is reserved; choose another name')
         if name in self.domain.behaviors:
             raise VocabularyError(

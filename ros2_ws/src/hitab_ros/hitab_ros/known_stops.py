@@ -52,7 +52,7 @@ class KnownStops:
 
     @property
     def who(self) -> str:
-        """Who stopped the robots, and why; empty if no stop is in force."""
+        """Senders and reasons of the stops in force; empty if there are none."""
         return ", ".join([*dict.fromkeys(self.stops.values())][-STOPS_NAMED_MAX:])
 
     def joined(self, other: KnownStops) -> KnownStops:

@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 
 class Receivers:
-    """Those who receive from a publisher.
+    """Receivers of a publisher.
 
     Their number alone does not tell that one has taken the place of another, as a restarted
     process does when the killed one is given up at the same moment.

@@ -1,4 +1,4 @@
-"""When something that acts has to stand still, and when it may act again.
+"""Stop machine of a robot or world: when it must stand still, and when it may act again.
 
 No ROS here. A robot's relay has such a machine, or its agent, if its link has no relay. These are
 all of its states and events::

@@ -25,7 +25,7 @@ ACTION_KEYS = {
     "G": "go",
     "R": "arm",
 }
-"""Those that the studio has too are the same there."""
+"""Keys of actions; the studio uses the same ones."""
 
 AHEAD, LEFT, TURN = range(3)
 ARROW_AXES = {

@@ -30,7 +30,7 @@ from hitab_core.repertoire import Repertoire
 
 @unique
 class RemarkKind(Enum):
-    """That something does not play, in plain words; its arguments are the names in braces."""
+    """Kinds of remarks, in plain words; arguments are the names in braces."""
 
     LOOP = "with {situation}, it changes between {states} forever"
     NOT_ENTERED = "{state} was commanded, but was not entered in {episodes} episodes of the test"

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 BENDS = (0.06, 0.1, 0.14, 0.18, 0.22, 0.26, 0.31, 0.36)
-"""How far an arrow may bow out to its right, as a fraction of its length; less is better."""
+"""Bows of an arrow to its right, as fractions of its length; less is better."""
 
 FREE_INCHES = 0.06
 """Inches left free around labels and states."""
@@ -124,7 +124,7 @@ def _roomy(box: Box) -> Box:
 
 
 COARSE = 4
-"""Of the points on an arrow, every one of so many is enough to find places for words."""
+"""Step between the points on an arrow that are tried as places for words."""
 
 CLEAR = 0.02
 """Inches that words are kept away from arrows when they are placed by coarse points."""

@@ -27,13 +27,13 @@ from hitab_core.learning import learn_transitions
 from hitab_core.transition_function import LearnedTransition
 
 STAY = 0.9
-"""How probable it is to stay, before anything was learned."""
+"""Probability of staying, before anything was learned."""
 
 SLIP = 0.02
-"""How probable a change is that the automaton does not expect: who shows is no automaton."""
+"""Probability of a change that the automaton does not expect: people are no automata."""
 
 DRAWS, MOMENTS = 10, 20_000
-"""How many sequences are drawn of each run, and of how many moments in all at most, if several."""
+"""Number of sequences drawn of each run, and maximum number of their moments in all."""
 
 BETWEEN = "tree(prune=True, min_samples_leaf=40)"
 """Learns from the drawn sequences; with smaller leaves, it would confirm whatever was drawn."""

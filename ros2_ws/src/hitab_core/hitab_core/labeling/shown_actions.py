@@ -11,7 +11,7 @@ import numpy as np
 
 from hitab_core.action_behavior import ActionBehavior
 from hitab_core.arrays import Floats
-from hitab_core.domain import OWN, Domain
+from hitab_core.domain import FLAGS_AND_TIMERS, Domain
 from hitab_core.errors import VocabularyError
 from hitab_core.labeling.labels import Run, Told, untold
 from hitab_core.labeling.likelihood import apart
@@ -70,7 +70,7 @@ def features_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Use, ...]:
     """
     uses = tuple(dict.fromkeys(map(Use.parse, chosen)))
     for use in uses:
-        if use.name in OWN:
+        if use.name in FLAGS_AND_TIMERS:
             raise VocabularyError(
                 f'"{use}" depends on which behavior was active, which is what is looked for; '
                 f"choose other features {has(domain.features)}"

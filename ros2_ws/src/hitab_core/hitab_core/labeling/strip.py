@@ -168,7 +168,7 @@ class Strip:
 
     @property
     def _end(self) -> float:
-        """When the last moment ends: it is as long as the one before."""
+        """End of the last moment, which is as long as the one before."""
         return 2 * self.moments[-1].when - self.moments[-2].when
 
     def train(self, name: str, library: BehaviorLibrary, source: str) -> SavedBehavior:

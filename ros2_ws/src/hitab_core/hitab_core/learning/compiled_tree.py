@@ -27,7 +27,7 @@ Compiled = Any
 """
 
 LARGEST_DRAW = math.nextafter(1.0, 0.0)
-"""What is left of a draw is rounded, but stays below 1."""
+"""Maximum remainder of a draw: rounded, but below 1."""
 
 
 class Draw(NamedTuple):

@@ -25,7 +25,7 @@ Step = tuple[Fork, int | None]
 Interval = tuple[float, float]
 
 DIGITS = 6
-"""Of a number, unless more are needed to tell two apart."""
+"""Digits of a number, unless more are needed to tell two apart."""
 
 ROUNDING = 1e-12
 """Numbers that differ by less, as a part of them, are the same but for rounding."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
+from hitab_core.automaton import FLAGS, RESERVED_NAMES, START, Automaton
 from hitab_core.domain import Domain, FeatureKind, Scale
 from hitab_core.errors import HitabError, VocabularyError, newer_format
 from hitab_core.example import Example
@@ -184,7 +184,7 @@ class _Reader:
                 f'rename the file to "{file_name(name)}", or give the behavior the file\'s name',
                 "name",
             )
-        if name in RESERVED or name in domain.behaviors:
+        if name in RESERVED_NAMES or name in domain.behaviors:
             self._complain(
                 f'"{name}" is a basic behavior of domain "{domain.name}", or reserved; '
                 "choose another name",
@@ -192,7 +192,7 @@ class _Reader:
             )
         parameters = self._content["parameters"]
         for i, parameter in enumerate(parameters):
-            if parameter in domain.targets or parameter in (*RESERVED, *parameters[:i]):
+            if parameter in domain.targets or parameter in (*RESERVED_NAMES, *parameters[:i]):
                 self._complain(
                     f'parameter "{parameter}" is also a target, reserved, or there twice; '
                     "rename it",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hitab_core.automaton import RESERVED
+from hitab_core.automaton import RESERVED_NAMES
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
@@ -125,7 +125,7 @@ class LibraryContents:
     ) -> tuple[Remedy, ...]:
         """Return what a person can do about a lost behavior that no other explains."""
         file = folder / file_name(cause)
-        if VOCABULARY_NAME.match(cause) is None or cause in RESERVED:
+        if VOCABULARY_NAME.match(cause) is None or cause in RESERVED_NAMES:
             return (Fix.MOVE_AWAY(file=file),)
         accepted: list[Remedy] = []
         gone = frozenset({cause})

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from hitab_core.automaton import RESERVED
+from hitab_core.automaton import RESERVED_NAMES
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX, BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
@@ -47,7 +47,7 @@ class LibraryFiles:
         Raises:
             LibraryError: if no behavior can have this name.
         """
-        if name in RESERVED:
+        if name in RESERVED_NAMES:
             raise LibraryError(f'no behavior can be called "{name}", which is reserved')
         if VOCABULARY_NAME.match(name) is None:
             raise LibraryError(f'no behavior can be called "{name}"; {VOCABULARY_NAME_RULE}')

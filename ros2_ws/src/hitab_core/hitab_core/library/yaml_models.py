@@ -222,4 +222,4 @@ _WANTED = {
     "too_short": "a list of at least {min_length}",
     "too_long": "a list of at most {max_length}",
 }
-"""What must be, by pydantic's types of errors."""
+"""Requirements in words, by pydantic's types of errors."""

@@ -28,7 +28,7 @@ from hitab_core.use import Use
 
 NEAREST = 3
 MOMENTS_MAX = 1000
-"""More moments than this are thinned out to those that are farthest from one another."""
+"""Maximum number of moments; more are thinned out to those farthest from one another."""
 
 SPREAD_ROWS = 300
 """Usual differences are taken from so many moments, since they need all pairs."""

@@ -86,7 +86,7 @@ class LateCommand:
 
 @dataclass
 class Lateness:
-    """How late a person's commands come: probabilities over the grid.
+    """Lateness of a person's commands: probabilities over the grid.
 
     Attributes:
         odds: shape (medians, spreads), adding up to 1.

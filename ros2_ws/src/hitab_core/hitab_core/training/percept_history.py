@@ -139,12 +139,12 @@ class PerceptHistory:
         self._entered = None
 
     def begin(self) -> None:
-        """Forget what was, since it has nothing to do with what follows."""
+        """Forget earlier percepts, which have no connection with later ones."""
         self.moments = RecentPercepts()
         self._entered = None
 
     def restart(self, state: str = START) -> None:
-        """Forget what was before the last percept, which begins an episode, or another state."""
+        """Forget percepts before the last one, which begins an episode, or another state."""
         latest = self.moments.latest
         self.begin()
         if latest is not None:

@@ -56,6 +56,6 @@ class SituationSample:
         return len(self._kinds), sum(self._seen.values()).bit_length()
 
     def forget_from(self, time: float) -> None:
-        """Forget what was met from some time on, s."""
+        """Forget situations met from some time on, s."""
         for sample in self._kinds.values():
             sample[:] = [moment for moment in sample if moment.time < time]
