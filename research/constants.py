@@ -81,13 +81,15 @@ def _of(people: Setting | None, module: str, names: str) -> list[Constant]:
 CONSTANTS = [
     *_of(None, "learning.gain_ratio", "TIE"),
     *_of(None, "learning.tree_growth", "LEAST_FRACTION AHEAD_MAX"),
-    *_of(NOVICES, "training.lateness", "SOONEST LATEST SPREADS OTHERWISE AT_ONCE SHORTEST"),
+    *_of(NOVICES, "training.lateness", "SOONEST LATEST SPREADS OTHERWISE P_IMMEDIATE SHORTEST"),
     *_of(NOVICES, "training.lateness", "THRESHOLDS_MAX"),
-    *_of(NOVICES, "training.perceived", "BLAMED_SECONDS"),
-    *_of(NOVICES, "training.situations", "KEPT"),
-    *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING FAR LEAST"),
+    *_of(NOVICES, "training.percept_history", "BLAMED_SECONDS"),
+    *_of(NOVICES, "training.situation_sample", "SITUATIONS_MAX"),
+    *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING NO_EXAMPLE_DISTANCE GAIN_MIN"),
     *_of(ENGINEERS, "training.questions", "CORRECTED"),
-    *_of(NOVICES, "training.moments", "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"),
+    *_of(
+        NOVICES, "training.recent_percepts", "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"
+    ),
 ]
 
 

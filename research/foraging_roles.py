@@ -32,8 +32,8 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind, OrderMap
 from hitab_core import Automaton
-from hitab_core.commanding import OTHERS
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.orders import ALL_OTHERS
 from hitab_world.inprocess import play
 
 _SMALL = ForagingParameters(
@@ -78,7 +78,7 @@ def shuffled(names: Sequence[str], seed: int) -> dict[str, str]:
 
 def without_roles(kind: CommanderKind) -> CommanderKind:
     """Return a kind of commander whose orders and features are the same for all."""
-    orders = tuple(OrderMap(order.name, {OTHERS: ALIKE[order.name]}) for order in kind.orders)
+    orders = tuple(OrderMap(order.name, {ALL_OTHERS: ALIKE[order.name]}) for order in kind.orders)
     features = tuple(replace(feature, role="") for feature in kind.features)
     return replace(kind, orders=orders, features=features)
 

@@ -35,7 +35,7 @@ from teachers import PAPER_S, hold_times, intention_of, own_hold_time, playing
 from topic_pupil import PUPIL, TopicPupil
 
 from hitab_core import START, Automaton, Example, HitabError, Repertoire, Use
-from hitab_core.running import RunningAutomaton, Senses
+from hitab_core.running import FeatureCache, RunningAutomaton
 from hitab_core.training.question import QuestionKind
 from hitab_world import Placement
 from hitab_world.inprocess import AutomatonPlayer, cycle, perform
@@ -202,7 +202,7 @@ def catches(automaton: Automaton, seed: int, trials: int = 100) -> float:
         for _ in range(round(2.0 * scene.seconds / world.cycle_seconds)):
             ended = cycle(world, {PUPIL: player})
             if running.active == "Stop":
-                caught += Senses(player.body, DOMAIN).look(reach) > 0.5
+                caught += FeatureCache(player.body, DOMAIN).look(reach) > 0.5
                 break
             if ended:
                 break

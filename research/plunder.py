@@ -22,8 +22,8 @@ import typer
 
 from hitab_core import Scale
 from hitab_core.arrays import Floats, Integers
+from hitab_core.labeling import Run, Shown, apart, examples_of, forward, label, steps_of
 from hitab_core.learning import learn_transitions
-from hitab_core.showing import Run, Shown, apart, examples_of, forward, label, steps_of
 
 SOURCE = "https://github.com/ut-amrl/plunder"
 CACHE = Path("~/.cache/hitab/plunder").expanduser()

@@ -242,12 +242,12 @@ class InProcessPupil:
 
     def contradictions(self) -> int:
         """Return how many commands are asked about since they contradict others."""
-        known = self._session.asked.known()
+        known = self._session.questions.known()
         return sum(question.kind is QuestionKind.CONTRADICTION for question in known)
 
     def questions(self) -> Sequence[Question]:
         """Return what the keeper asks, the most useful first."""
-        return self._session.asked.find()
+        return self._session.questions.find()
 
     def answer(self, number: int, choice: str) -> None:
         """Answer a question; "": dismiss it."""
@@ -295,7 +295,7 @@ class InProcessPupil:
 
     def _sight(self, *, ended: bool = False) -> Sight:
         session = self._session
-        look = self._pupil.context.senses.look
+        look = self._pupil.context.feature_cache.look
         values = {str(use): look(use) for use in self._visible}
         child = session.running.child
         values[DONE] = float(child is not None and "Done" in child.raised)

@@ -39,7 +39,7 @@ from hitab_client.world_view import WorldView, speakers
 from hitab_commander.inprocess import HierarchyPlayers
 from hitab_core import START, Agent, Automaton, HitabError, Use
 from hitab_core.running import RunningAutomaton
-from hitab_core.running.senses import value_or_nan
+from hitab_core.running.feature_cache import value_or_nan
 from hitab_core.training import Curriculum
 from hitab_world import Placement, World
 from hitab_world.inprocess import AutomatonPlayer, cycle
@@ -186,7 +186,7 @@ class School:
         assert session is not None
         bindings = {**self.bindings, **session.running.bindings}
         uses = [use.bound(bindings) for use in self.words]
-        readings = tuple(value_or_nan(agent.context.senses.look, use) for use in uses)
+        readings = tuple(value_or_nan(agent.context.feature_cache.look, use) for use in uses)
         performed = self._performed(agent, step.use.bound(bindings))
         if performed != START:
             names = {bindings[name]: name for name in self.bindings}

@@ -24,7 +24,7 @@ import typer
 
 from hitab_core import BehaviorLibrary, Repertoire, Use
 from hitab_core.errors import TrainingError
-from hitab_core.showing import Moment, Strip
+from hitab_core.labeling import ShownAction, Strip
 from hitab_world.inprocess import AutomatonPlayer, Player, PolicyPlayer, cycle, perform, play
 from keepaway_world.domain import DOMAIN
 from keepaway_world.hand_written import servo
@@ -49,7 +49,7 @@ Told = Callable[[Any, Player], str]
 class Shown:
     """What a driver did, and which behavior each moment was, which no label is learned from."""
 
-    moments: list[Moment]
+    moments: list[ShownAction]
     truth: list[str]
 
 
@@ -77,7 +77,7 @@ def record(players: dict[str, Player], was: Callable[[], str], seed: int, episod
             cycle(world, players)
             body: Any = players[ONE].body
             values, heard, did = list(body.values), list(body.heard), tuple(body.act()[0])
-            shown.moments.append(Moment(n / 10, n / 10, n, episode, values, heard, did))
+            shown.moments.append(ShownAction(n / 10, n / 10, n, episode, values, heard, did))
             shown.truth.append(was())
     return shown
 

@@ -23,8 +23,8 @@ from report import tell
 
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.running_automaton import RunContext
-from hitab_core.running.senses import Senses
 from hitab_core.use import Use
 from hitab_world.inprocess import cycle, perform
 from keepaway_world.body import KeeperBody
@@ -177,14 +177,14 @@ def main(
     percepts = record(repertoire, ticks)
 
     body = KeeperBody("keeper_1")
-    senses = Senses(body, DOMAIN)
-    running = RunContext(repertoire, body, senses, random.Random(1).random).perform(
+    feature_cache = FeatureCache(body, DOMAIN)
+    running = RunContext(repertoire, body, feature_cache, random.Random(1).random).perform(
         Use("Keepaway")
     )
     running.start()
 
     def tick_automaton() -> None:
-        senses.forget()
+        feature_cache.forget()
         running.tick()
 
     other = KeeperBody("keeper_1")

@@ -9,7 +9,7 @@ from random import Random
 from typing import Any
 
 from hitab_core import Automaton, Domain, Repertoire, Target, Use
-from hitab_core.running import Change, RunContext, RunningAutomaton, Senses
+from hitab_core.running import Change, FeatureCache, RunContext, RunningAutomaton
 from hitab_export.hierarchy_form import OWN, Hierarchy, Test
 
 Percept = Mapping[str, float]
@@ -73,12 +73,12 @@ def replayed(
     domain = recorded_domain(domain)
     repertoire = Repertoire(domain, automata)
     body = domain.body("robot")
-    senses = Senses(body, domain)
+    feature_cache = FeatureCache(body, domain)
 
     def observe(change: Change) -> None:
         taken.add((path_of(running, change), change.source, change.destination))
 
-    context = RunContext(repertoire, body, senses, draw, observe=observe)
+    context = RunContext(repertoire, body, feature_cache, draw, observe=observe)
     running = context.perform(use)
     assert isinstance(running, RunningAutomaton)
     seen: list[Seen] = []
@@ -88,7 +88,7 @@ def replayed(
         if begins:
             running.stop()
             running.start()
-        senses.forget()
+        feature_cache.forget()
         running.tick()
         seen.append((running.active_path, body.acts))
     return Replayed(seen, taken)
@@ -151,13 +151,13 @@ def recorded_steps(hierarchy: Hierarchy, domain: Domain, world: Any, players: An
     """Return what the first agent of a world perceives in episodes that its players play."""
     name = next(iter(players))
     player = players[name]
-    senses = Senses(player.body, domain)
+    feature_cache = FeatureCache(player.body, domain)
     uses = [Use.parse(feature.label) for feature in hierarchy.features]
     steps: list[Step] = []
     tick = player.tick
 
     def noted() -> None:
-        values = {str(use): _value(senses, use) for use in uses}
+        values = {str(use): _value(feature_cache, use) for use in uses}
         steps.append((values, 0.1 * len(steps), world.episode_cycle == 0 or not steps))
         tick()
 
@@ -165,9 +165,9 @@ def recorded_steps(hierarchy: Hierarchy, domain: Domain, world: Any, players: An
     return steps
 
 
-def _value(senses: Senses, use: Use) -> float:
+def _value(feature_cache: FeatureCache, use: Use) -> float:
     try:
-        return senses.look(use)
+        return feature_cache.look(use)
     except Exception:
         return math.nan
 

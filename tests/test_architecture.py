@@ -32,7 +32,7 @@ CORE_FLOORS = (
     ("training",),
     ("caution", "saving"),
     ("agent",),
-    ("commanding", "learning_agent", "plain", "showing"),
+    ("labeling", "learning_agent", "orders", "plain"),
 )
 
 OPTIONAL = (SOURCES.parents[1] / "requirements/optional.txt").read_text().split()

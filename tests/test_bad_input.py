@@ -5,7 +5,7 @@ import pytest
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core import Do
+from hitab_core import Fix
 
 AGENT = "keeper_1"
 
@@ -71,7 +71,7 @@ def test_commands_in_the_wrong_mode_are_refused(training):
     try:
         with pytest.raises(SwarmError, match='"Near" is being tested') as refused:
             agents.command(AGENT, "GoFast")
-        assert refused.value.remedies == (Do.RESUME(agent=AGENT),)
+        assert refused.value.remedies == (Fix.RESUME(agent=AGENT),)
     finally:
         agents.set_mode(AGENT, "training")
     with pytest.raises(SwarmError, match="keeper_2: it is not training anything"):

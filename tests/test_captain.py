@@ -7,7 +7,7 @@ import pytest
 
 from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.swarm_file import read_swarm
-from hitab_client.command_view import CommandView
+from hitab_client.commander_view import CommanderView
 from hitab_client.shipped import find_file
 
 KEEPERS = {"keeper_1": (-7.0, 6.0), "keeper_2": (-3.0, 7.0), "keeper_3": (-5.0, 3.0)}
@@ -24,8 +24,8 @@ def team(home: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Runni
 
 
 @pytest.fixture
-def view(team: RunningSwarm) -> CommandView:
-    found = CommandView(team.link)
+def view(team: RunningSwarm) -> CommanderView:
+    found = CommanderView(team.link)
     found.await_groups(SECONDS, ("captain",))
     return found
 
@@ -38,7 +38,7 @@ def put(team: RunningSwarm, ball: tuple[float, float], takers: tuple[float, floa
     team.world.shown(team.world.place(things))
 
 
-def ordered(team: RunningSwarm, view: CommandView, order: str) -> bool:
+def ordered(team: RunningSwarm, view: CommanderView, order: str) -> bool:
     def all_obey() -> bool:
         group = view.groups["captain"]
         return group.order == order and all(member.obeys for member in group.subordinates)

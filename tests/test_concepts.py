@@ -12,7 +12,7 @@ FILES = {
     "emergency stop": "hitab_ros/hitab_ros/emergency_stop.py",
     "keys": "hitab_studio/hitab_studio/static/keys.js",
     "lockstep": "hitab_world/hitab_world/lockstep.py",
-    "order": "hitab_core/hitab_core/commanding/order.py",
+    "order": "hitab_core/hitab_core/orders/order.py",
     "lateness": "hitab_core/hitab_core/training/lateness.py",
     "recording": "hitab_client/hitab_client/recording/recordings.py",
     "retiming": "hitab_core/hitab_core/training/retiming.py",

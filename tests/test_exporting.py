@@ -65,7 +65,7 @@ def library(name: str) -> BehaviorLibrary:
 
 @cache
 def hierarchy(name: str, behavior: str) -> Hierarchy:
-    return hierarchy_of(library(name).edition().repertoire, Use.parse(behavior))
+    return hierarchy_of(library(name).loaded().repertoire, Use.parse(behavior))
 
 
 @cache

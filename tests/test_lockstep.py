@@ -15,7 +15,7 @@ from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
 from hitab_bringup.evaluating import Cast, games_of
 from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import read_swarm
-from hitab_client.command_view import CommandView
+from hitab_client.commander_view import CommanderView
 from hitab_client.run_processes import process_states
 from hitab_client.shipped import find_file, shipped
 from hitab_world.inprocess import play
@@ -163,7 +163,7 @@ def test_lost_datagrams_cost_no_deadlines(tmp_path, captained, lossy):
 def test_who_is_killed_costs_deadlines_marks_the_run_and_comes_back(home, tmp_path, name, comes):
     swarm = read_swarm(find_file("keepaway_captain", "swarms", "swarm"))
     with temporary_swarm(swarm.with_world(pace="lockstep", paused=True), tmp_path) as running:
-        view = CommandView(running.link)
+        view = CommanderView(running.link)
         view.watch(["captain"])
         running.world.control(Control.Request.STEP, cycles=10_000)
         assert running.link.spin_until(lambda: running.world.status.cycle > 20, 60.0)

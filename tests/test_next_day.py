@@ -92,4 +92,6 @@ def test_a_swarm_is_up_with_a_damaged_library_and_says_what_it_lost(
     done(hitab, "library", "delete", "Wander")
     refused = hitab("library", "reload")
     assert refused.returncode == 1
-    assert "keeper_1, keeper_2, keeper_3: it keeps what it knew: it could no" in refused.stderr
+    assert (
+        "keeper_1, keeper_2, keeper_3: it keeps its present library: it could no" in refused.stderr
+    )

@@ -17,7 +17,7 @@ from waiting import within
 
 from hitab_bringup.bringing_up import RunningSwarm
 from hitab_client import SwarmError
-from hitab_client.recording import Messages
+from hitab_client.recording import RecordedMessages
 from hitab_client.recording.reading import MAGIC
 
 SECONDS = 60.0
@@ -31,7 +31,7 @@ def test_what_was_recorded_is_read_after_a_kill_or_a_closed_terminal(
 
     def recorded() -> set[str]:
         with suppress(SwarmError):  # nothing yet
-            return {message.topic for message in Messages(bag)}
+            return {message.topic for message in RecordedMessages(bag)}
         return set()
 
     wanted = {"/world/status", *(f"/{agent}/status" for agent in keepers.record.agents)}
@@ -69,6 +69,6 @@ def test_the_command_records_chosen_topics_too(
         in done[0].stderr
     )
     assert "/robot_1/odom is not in it: nobody has published it" in done[0].stderr
-    assert "/robot_1/scan" in {message.topic for message in Messages(bag)}
+    assert "/robot_1/scan" in {message.topic for message in RecordedMessages(bag)}
     again = hitab("record", "-o", str(bag))
     assert f"{bag} exists already" in again.stderr

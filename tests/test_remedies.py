@@ -7,8 +7,8 @@ import pytest
 from mentions import ROOT, SOURCES
 from test_mentions import complaint
 
-from hitab_client.commands import CALLED_AS, COMMANDS, THEN, as_command, with_commands
-from hitab_core import Do, HitabError
+from hitab_client.cli_remedies import CALLED_AS, REMEDY_COMMANDS, THEN, as_command, with_commands
+from hitab_core import Fix, HitabError
 from hitab_ros.conversions import remedies_of, remedy_messages
 from hitab_studio.remedy_words import BUTTONS, in_studio
 
@@ -22,16 +22,16 @@ def made():
     for pattern in SOURCES:
         for path in sorted(ROOT.glob(pattern)):
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Call) and ast.unparse(node.func).startswith("Do."):
+                if isinstance(node, ast.Call) and ast.unparse(node.func).startswith("Fix."):
                     names = {keyword.arg for keyword in node.keywords}
-                    yield f"{path.name}:{node.lineno}", Do[node.func.attr], names
+                    yield f"{path.name}:{node.lineno}", Fix[node.func.attr], names
 
 
-@pytest.mark.parametrize("code", COMMANDS, ids=lambda code: code.name)
+@pytest.mark.parametrize("code", REMEDY_COMMANDS, ids=lambda code: code.name)
 def test_the_command_for_a_remedy_is_there(code):
     numbers = {"version": "1", "number": "1", "seconds": "0.3"}
-    known = {name: numbers.get(name, "X") for name in arguments(COMMANDS[code])}
-    for command in COMMANDS[code].format_map(known).split(THEN):
+    known = {name: numbers.get(name, "X") for name in arguments(REMEDY_COMMANDS[code])}
+    for command in REMEDY_COMMANDS[code].format_map(known).split(THEN):
         assert complaint(command.split(), in_passing=False) == ""
 
 
@@ -39,13 +39,13 @@ def test_every_argument_of_a_remedy_is_told_by_some_face():
     wrong = [
         (place, code.name)
         for place, code, names in made()
-        if not names <= arguments(code.value) | arguments(COMMANDS.get(code, ""))
+        if not names <= arguments(code.value) | arguments(REMEDY_COMMANDS.get(code, ""))
     ]
     assert wrong == []
 
 
 def test_a_remedy_survives_the_way_to_each_face(monkeypatch):
-    error = HitabError("it waits", Do.RESUME(agent="ann"), Do.MOVE_AWAY(file="a b"), where="ann")
+    error = HitabError("it waits", Fix.RESUME(agent="ann"), Fix.MOVE_AWAY(file="a b"), where="ann")
     remedies = remedies_of(remedy_messages([*error.remedies, *error.remedies]))
     assert remedies == error.remedies
     assert str(error) == "ann: it waits; go on with the training of ann; move a b away"
@@ -53,15 +53,15 @@ def test_a_remedy_survives_the_way_to_each_face(monkeypatch):
     assert with_commands(error.problem, remedies) == told.format("hitab")
     monkeypatch.setenv(CALLED_AS, "scripts/hitab")
     assert with_commands(error.problem, remedies) == told.format("scripts/hitab")
-    assert BUTTONS[Do.RESUME] in in_studio(remedies[0])
-    corrected = as_command(Do.CORRECT(agent="ann", behavior="Go(a b)"))
+    assert BUTTONS[Fix.RESUME] in in_studio(remedies[0])
+    corrected = as_command(Fix.CORRECT(agent="ann", behavior="Go(a b)"))
     assert corrected.endswith(
         "`scripts/hitab train ann`, then `scripts/hitab demonstrate ann 'Go(a b)'`"
     )
-    assert as_command(Do.ACCEPT(file="a b.yaml")).endswith("library accept 'a b.yaml'`")
+    assert as_command(Fix.ACCEPT(file="a b.yaml")).endswith("library accept 'a b.yaml'`")
 
 
 def test_a_remedy_of_another_version_is_left_out():
-    (message,) = remedy_messages([Do.GO()])
+    (message,) = remedy_messages([Fix.GO()])
     message.code = "UNHEARD_OF"
     assert remedies_of([message]) == ()

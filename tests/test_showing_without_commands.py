@@ -20,7 +20,7 @@ from hitab_client import SwarmError
 from hitab_client.recording import Recorder, driving_of, type_name
 from hitab_client.recording.bag_file import BagFile
 from hitab_core import BehaviorLibrary, Repertoire, TrainingError, VocabularyError
-from hitab_core.showing import Strip
+from hitab_core.labeling import Strip
 from hitab_world.inprocess import PolicyPlayer, cycle, perform
 from keepaway_world.domain import DOMAIN
 from keepaway_world.hand_written import servo

@@ -257,10 +257,10 @@ def test_a_run_is_recorded_and_replayed_on_the_same_page(swarm, person, home):
     person.sees("download-the last one.mcap")
     assert (home / "recordings" / "the last one.mcap").read_bytes() == recorded
 
-    from hitab_client.recording import Messages
+    from hitab_client.recording import RecordedMessages
 
     (path,) = (home / "recordings").glob("*.mcap")
-    found = list(Messages(path))
+    found = list(RecordedMessages(path))
     assert {"/world/state", "/world/status", f"/{ONE}/status"} <= {m.topic for m in found}
     states = [message.decoded() for message in found if message.topic == "/world/state"]
     assert any(abs(e.x + 9.0) < 0.1 for e in states[-1].entities if e.name == ONE)

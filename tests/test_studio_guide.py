@@ -113,7 +113,7 @@ def test_who_does_what_the_page_says_has_a_keeper_that_reaches_the_ball(swarm, p
     says("Drag the ball to the middle of the field, and the keeper far to the left of it.")
     drag("ball", 0.0, 0.0)
     drag(ONE, -7.0, 0.0)
-    says("Drag whoever stands beside it out of the way.")
+    says("Drag any player beside it out of the way.")
     for i, name in enumerate(("keeper_2", "keeper_3", "taker_1", "taker_2")):
         there = entity(swarm, name)
         if math.dist((there.x, there.y), (-7.0, 0.0)) < 3.0:

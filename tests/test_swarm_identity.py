@@ -18,7 +18,7 @@ from hitab_client.run_folder import RunFolder, running_swarms
 from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_ros.exit_codes import FINAL
+from hitab_ros.exit_codes import DO_NOT_RESTART
 
 LONE = "swarm: lone\ndomain: keepaway\nagents: {lone: {}}\n"
 SOCCER = """\
@@ -88,7 +88,7 @@ def test_a_process_whose_name_is_taken_is_not_started_again_and_again(hitab, apa
         ended = {"EXITED", "FATAL"}
         assert within(60, lambda: process_states(record)[0]["statename"] in ended)
         (state,) = process_states(record)
-        assert (state["statename"], state["exitstatus"]) == ("EXITED", FINAL)
+        assert (state["statename"], state["exitstatus"]) == ("EXITED", DO_NOT_RESTART)
         log = (second.path / "supervisord.log").read_text()
         assert log.count("spawned: 'lone'") == 1
         ((_, other),) = [f for f in running_swarms() if f[0].path != second.path]

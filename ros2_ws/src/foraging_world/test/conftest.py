@@ -8,7 +8,7 @@ from foraging_world.body import ForagerBody
 from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
-from hitab_core.running.senses import resolved
+from hitab_core.running.feature_cache import resolved
 from hitab_core.use import Use
 from hitab_world.world import Placement
 

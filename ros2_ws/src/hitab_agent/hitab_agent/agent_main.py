@@ -13,7 +13,7 @@ from collections.abc import Callable
 from hitab_msgs.msg import AgentStatus
 
 from hitab_agent.agent_node import AgentNode
-from hitab_ros import Spinner, give_signs_of_life, refuse_second_of_name, run
+from hitab_ros import Spinner, check_name_is_free, give_signs_of_life, run
 
 
 def run_agent(make: Callable[[], AgentNode]) -> int:
@@ -29,7 +29,7 @@ def run_agent(make: Callable[[], AgentNode]) -> int:
     def start(spinning: Spinner) -> None:
         node = make()
         spinning.executor.add_node(node)
-        refuse_second_of_name(spinning, [node], AgentStatus)
+        check_name_is_free(spinning, [node], AgentStatus)
         node.join()
         give_signs_of_life(node, node.settings.swarm)
 

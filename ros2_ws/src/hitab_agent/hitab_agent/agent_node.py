@@ -28,10 +28,10 @@ from hitab_agent.training_topic import TrainingTopic
 from hitab_agent.transition_log import TransitionLog
 from hitab_agent.world_link import WorldLink
 from hitab_core import (
-    RESERVED,
+    RESERVED_NAMES,
     Agent,
-    Do,
     Domain,
+    Fix,
     HitabError,
     LostBehaviorError,
     Mode,
@@ -39,7 +39,7 @@ from hitab_core import (
     quantity,
     uses_actions,
 )
-from hitab_core.commanding import Subordinate
+from hitab_core.orders import Subordinate
 from hitab_ros import names
 from hitab_ros.conversions import use_of
 from hitab_ros.diagnostics import Diagnosis
@@ -127,7 +127,7 @@ class AgentNode(AgentBase):
     def resumed(self) -> dict[str, Any]:
         """Return what a restart resumes."""
         agent = self.agent
-        performed = agent.top if agent.mode is Mode.PERFORMING else agent.awaited
+        performed = agent.top if agent.mode is Mode.PERFORMING else agent.pending_behavior
         return {"behavior": str(performed or "")}
 
     def _begin(self, behavior: str) -> None:
@@ -143,7 +143,7 @@ class AgentNode(AgentBase):
             self.agent.perform(use)
         except HitabError as error:
             if isinstance(error, LostBehaviorError):
-                self.agent.awaited = use
+                self.agent.pending_behavior = use
             self._start_error = (
                 f'{self.agent_name} is idle: it cannot perform its start behavior "{behavior}": '
                 f"{error.problem}; have it perform something else, or give it the behavior"
@@ -298,7 +298,7 @@ class AgentNode(AgentBase):
         if self._unsettled or log.changed:
             path = self.agent.active_path
             # The agent leaves a flag state without a transition.
-            self._unsettled = bool(path) and path[-1] in RESERVED
+            self._unsettled = bool(path) and path[-1] in RESERVED_NAMES
             log.changed = False
             changed = True
             if path != self.status.path and not percept.look:
@@ -321,8 +321,8 @@ class AgentNode(AgentBase):
         """Say why its robot may not act, and cancel its goals, or go on with them."""
         why = self.stop.why if self.stop is not None else ""
         self.status.message.stopped = why
-        ways = [Do.GO()] if self.stop is not None and self.stop.is_emergency else []
-        self.guard.faults.set("stop", why, *ways, Do.ARM(robot=self.agent_name))
+        ways = [Fix.GO()] if self.stop is not None and self.stop.is_emergency else []
+        self.guard.faults.set("stop", why, *ways, Fix.ARM(robot=self.agent_name))
         if self.superior is not None:
             self.superior.subordinate.stopped = bool(why)
             self.superior.tell()

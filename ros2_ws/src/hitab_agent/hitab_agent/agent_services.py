@@ -17,8 +17,8 @@ from hitab_core import (
     BasicBehavior,
     BehaviorLibrary,
     Caution,
-    Do,
     Domain,
+    Fix,
     LibraryError,
     Mode,
     Request,
@@ -28,7 +28,7 @@ from hitab_core import (
     quantity,
     unknown,
 )
-from hitab_core.library import SUFFIX, broken_expectations
+from hitab_core.library import BEHAVIOR_SUFFIX, broken_expectations
 from hitab_core.training import Curriculum, TrainingSession
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Answered, Serve, answering
@@ -107,14 +107,14 @@ class AgentServices:
         if given_up:
             done.append(f"discarded {given_up}")
         agent, name, remedies = self._agent.name, session.curriculum.name, []
-        saved = self._agent.edition.files.get(name)
+        saved = self._agent.loaded.files.get(name)
         if saved is not None and not request.resume:
             examples = quantity(len(saved.automaton.examples), "example")
             done.append(f'saving it will replace the "{name}" in the library, with {examples}')
-            remedies.append(Do.TRAIN_FURTHER(agent=agent, behavior=name))
+            remedies.append(Fix.TRAIN_FURTHER(agent=agent, behavior=name))
         if not session.curriculum.features:
             done.append("no feature is chosen, so it cannot tell situations apart yet")
-            remedies += [Do.CHOOSE_FEATURES(agent=agent), Do.VOCABULARY(agent=agent)]
+            remedies += [Fix.CHOOSE_FEATURES(agent=agent), Fix.VOCABULARY(agent=agent)]
         response.remedies = remedy_messages(remedies)
         return "; ".join(done)
 
@@ -142,11 +142,11 @@ class AgentServices:
         done = f'{agent.name} is {agent.mode} "{agent.training}"'
         if agent.mode is Mode.TESTING and (open_ones := _open_questions(agent)):
             done += f"; it has {open_ones}"
-            response.remedies = remedy_messages([Do.QUESTIONS(agent=agent.name)])
+            response.remedies = remedy_messages([Fix.QUESTIONS(agent=agent.name)])
         if agent.mode is Mode.TESTING and (remarks := agent.remarks(look=True)):
             done += "".join(f"; but {remark}" for remark in remarks)
             response.remedies += remedy_messages(remark.remedy for remark in remarks)
-        saved = agent.edition.files.get(agent.training)
+        saved = agent.loaded.files.get(agent.training)
         if saved is not None and agent.mode is Mode.TESTING and agent.session is not None:
             learned = agent.session.automaton()
             done = "; but ".join([done, *broken_expectations(saved.expectations, learned)])
@@ -209,10 +209,10 @@ class AgentServices:
     def _training(self) -> TrainingSession:
         session = self._agent.session
         if session is None:
-            raise self._no_training(Do.RESUME, Do.TRAIN)
+            raise self._no_training(Fix.RESUME, Fix.TRAIN)
         return session
 
-    def _no_training(self, *ways: Do) -> TrainingError:
+    def _no_training(self, *ways: Fix) -> TrainingError:
         agent = self._agent.name
         return TrainingError("it is not training anything", *(do(agent=agent) for do in ways))
 
@@ -225,13 +225,13 @@ class AgentServices:
         agent = self._agent
         name = request.automaton or agent.training
         if not name:
-            raise self._no_training(Do.EXAMPLES_OF)
+            raise self._no_training(Fix.EXAMPLES_OF)
         known = agent.journal.costs()
         costs = [cost for cost in known if cost.automaton == name]
         if not costs and name == agent.training:
             raise TrainingError(
                 f'nothing was done yet in the training of "{name}"',
-                Do.DEMONSTRATE(agent=agent.name),
+                Fix.DEMONSTRATE(agent=agent.name),
             )
         if not costs:
             raise TrainingError(
@@ -249,7 +249,7 @@ class AgentServices:
             request.name, bindings, request.description, keep_unused=request.keep_unused
         )
         response.path = str(path)
-        response.digest = self._agent.edition.files[automaton.name].checksum
+        response.digest = self._agent.loaded.files[automaton.name].checksum
         response.trimmed = trimmed
         response.replaced = replaced
         saved = Use(automaton.name, automaton.parameters)
@@ -258,9 +258,9 @@ class AgentServices:
         done += f"; it had {open_ones}" if open_ones else ""
         done += "".join(f"; but {remark}" for remark in remarks)
         if open_ones or remarks:
-            further = Do.TRAIN_FURTHER(agent=agent.name, behavior=automaton.name)
+            further = Fix.TRAIN_FURTHER(agent=agent.name, behavior=automaton.name)
             response.remedies = remedy_messages([further, *(r.remedy for r in remarks)])
-        done = "; but ".join([done, *agent.edition.files[automaton.name].broken])
+        done = "; but ".join([done, *agent.loaded.files[automaton.name].broken])
         if performed and self._agent.mode is Mode.IDLE:
             done += f'; {self._agent.name} is idle now: it can no longer perform "{performed}"'
         return done
@@ -276,7 +276,7 @@ class AgentServices:
         done = f"{agent.name} performs {use or 'nothing'}"
         if agent.session is None:
             return done
-        response.remedies = remedy_messages([Do.RESUME(agent=agent.name)])
+        response.remedies = remedy_messages([Fix.RESUME(agent=agent.name)])
         examples = quantity(agent.unsaved, "example")
         return f'{done}; the training of "{agent.training}" ({examples}) is kept'
 
@@ -288,15 +288,15 @@ class AgentServices:
                 raise LibraryError(
                     f'"{request.path}" is not a folder here; give the absolute path of a library'
                 )
-            if any(folder.iterdir()) and not any(folder.glob(f"*{SUFFIX}")):
+            if any(folder.iterdir()) and not any(folder.glob(f"*{BEHAVIOR_SUFFIX}")):
                 raise LibraryError(
-                    f"{folder} contains files but no behaviors (*{SUFFIX}); give the path of a "
-                    "library, or of an empty folder for a new one"
+                    f"{folder} contains files but no behaviors (*{BEHAVIOR_SUFFIX}); give "
+                    "the path of a library, or of an empty folder for a new one"
                 )
             library = self._library(folder, self._agent.domain)
         response.behaviors = self._agent.reload(library)
-        response.digest = self._agent.edition.digest
-        broken = [text for file in self._agent.edition.files.values() for text in file.broken]
+        response.digest = self._agent.loaded.digest
+        broken = [text for file in self._agent.loaded.files.values() for text in file.broken]
         return "; but ".join([quantity(len(response.behaviors), "trained behavior"), *broken])
 
     def _get_vocabulary(
@@ -312,7 +312,7 @@ class AgentServices:
             msg.Behavior(
                 name=str(Use(b.name, b.parameters)),
                 description="; ".join([b.description, *map(str, domain.numbers_of(Use(b.name)))]),
-                trained=b.name in agent.edition.files,
+                trained=b.name in agent.loaded.files,
                 one_shot=isinstance(b, BasicBehavior) and b.one_shot,
                 numbers=number_messages(domain.numbers_of(Use(b.name))),
             )
@@ -342,7 +342,7 @@ def bindings_of(request: Any) -> dict[str, str]:
 def _open_questions(agent: Agent) -> str:
     """Return how many questions about a training are open, as far as known; empty: none."""
     session = agent.session
-    known = session.asked.known() if session is not None else []
+    known = session.questions.known() if session is not None else []
     if not known:
         return ""
     told = quantity(len(known), "open question")

@@ -7,7 +7,7 @@ import time
 from hitab_msgs import msg
 
 from hitab_agent.agent_base import AgentBase
-from hitab_core import Do, Request, TrainingError, some
+from hitab_core import Fix, Request, TrainingError, some
 from hitab_ros import RecentRequests, names, qos
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
@@ -59,7 +59,7 @@ class CommandReceiver:
                 stop = node.stop
                 if stop is not None and stop.why and not agent.repertoire.stands_still(use):
                     # The robot would not show what its examples say.
-                    raise TrainingError(stop.why, Do.ARM(robot=agent.name))
+                    raise TrainingError(stop.why, Fix.ARM(robot=agent.name))
                 request = Request(status.demonstrator, command.sequence)
                 taught = agent.command(
                     use,

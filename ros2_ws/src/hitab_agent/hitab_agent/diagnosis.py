@@ -20,7 +20,7 @@ def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
     unsure = f"unsure: {agent.monitor.unsure}" if agent.monitor.unsure else ""
     warnings = (status.refusal, unsure, status.notice, *agent.faults)
     found += [(Level.WARN, text) for text in warnings if text]
-    if not agent.context.senses.perceived and TICK not in faults:
+    if not agent.context.feature_cache.perceived and TICK not in faults:
         found.append((Level.STALE, "nothing perceived yet: no sensors, and no world"))
 
     def details() -> tuple[str, dict[str, object]]:
@@ -31,7 +31,7 @@ def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
             "active states": "/".join(agent.active_path),
             "cycle": agent.cycle,
             "domain": agent.domain.name,
-            "library": agent.edition.digest,
+            "library": agent.loaded.digest,
         }
         return f"{agent.mode}{behavior}", values
 

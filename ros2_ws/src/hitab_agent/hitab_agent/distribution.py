@@ -88,12 +88,12 @@ class Distributions:
         if request.start:
             agent.repertoire.check_state(use)
         agent.repertoire.get(use.name)  # unless it is unknown or lost
-        if use.name not in agent.edition.files:
+        if use.name not in agent.loaded.files:
             raise VocabularyError(
                 f'"{use.name}" does not need to be sent: it comes with domain '
                 f'"{agent.domain.name}", which its agents have'
             )
-        bundle = make_bundle(agent.edition.texts, agent.repertoire, use.name)
+        bundle = make_bundle(agent.loaded.texts, agent.repertoire, use.name)
         # The time of day makes it unique in the swarm, whichever agents distribute; simulated
         # time, which a node may use, stands still while a world is paused.
         response.sequence, response.digest = time.time_ns(), bundle.digest
@@ -109,5 +109,5 @@ class Distributions:
                 start=request.start,
             )
         )
-        broken = [text for name, _ in bundle.files for text in agent.edition.files[name].broken]
+        broken = [text for name, _ in bundle.files for text in agent.loaded.files[name].broken]
         return "; but ".join([f"sent {quantity(len(bundle.files), 'behavior')}", *broken])

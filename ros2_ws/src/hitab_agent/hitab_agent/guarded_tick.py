@@ -61,7 +61,7 @@ class GuardedTick:
             return NO_ACTION
         self.fault = ""
         self._show(TICK, "")
-        if lacking := "; ".join(agent.context.senses.lacking()):
+        if lacking := "; ".join(agent.context.feature_cache.lacking()):
             self._failed_in = self._doing
             lacking = f"{agent.name} decides without what it needs: {lacking}"
         self._show(VALUES, lacking)
@@ -82,7 +82,7 @@ class GuardedTick:
             self.fault = ""
             self._show(TICK, "")
             if self._guard.faults.text(VALUES):
-                self._agent.context.senses.missed.clear()
+                self._agent.context.feature_cache.missed.clear()
                 self._show(VALUES, "")
 
     @property
@@ -97,7 +97,7 @@ class GuardedTick:
 
 def failing(agent: Agent) -> str:
     """Return which features the domain's code fails to read, and why; empty: none."""
-    raised = agent.context.senses.failing().items()
+    raised = agent.context.feature_cache.failing().items()
     told = each_once((str(use), what_went_wrong(error)) for use, error in raised)
     way_out = "correct the domain and start the agent again"
     return f"cannot read {'; '.join(told)}; {way_out}" if told else ""

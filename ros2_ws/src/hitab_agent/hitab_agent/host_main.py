@@ -26,9 +26,9 @@ from hitab_agent.shared import Shared
 from hitab_ros import (
     NO_TYPE_DESCRIPTIONS,
     Spinner,
+    check_name_is_free,
     give_signs_of_life,
     make_node,
-    refuse_second_of_name,
     run,
 )
 
@@ -68,7 +68,7 @@ def start(spinning: Spinner) -> None:
         )
         spinning.executor.add_node(node)
         nodes.append(node)
-    refuse_second_of_name(spinning, nodes, AgentStatus)
+    check_name_is_free(spinning, nodes, AgentStatus)
     for node in nodes:
         node.join()
     for link in shared.links.values():

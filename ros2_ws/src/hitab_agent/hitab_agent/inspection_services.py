@@ -88,8 +88,8 @@ class InspectionServices:
         repertoire, library = self._agent.repertoire, self._agent.library
         name, domain = request.name, self._agent.domain
         # A behavior that was removed from the library may still have versions there.
-        answer.versions = library.shelf.versions(name) if name not in FLAGS else []
-        known = self._agent.edition.files
+        answer.versions = library.on_disk.versions(name) if name not in FLAGS else []
+        known = self._agent.loaded.files
         if name not in known and not request.version:
             behavior = repertoire.get(name)
             if isinstance(behavior, BasicBehavior):
@@ -103,14 +103,14 @@ class InspectionServices:
             answer.origin = Origin.HAND_WRITTEN
             answer.automaton = automaton_message(behavior, domain)
             return
-        file = library.shelf.version(name, request.version) if request.version else known[name]
+        file = library.on_disk.version(name, request.version) if request.version else known[name]
         answer.origin = Origin.TRAINED
         answer.version = file.provenance.version
         answer.created = file.provenance.created
         answer.note = _origin(file.provenance)
         answer.automaton = automaton_message(file.automaton, domain, classifier=file.classifier)
         if request.compare_with:
-            before = library.shelf.version(name, request.compare_with)
+            before = library.on_disk.version(name, request.compare_with)
             answer.difference = difference(before, file, self._agent.domain)
 
 

@@ -22,9 +22,16 @@ from typing import Any
 
 from hitab_agent.slices import Job, in_background
 from hitab_core import BehaviorLibrary, FolderInUseError, HitabError, Use
-from hitab_core.library import Bundle, Edition, Editions, digest_in, plan_bundle, read_bundle
+from hitab_core.library import (
+    Bundle,
+    LibraryReader,
+    LoadedLibrary,
+    digest_in,
+    plan_bundle,
+    read_bundle,
+)
 from hitab_core.library.commit import carry_out, forget, withdraw
-from hitab_core.library.durable_files import PATIENCE, file_errors, sync_trees
+from hitab_core.library.durable_files import LOCK_TIMEOUT_S, file_errors, sync_trees
 from hitab_ros.answering import what_went_wrong
 
 _RETRY_S = 0.01
@@ -46,7 +53,7 @@ class _Shelf:
     library: BehaviorLibrary
     receivers: list[Any] = field(default_factory=list)
     refused: dict[Any, str] = field(default_factory=dict)
-    edition: Edition | None = None
+    edition: LoadedLibrary | None = None
     note: bytes = b""
     generation: int = 0
 
@@ -54,10 +61,10 @@ class _Shelf:
         self.refused |= dict.fromkeys(self.receivers, what_went_wrong(error))
         self.edition, self.note = None, b""
 
-    def current(self) -> Edition:
+    def current(self) -> LoadedLibrary:
         """Return what the library holds now, even if it was changed after the plan."""
         if self.edition is None or self.generation != self.library.generation:
-            self.edition = self.library.edition(strict=False)
+            self.edition = self.library.loaded(strict=False)
             self.generation = self.library.generation
         return self.edition
 
@@ -86,7 +93,7 @@ class Intake:
         self._bundle = bundle
         self._start = start
         self._taken_in = taken_in
-        self._digests: dict[Edition, str] = {}
+        self._digests: dict[LoadedLibrary, str] = {}
         self._read_files: list[object] = []
         shelves: dict[BehaviorLibrary, _Shelf] = {}
         for receiver in receivers:
@@ -109,9 +116,9 @@ class Intake:
 
     def _read(self) -> Job:
         """Verify and learn the bundle, once per domain."""
-        groups: dict[Editions, list[_Shelf]] = {}
+        groups: dict[LibraryReader, list[_Shelf]] = {}
         for shelf in self._shelves:
-            groups.setdefault(shelf.library.editions, []).append(shelf)
+            groups.setdefault(shelf.library.reader, []).append(shelf)
         for editions, shelves in groups.items():
             reading = in_background(partial(read_bundle, self._bundle, editions))
             yield reading
@@ -124,7 +131,7 @@ class Intake:
     def _announce_all(self) -> Job:
         """Check each library and its agents, and announce its change to all processes."""
         waiting = deque(shelf for shelf in self._shelves if not shelf.refused)
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + LOCK_TIMEOUT_S
         while waiting:
             shelf = waiting.popleft()
             try:
@@ -184,7 +191,7 @@ class Intake:
                 why = f"{what_went_wrong(error)}; {_SAVED}"
         self._taken_in(receiver, self._sequence, digest, why)
 
-    def _digest_in(self, edition: Edition) -> str:
+    def _digest_in(self, edition: LoadedLibrary) -> str:
         if edition not in self._digests:
             names = [name for name, _ in self._bundle.files]
             self._digests[edition] = digest_in(edition, names)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from hitab_msgs import msg
 
-from hitab_core.commanding import Order
+from hitab_core.orders import Order
 from hitab_ros import GuardedNode, qos
 from hitab_ros.conversions import order_of
 

@@ -9,7 +9,7 @@ from typing import Any
 from hitab_msgs import msg
 
 from hitab_agent.deferred import Deferred
-from hitab_core.commanding import Report
+from hitab_core.orders import Report
 from hitab_ros import GuardedNode, qos
 from hitab_ros.conversions import report_message
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 
 from hitab_agent.order_subscriptions import OrderSubscriptions
-from hitab_core.commanding import Order
+from hitab_core.orders import Order
 
 Act = Callable[[], None]
 

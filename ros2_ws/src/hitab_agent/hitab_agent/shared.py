@@ -13,7 +13,7 @@ from hitab_agent.report_outbox import ReportOutbox
 from hitab_agent.services_on_demand import ServicesOnDemand
 from hitab_agent.ticker import Ticker
 from hitab_core import BehaviorLibrary, Domain, load_domain
-from hitab_core.library import Editions
+from hitab_core.library import LibraryReader
 from hitab_ros import GuardedNode, names
 from hitab_ros.diagnostics import Diagnostics
 
@@ -71,7 +71,7 @@ class Shared:
         self.told: set[str] = set()
         self._swarm = swarm
         self._libraries: dict[tuple[Path, int], BehaviorLibrary] = {}
-        self._editions: dict[int, Editions] = {}
+        self._editions: dict[int, LibraryReader] = {}
         if agents:
             node.guard.faults.changed = self._tell_all
             self.offer_on_demand(node, agents)
@@ -107,8 +107,8 @@ class Shared:
         """
         key = (folder, id(domain))  # the library found under it keeps the domain alive
         if key not in self._libraries:
-            editions = self._editions.setdefault(id(domain), Editions(domain))
-            self._libraries[key] = BehaviorLibrary(folder, domain, editions=editions)
+            editions = self._editions.setdefault(id(domain), LibraryReader(domain))
+            self._libraries[key] = BehaviorLibrary(folder, domain, reader=editions)
         return self._libraries[key]
 
     def domain(self, name: str) -> Domain:

@@ -151,14 +151,14 @@ class StatusPublisher:
         examples = session.examples if session else ()
         status.examples = len(examples)
         status.default_examples = sum(example.is_default for example in examples)
-        status.questions = len(session.asked.known()) if session else 0
+        status.questions = len(session.questions.known()) if session else 0
         status.remarks = len(agent.remarks())
         status.unsure = agent.monitor.unsure
         status.when_unsure = agent.monitor.caution.when_unsure.value
         status.unsure_distance = agent.monitor.caution.distance
         status.cycle = agent.cycle
-        status.perceived = agent.context.senses.perceived
-        status.library_digest = agent.edition.digest
+        status.perceived = agent.context.feature_cache.perceived
+        status.library_digest = agent.loaded.digest
         faults = self.faults
         status.faults = faults
         status.remedies = remedy_messages([*self._guard.faults.remedies, *agent.remedies])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_msgs import msg
 
 from hitab_agent.agent_base import AgentBase
-from hitab_core.commanding import Order, Report, Subordinate
+from hitab_core.orders import Order, Report, Subordinate
 from hitab_ros import names
 
 HEARTBEAT_S = 0.5

@@ -106,7 +106,7 @@ class TrainingTopic:
         self._publisher.publish(message)
 
     def _message(self, session: TrainingSession) -> msg.Training:
-        asked, history = session.asked, session.log.history
+        asked, history = session.questions, session.log.history
         searched = self._searched == self.revision
         if searched and (cost := self._agent.journal.unsaved()) is not None:
             self._cost = cost_message(cost)
@@ -152,6 +152,6 @@ def _marks(session: TrainingSession | None) -> tuple[Any, ...]:
     """Return what tells a change: the examples are others then, or the rest differs."""
     if session is None:
         return (None,)
-    known = [question.number for question in session.asked.known()]
-    more = len(session.asked.answered), session.perception.situations.news, session.remarks()
+    known = [question.number for question in session.questions.known()]
+    more = len(session.questions.answered), session.perception.situations.news, session.remarks()
     return session.examples, session, session.curriculum, known, more

@@ -17,7 +17,7 @@ from hitab_agent.slices import Slices
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.library import bundle, edition
+from hitab_core.library import bundle, loaded_library
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle
 from hitab_core.library.commit import COMMIT
@@ -54,7 +54,7 @@ def taught(folder: Path, name: str, *states: str, parameters: tuple[str, ...] = 
         teacher.sense([float(x)], [])
         teacher.command(Use.parse(state))
     teacher.save()
-    return make_bundle(teacher.edition.texts, teacher.repertoire, name)
+    return make_bundle(teacher.loaded.texts, teacher.repertoire, name)
 
 
 @dataclass
@@ -149,9 +149,9 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
         monkeypatch.setattr(module, name, counting)
 
     count(bundle, "bundle_digest", "digests")
-    count(edition, "read_behavior", "readings")
+    count(loaded_library, "read_behavior", "readings")
     count(TransitionTree, "fit", "trees")
-    count(edition, "Repertoire", "repertoires")
+    count(loaded_library, "Repertoire", "repertoires")
     count(intake, "sync_trees", "syncs")
     count(os, "fsync", "fsyncs")
     return counts
@@ -205,7 +205,7 @@ def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_
         # As a process would that is started now.
         if BehaviorLibrary(agent.library.folder, DOMAIN).texts() != dict(low.files):
             wrong.append(f"{ack.agent}: not in its library")
-        if (agent.name, ack.sequence, agent.edition.digest) not in statuses:
+        if (agent.name, ack.sequence, agent.loaded.digest) not in statuses:
             wrong.append(f"{ack.agent}: not in its status")
         real(ack)
 
@@ -273,7 +273,7 @@ def test_distributions_are_taken_in_in_the_order_in_which_they_came(host, tmp_pa
     host.send(first)
     host.send(second)
     host.answers()
-    assert {agent.edition.texts["Low"] for agent in host.agents} == {dict(second.files)["Low"]}
+    assert {agent.loaded.texts["Low"] for agent in host.agents} == {dict(second.files)["Low"]}
     host.settled()
     for agent in host.agents:
         assert BehaviorLibrary(agent.library.folder, DOMAIN).texts() == dict(second.files)
@@ -293,7 +293,7 @@ def test_whoever_performs_what_would_not_fit_keeps_what_it_knew_and_says_so(host
     host.answers()
     busy = host.agents[3]
     busy.perform(Use("Go", ("ball",)))
-    before = busy.edition
+    before = busy.loaded
     other = taught(tmp_path / "teacher", "Go", "Left")
     host.send(other)
     answers = host.answers()
@@ -301,7 +301,7 @@ def test_whoever_performs_what_would_not_fit_keeps_what_it_knew_and_says_so(host
     assert not refused.success
     assert 'could no longer perform "Go(ball)"' in refused.message
     assert {ack.success for ack in answers.values()} == {True}
-    assert busy.edition is before
+    assert busy.loaded is before
     assert busy.behavior == "Go(ball)"
     host.settled()
     kept = BehaviorLibrary(busy.library.folder, DOMAIN).texts()
@@ -322,7 +322,7 @@ def test_a_disk_that_does_not_take_it_leaves_memory_and_libraries_as_they_were(
     host.send(taught(tmp_path / "teacher", "Low", "Left"))
     host.answers()
     host.settled()
-    before = host.agents[0].edition.texts
+    before = host.agents[0].loaded.texts
 
     def failing(folders):
         raise OSError(5, "Input/output error")
@@ -334,9 +334,9 @@ def test_a_disk_that_does_not_take_it_leaves_memory_and_libraries_as_they_were(
             assert not ack.success
             assert "Input/output error" in ack.message
     for agent in host.agents:
-        assert agent.edition.texts == before
+        assert agent.loaded.texts == before
         assert agent.reload() == ["Low"]
-        assert agent.edition.texts == before
+        assert agent.loaded.texts == before
 
 
 def test_a_library_that_somebody_else_holds_is_waited_for_and_holds_up_no_cycle(host, tmp_path):
@@ -369,8 +369,8 @@ def test_a_save_while_a_distribution_is_under_way_loses_neither(host, tmp_path):
     host.send(low)
     host.answers()
     host.settled()
-    assert {"Low", "Own"} == {*saver.edition.files}
-    assert BehaviorLibrary(saver.library.folder, DOMAIN).texts() == saver.edition.texts
+    assert {"Low", "Own"} == {*saver.loaded.files}
+    assert BehaviorLibrary(saver.library.folder, DOMAIN).texts() == saver.loaded.texts
 
 
 def test_a_job_that_fails_does_not_keep_others_from_being_done(process):

@@ -50,7 +50,7 @@ class Walkers:
         return BehaviorLibrary(self.folder / name / "library", DOMAIN)
 
     def damage(self, name: str, behavior: str) -> None:
-        path = self.library(name).shelf.file(behavior)
+        path = self.library(name).on_disk.file(behavior)
         data = path.read_bytes()
         path.write_bytes(data[: len(data) // 2])
 
@@ -73,7 +73,7 @@ def give(walkers: Walkers, name: str) -> None:
     teacher = walkers.start("teacher")
     teach(teacher, "Walk", "Go")
     teach(teacher, "Stroll", "Walk", "Wait")
-    walkers.library(name).install(teacher.agent.edition.texts)
+    walkers.library(name).install(teacher.agent.loaded.texts)
 
 
 def test_it_is_up_idles_says_why_and_begins_once_the_behavior_is_back(walkers: Walkers) -> None:

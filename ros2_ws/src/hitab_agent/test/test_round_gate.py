@@ -3,7 +3,7 @@
 import pytest
 
 from hitab_agent import RoundGate
-from hitab_core.commanding import Order
+from hitab_core.orders import Order
 
 CAPTAIN = "/captain/order"
 

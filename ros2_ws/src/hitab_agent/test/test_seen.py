@@ -27,7 +27,7 @@ from hitab_core import (
     Use,
 )
 from hitab_ros import names
-from hitab_ros.diagnostics import SHOWN_MAX, Diagnosis, Level, shown
+from hitab_ros.diagnostics import STATUSES_MAX, Diagnosis, Level, shown
 from hitab_ros.testing import NumberBody
 
 
@@ -159,4 +159,4 @@ def test_of_many_agents_a_message_shows_the_worst():
     summary, first, *rest = shown(fine + ill + dead, "/host")
     assert (summary.level, summary.message) == (bytes([Level.ERROR]), "1000 OK, 100 WARN, 1 ERROR")
     assert (first.name, first.message) == ("hitab: d", "dead (and 1 more)")
-    assert len(rest) == SHOWN_MAX - 1
+    assert len(rest) == STATUSES_MAX - 1

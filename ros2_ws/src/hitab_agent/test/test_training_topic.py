@@ -131,7 +131,7 @@ def test_other_things_are_done_while_questions_are_looked_for(
         yield from search()
 
     monkeypatch.setattr(session, "search", slow)
-    trained.topic.searched = lambda: found.append(len(session.asked.find()))
+    trained.topic.searched = lambda: found.append(len(session.questions.find()))
     trained.subscribe()
     trained.until(lambda it: it.automaton.name)
     trained.process.meanwhile(done)

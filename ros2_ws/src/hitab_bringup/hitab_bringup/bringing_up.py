@@ -19,7 +19,7 @@ from hitab_bringup.swarm_description import SwarmDescription
 from hitab_bringup.swarm_file import parameter_places
 from hitab_bringup.unsaved_trainings import announcements
 from hitab_client import (
-    CommandView,
+    CommanderView,
     DescriptionError,
     NamesTakenError,
     RosLink,
@@ -30,10 +30,10 @@ from hitab_client import (
     WorldClient,
     domain_ids,
 )
-from hitab_client.commands import called, with_commands
+from hitab_client.cli_remedies import called, with_commands
 from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
-from hitab_core import Do, each_once, some
+from hitab_core import Fix, each_once, some
 
 START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
@@ -216,7 +216,7 @@ def _answering(
         agents = SwarmClient(link, record.agents, prefix=prefix, identity=identity)
         agents.watch_all()
         world = WorldClient(link, prefix=prefix, identity=identity, started_by_it=record.world)
-        view = CommandView(link, prefix)
+        view = CommanderView(link, prefix)
         # Otherwise a commander starts with the members that it knows, and the others join later.
         commanders = [c.name for c in swarm.commanders] if _is_exact(swarm) else []
         view.watch(commanders)
@@ -250,7 +250,7 @@ def _answering(
             raise SwarmError(
                 f"{some(names)} did not answer within {allowed:g} s; the end of "
                 f"{folder.log(names[0])}:\n{lines}",
-                Do.DOCTOR(),
+                Fix.DOCTOR(),
             )
         yield starting
 
@@ -300,7 +300,7 @@ def _to_know(
     world = running.world.status
     begins_paused = swarm.world is not None and swarm.world.paused
     if world is not None and world.mode == WorldState.PAUSED and not begins_paused:
-        yield with_commands("the world is still paused, as it was before", [Do.RESUME_WORLD()])
+        yield with_commands("the world is still paused, as it was before", [Fix.RESUME_WORLD()])
     yield from announcements(agents.statuses.values(), folder.path, record.commanders)
 
 
@@ -336,7 +336,7 @@ def _await_commanders(
     takes a large swarm longer. In lockstep that was waited for already.
     """
     commanders = [] if _is_exact(swarm) else [c.name for c in swarm.commanders]
-    view = CommandView(link, record.namespace, record.identity)
+    view = CommanderView(link, record.namespace, record.identity)
     view.watch(commanders)
 
     def complete() -> bool:

@@ -14,7 +14,7 @@ from hitab_bringup.swarm_lines import CommanderLine
 from hitab_bringup.swarm_words import Words
 from hitab_commander import CommanderKind, OrderMap
 from hitab_core import Use, has, unknown
-from hitab_core.commanding import OTHERS
+from hitab_core.orders import ALL_OTHERS
 
 Member = TypeVar("Member", bound=AgentDescription)
 Complain = Callable[[str, str, str], None]
@@ -138,7 +138,7 @@ class CommandTree:
         kind = self._kinds.get(line.kind)
         if kind is not None and not kind.orders:
             shared = self._shared_behaviors(key, share)
-            orders = tuple(OrderMap(name, {OTHERS: name}) for name in shared)
+            orders = tuple(OrderMap(name, {ALL_OTHERS: name}) for name in shared)
             described = {**kind.described, "orders": {name: name for name in shared}}
             kind = replace(kind, orders=orders, described=described)
         kind = kind or CommanderKind(line.kind, ())
@@ -167,7 +167,7 @@ class CommandTree:
         if not order.covers(member.role):
             yield f'has no behavior for role "{member.role}"; add it, or `others:`'
             return
-        for receiver in {member.role, order.parameter or OTHERS}:
+        for receiver in {member.role, order.parameter or ALL_OTHERS}:
             if not (behavior := order.for_role(receiver)):
                 continue
             use, known = Use.parse(behavior), self._words.repertoire(member)

@@ -20,7 +20,7 @@ from hitab_bringup.libraries import copy_library
 from hitab_bringup.opened_library import open_library
 from hitab_bringup.swarm_options import described_swarm
 from hitab_client import console
-from hitab_client.commands import called
+from hitab_client.cli_remedies import called
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
 from hitab_client.shipped import find_file
 from hitab_core import HitabError, has, quantity

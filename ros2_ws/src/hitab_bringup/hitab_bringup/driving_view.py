@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from hitab_client import console
-from hitab_client.commands import as_command
-from hitab_core import START, Do, quantity
+from hitab_client.cli_remedies import as_command
+from hitab_core import START, Fix, quantity
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import AgentStatus
@@ -37,7 +37,7 @@ def lines(
         for fault in status.faults[:FAULTS_MAX]:
             yield console.line(f"  {fault}", "yellow")
     if agent in silent:
-        logs = as_command(Do.LOGS(node=agent))
+        logs = as_command(Fix.LOGS(node=agent))
         yield console.line(f"  it has been silent for {silent[agent]:.0f} s; {logs}", "yellow")
     if who := demonstrator.switch.known.who:
         yield console.line(f"EMERGENCY STOP by {who}: G releases the robots", "bold red")
@@ -52,7 +52,7 @@ def lines(
         f"error: {demonstrator.said}" if demonstrator.failed else demonstrator.said or " ",
         "red" if demonstrator.failed else "green",
     )
-    yield from _asking(demonstrator) if demonstrator.asked is not None else _keys(demonstrator)
+    yield from _asking(demonstrator) if demonstrator.prompt is not None else _keys(demonstrator)
     if help_wanted:
         yield from _help()
     else:
@@ -92,7 +92,7 @@ def _keys(demonstrator: Demonstrator) -> Iterator[Text]:
 
 
 def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
-    asked = demonstrator.asked
+    asked = demonstrator.prompt
     assert asked is not None
     if asked.number is not None:
         yield console.line(
@@ -106,11 +106,11 @@ def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
 
 
 def _help() -> Iterator[Text]:
-    from hitab_client.demonstrating import ACTIONS, keyboard
+    from hitab_client.demonstrating import KEY_ACTIONS, keyboard
 
     yield console.line("digits, letters  command a behavior (in training), or have it performed")
     for key, action in keyboard.ACTION_KEYS.items():
-        yield console.line(f"{SPACE if key == ' ' else key:<16} {ACTIONS[action]}")
+        yield console.line(f"{SPACE if key == ' ' else key:<16} {KEY_ACTIONS[action]}")
     yield console.line("arrows           drive by hand while held; with Shift to the sides")
     yield console.line("?                hide this help")
     yield console.line("Ctrl-C           end; the agents go on")

@@ -99,7 +99,7 @@ def part_of(
     automata = opened.load()
     versions = versions or {}
     for name, number in versions.items():
-        automata[name] = opened.shelf.version(name, number).automaton
+        automata[name] = opened.on_disk.version(name, number).automaton
     repertoire = Repertoire(opened.domain, automata)
     if use is not None:
         if use.name not in repertoire:
@@ -219,7 +219,7 @@ class Cast:
                     name
                     for name in agents
                     if (library := self._libraries[name])
-                    and number in open_library(library).shelf.versions(behavior)
+                    and number in open_library(library).on_disk.versions(behavior)
                 ]
                 for name in having or agents:  # the first is refused with what it has
                     self._versions.setdefault(name, {})[behavior] = number

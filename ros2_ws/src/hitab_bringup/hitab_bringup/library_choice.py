@@ -16,7 +16,7 @@ from hitab_client.run_folder import WORLD_FILES, libraries_of, running_swarms, s
 from hitab_client.shipped import shipped_folders
 from hitab_client.swarm_choice import find_meant, name_to_choose
 from hitab_core import HitabError, LibraryError, has, load_domain
-from hitab_core.library import SUFFIX
+from hitab_core.library import BEHAVIOR_SUFFIX
 
 
 def known_libraries() -> dict[str, Path]:
@@ -31,7 +31,7 @@ def known_libraries() -> dict[str, Path]:
 
 def holds_behaviors(folder: Path) -> bool:
     """Return whether a folder has any behavior files."""
-    return any(folder.glob(f"*{SUFFIX}"))
+    return any(folder.glob(f"*{BEHAVIOR_SUFFIX}"))
 
 
 def shipped_libraries() -> dict[str, Path]:
@@ -113,11 +113,13 @@ def library_meant(
         SwarmError: if there is no such agent or swarm.
     """
     libraries = libraries_meant(library, agent, swarm)
-    having = {f: a for f, a in libraries.items() if not name or (f / f"{name}{SUFFIX}").exists()}
+    having = {
+        f: a for f, a in libraries.items() if not name or (f / f"{name}{BEHAVIOR_SUFFIX}").exists()
+    }
     if len(libraries) == 1:
         return next(iter(libraries))
     if not having:
-        saved = {file.removesuffix(SUFFIX) for f in libraries for file, _ in _files(f)}
+        saved = {file.removesuffix(BEHAVIOR_SUFFIX) for f in libraries for file, _ in _files(f)}
         raise LibraryError(f'no library of the swarm has "{name}" {has(saved, name)}')
     owners = [agents[0] for agents in having.values()]
     if not _are_equal(having, name):
@@ -137,7 +139,7 @@ def _are_equal(libraries: Iterable[Path], name: str = "") -> bool:
 
 
 def _files(folder: Path, name: str = "") -> frozenset[tuple[str, bytes]]:
-    pattern = f"{name or '*'}{SUFFIX}"
+    pattern = f"{name or '*'}{BEHAVIOR_SUFFIX}"
     return frozenset((path.name, path.read_bytes()) for path in folder.glob(pattern))
 
 

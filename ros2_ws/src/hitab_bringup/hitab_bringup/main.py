@@ -17,7 +17,7 @@ import typer
 
 from hitab_bringup.help_pages import HelpfulGroup, make_helpful
 from hitab_client import console, interruptions
-from hitab_client.commands import called
+from hitab_client.cli_remedies import called
 from hitab_client.ros_environment import refuse_problems
 from hitab_core import HitabError, installed_version
 

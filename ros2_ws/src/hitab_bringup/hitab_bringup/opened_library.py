@@ -8,7 +8,7 @@ from pathlib import Path
 from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
 from hitab_core import BehaviorLibrary, HitabError, LibraryError, named_domain
-from hitab_core.library import SUFFIX
+from hitab_core.library import BEHAVIOR_SUFFIX
 from hitab_core.library.yaml_places import open_yaml
 
 
@@ -45,8 +45,8 @@ def domain_in(folder: Path) -> str | None:
 
 def _behavior_files(folder: Path) -> Iterator[Path]:
     """Yield the behavior files, then their kept versions, the newest first."""
-    yield from sorted(folder.glob(f"*{SUFFIX}"))
-    yield from sorted(folder.glob(f".versions/*/*{SUFFIX}"), reverse=True)
+    yield from sorted(folder.glob(f"*{BEHAVIOR_SUFFIX}"))
+    yield from sorted(folder.glob(f".versions/*/*{BEHAVIOR_SUFFIX}"), reverse=True)
 
 
 def _domain_of(path: Path) -> str | None:
@@ -60,10 +60,13 @@ def _domain_of(path: Path) -> str | None:
 def _without_domain(folder: Path) -> str:
     """Return why a folder cannot be opened."""
     wrong = []
-    for path in sorted(folder.glob(f"*{SUFFIX}")):
+    for path in sorted(folder.glob(f"*{BEHAVIOR_SUFFIX}")):
         try:
             open_yaml(path)
             wrong.append(f"{path}: does not name its domain; restore it from a copy")
         except LibraryError as error:
             wrong.append(str(error))
-    return "\n".join(wrong) or f"{folder}: has no behaviors (files whose names end in {SUFFIX})"
+    return (
+        "\n".join(wrong)
+        or f"{folder}: has no behaviors (files whose names end in {BEHAVIOR_SUFFIX})"
+    )

@@ -26,9 +26,9 @@ from hitab_client import RunFolder, RunRecord, SwarmError
 from hitab_client.dds_profile import RANGE, choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import MARK
-from hitab_client.run_processes import ENDED, answers, process_states
+from hitab_client.run_processes import ENDED_STATES, answers, process_states
 from hitab_client.swarm_choice import way_to_stop
-from hitab_ros.exit_codes import FINAL
+from hitab_ros.exit_codes import DO_NOT_RESTART
 
 STOP_SECONDS = 10.0
 
@@ -149,7 +149,7 @@ def _await_answer(
         time.sleep(0.01)
 
 
-FAILED = (*ENDED, "BACKOFF")
+FAILED = (*ENDED_STATES, "BACKOFF")
 
 
 def refuse_failed(record: RunRecord, folder: RunFolder) -> None:
@@ -165,7 +165,7 @@ def refuse_failed(record: RunRecord, folder: RunFolder) -> None:
 
 def _failure(process: str, exit_code: int, folder: RunFolder) -> str:
     lines = folder.tail(process)
-    if exit_code == FINAL and lines:
+    if exit_code == DO_NOT_RESTART and lines:
         return f"{process}: {lines[-1].removeprefix('error: ')} (log: {folder.log(process)})"
     told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (empty)"
     # How, as in "exit status 127" or "terminated by SIGSEGV", is only in the supervisor's log.

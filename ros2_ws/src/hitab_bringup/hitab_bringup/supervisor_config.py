@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hitab_bringup.swarm_description import Process
-from hitab_ros.exit_codes import FINAL, FINAL_AFTER
+from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 
 SOCKET_VARIABLE = "HITAB_SUPERVISOR_SOCKET"
 """Environment variable of supervisord with the path of the socket where it listens."""
@@ -66,7 +66,7 @@ command=/bin/sh {COMMANDS}/{name}
 environment={FINAL_AFTER}="{START_SECONDS}"
 startsecs={START_SECONDS}
 startretries=12
-exitcodes={FINAL}
+exitcodes={DO_NOT_RESTART}
 stopwaitsecs=5
 stopasgroup=true
 killasgroup=true

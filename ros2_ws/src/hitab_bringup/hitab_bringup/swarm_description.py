@@ -44,7 +44,7 @@ from typing import Any
 
 from hitab_client import DescriptionError
 from hitab_commander import CommanderKind
-from hitab_core import NAME, NAME_RULE
+from hitab_core import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 
 PACES = ("lockstep", "realtime")
 AGENT = "{agent}"
@@ -225,8 +225,10 @@ class SwarmDescription:
             DescriptionError: if that is not a namespace.
         """
         parts = namespace.strip("/").split("/")
-        if not all(NAME.match(part) for part in parts):
-            raise DescriptionError(f'"{namespace}" is not a namespace; {NAME_RULE}, such as left')
+        if not all(VOCABULARY_NAME.match(part) for part in parts):
+            raise DescriptionError(
+                f'"{namespace}" is not a namespace; {VOCABULARY_NAME_RULE}, such as left'
+            )
         return replace(self, name="_".join((self.name, *parts)), namespace="/" + "/".join(parts))
 
     def with_sim_time(self) -> SwarmDescription:

@@ -35,7 +35,7 @@ from hitab_client.run_folder import state_home
 from hitab_commander import CommanderKind, KindRecord, kind_in, read_kind
 from hitab_commander.commander_domain import commander_domain
 from hitab_core import HitabError, has
-from hitab_core.library import SUFFIX
+from hitab_core.library import BEHAVIOR_SUFFIX
 from hitab_core.library.yaml_models import open_record
 from hitab_core.library.yaml_places import Complaints, open_yaml, read_text, read_yaml
 from hitab_ros.names import WORLD
@@ -65,7 +65,7 @@ def read_swarm(path: Path, run_dir: Path | None = None) -> SwarmDescription:
     Raises:
         DescriptionError: naming everything that is wrong, by file and line.
     """
-    if path.name.endswith(SUFFIX):
+    if path.name.endswith(BEHAVIOR_SUFFIX):
         raise DescriptionError(f"{path}: this is the file of a behavior, not a swarm file")
     return parse_swarm(read_text(path, error=DescriptionError), path, run_dir)
 
@@ -86,8 +86,8 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
     name = file.swarm or path.stem
     # In a namespace its name, and so its run folder's, is longer.
     runs = (run_dir,) if run_dir is not None else state_home().glob(f"{name}*")
-    kept = (file for run in runs for file in run.glob(f"libraries/*/*{SUFFIX}"))
-    words = Words(frozenset(file.name.removesuffix(SUFFIX) for file in kept))
+    kept = (file for run in runs for file in run.glob(f"libraries/*/*{BEHAVIOR_SUFFIX}"))
+    words = Words(frozenset(file.name.removesuffix(BEHAVIOR_SUFFIX) for file in kept))
     return _Reader(file, Complaints(document), path, words).swarm(name)
 
 

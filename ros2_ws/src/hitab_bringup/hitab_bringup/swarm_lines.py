@@ -30,7 +30,7 @@ from pydantic import AfterValidator, Field, PlainValidator, model_validator
 
 from hitab_bringup.swarm_description import AGENT, PACES, SIM_TIME
 from hitab_commander import KindRecord
-from hitab_core import NAME, NAME_RULE
+from hitab_core import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 from hitab_core.library.yaml_models import (
     NONE_IS_EMPTY,
     Format,
@@ -54,8 +54,8 @@ _ROS_NAME = re.compile(rf"(~/|/)?{_PART}(/{_PART})*")
 
 
 def _name(text: str) -> str:
-    if NAME.match(text) is None:
-        raise ValueError(f'"{text}" is not a name; {NAME_RULE}')
+    if VOCABULARY_NAME.match(text) is None:
+        raise ValueError(f'"{text}" is not a name; {VOCABULARY_NAME_RULE}')
     return text
 
 

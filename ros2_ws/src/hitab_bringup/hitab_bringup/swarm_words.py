@@ -16,7 +16,7 @@ from hitab_core import (
     load_domain,
     unknown,
 )
-from hitab_core.library import SUFFIX
+from hitab_core.library import BEHAVIOR_SUFFIX
 
 Repertoire = Mapping[str, tuple[str, ...]]
 """The parameters of behaviors, by name."""
@@ -113,4 +113,4 @@ def _folders(member: AgentDescription) -> list[Path]:
 
 def _in(folder: Path) -> list[str]:
     """Return the names of the behaviors in a folder."""
-    return [path.name.removesuffix(SUFFIX) for path in folder.glob(f"*{SUFFIX}")]
+    return [path.name.removesuffix(BEHAVIOR_SUFFIX) for path in folder.glob(f"*{BEHAVIOR_SUFFIX}")]

@@ -17,8 +17,8 @@ from pathlib import Path
 
 from hitab_msgs.msg import AgentStatus
 
-from hitab_client.commands import with_commands
-from hitab_core import Do, natural, quantity
+from hitab_client.cli_remedies import with_commands
+from hitab_core import Fix, natural, quantity
 from hitab_core.training import JOURNAL_FILE, TrainingJournal
 
 UNSAVED = "unsaved"
@@ -79,7 +79,7 @@ def announcements(
             told = f'{agent} resumes the training of "{status.behavior}"'
             told += f" ({quantity(status.examples, 'example')}) and waits for commands"
             told += "; its group waits for its orders" if agent in commanders else ""
-            ways = [Do.TEST(agent=agent), Do.SAVE(agent=agent), Do.DISCARD(agent=agent)]
+            ways = [Fix.TEST(agent=agent), Fix.SAVE(agent=agent), Fix.DISCARD(agent=agent)]
             sentences.append(with_commands(told, ways if status.examples else ways[2:]))
     for agent, library in waiting(folder):
         own = library.is_relative_to(folder / "libraries")

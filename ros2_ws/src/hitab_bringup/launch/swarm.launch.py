@@ -23,7 +23,7 @@ from hitab_client.dds_profile import choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import RunFolder
 from hitab_core import HitabError
-from hitab_ros.exit_codes import FINAL
+from hitab_ros.exit_codes import DO_NOT_RESTART
 from launch import LaunchContext, LaunchDescription
 
 try:
@@ -107,7 +107,7 @@ def type_of(value: Any) -> Any:
 
 def shut_down_if_final(event: ProcessExited, context: LaunchContext) -> Shutdown | None:
     """Shut everything down if restarting a process would not help."""
-    if event.returncode != FINAL:
+    if event.returncode != DO_NOT_RESTART:
         return None
     return Shutdown(reason=f"{event.process_name} cannot start; see its error above")
 

@@ -11,7 +11,7 @@ from hitab_bringup.opened_library import open_library
 from hitab_bringup.swarm_file import parse_swarm
 from hitab_bringup.swarm_processes import processes
 from hitab_bringup.verbs.hierarchy import line_of
-from hitab_client.command_view import tree_of
+from hitab_client.commander_view import tree_of
 from hitab_client.errors import DescriptionError
 
 HERE = Path("/somewhere/team.yaml")

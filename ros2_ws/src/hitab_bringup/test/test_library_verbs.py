@@ -176,7 +176,7 @@ def test_an_import_says_what_it_replaces_before_and_after(lib: Path, tmp_path: P
     assert "accepted other/Keepaway.hfa.yaml" in done(
         "library", "accept", "other/Keepaway.hfa.yaml"
     )
-    number = library_of(other).shelf.versions("Keepaway")[-1]
+    number = library_of(other).on_disk.versions("Keepaway")[-1]
     replaced = f"version {number + 1}, replaces version {number} (8 examples)"
     before = {path: path.read_bytes() for path in other.rglob("*") if path.is_file()}
     text = done("library", "import", "all.yaml", "-l", "other", "--dry-run")
@@ -328,7 +328,7 @@ def test_an_earlier_version_is_compared_with_those_who_have_it(home: Path) -> No
         )
     taught = library_of(home / "keepaway_trained/libraries/keeper_2")
     taught.save(taught.load()["Keepaway"])
-    number = taught.shelf.versions("Keepaway")[-1]
+    number = taught.on_disk.versions("Keepaway")[-1]
     cast = Cast(swarm("keepaway_trained"))
     cast.choose_libraries([f"Keepaway@{number}"])
     versions = {name: part.versions for name, part in cast.parts().items()}

@@ -38,7 +38,7 @@ from hitab_bringup import (
     value_of,
 )
 from hitab_client import LessonError, WorldView
-from hitab_client.commands import called
+from hitab_client.cli_remedies import called
 from hitab_client.lessons import Condition
 from hitab_client.shipped import find_file
 from hitab_core import BehaviorLibrary, ExampleKind, HitabError, has, quantity

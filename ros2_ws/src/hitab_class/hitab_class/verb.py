@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.command_options import JsonPath, SwarmName
+from hitab_client.cli_options import JsonPath, SwarmName
 from hitab_client.shipped import find_file, shipped_names
 from hitab_core import quantity
 

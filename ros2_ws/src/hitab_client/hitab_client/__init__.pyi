@@ -1,5 +1,5 @@
-from . import command_options as command_options
-from . import commands as commands
+from . import cli_options as cli_options
+from . import cli_remedies as cli_remedies
 from . import completion as completion
 from . import console as console
 from . import dds_profile as dds_profile
@@ -15,9 +15,9 @@ from . import shipped as shipped
 from . import swarm_choice as swarm_choice
 from .acknowledgements import DistributionReport as DistributionReport
 from .angles import as_direction as as_direction
-from .command_view import Branch as Branch
-from .command_view import CommandView as CommandView
-from .command_view import tree_of as tree_of
+from .commander_view import Branch as Branch
+from .commander_view import CommanderView as CommanderView
+from .commander_view import tree_of as tree_of
 from .errors import DescriptionError as DescriptionError
 from .errors import LessonError as LessonError
 from .errors import NamesTakenError as NamesTakenError

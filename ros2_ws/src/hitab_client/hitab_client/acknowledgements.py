@@ -15,7 +15,7 @@ QUIET_SECONDS = 10.0
 """Without a new acknowledgement for this long, the missing ones will not come."""
 
 HEARING_SECONDS = 2.0
-"""How long to wait for the acknowledgement topics to connect."""
+"""Timeout for the acknowledgement topics to connect, s."""
 
 
 @dataclass
@@ -40,7 +40,7 @@ class DistributionReport:
 
     @property
     def missing(self) -> dict[str, str]:
-        """Why the other receivers do not have it."""
+        """Reasons why the other receivers do not have the behavior."""
         refusing = {n: f"refuses: {w.removeprefix(f'{n} ')}" for n, w in self.refused.items()}
         return refusing | dict.fromkeys(self.silent, "does not answer")
 

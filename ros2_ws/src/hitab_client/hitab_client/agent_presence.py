@@ -1,4 +1,4 @@
-"""Who of a swarm is there: waits for agents, and says why one does not answer."""
+"""Presence of agents: waits for them, and says why one does not answer."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import Do, has, some
-from hitab_ros import names, qos, refuse_other_definitions
+from hitab_core import Fix, has, some
+from hitab_ros import check_same_message_version, names, qos
 
 DISCOVERY_SECONDS = 8.0
 """Nodes usually discover each other within a second, but it may take several."""
@@ -24,8 +24,8 @@ DISCOVERY_SECONDS_EACH = 0.02
 WATCHED_MAX = 100
 """In a larger swarm only the requested agents are watched."""
 
-LOOK_SECONDS = 0.25
-"""Between two looks at topics and processes, which cost more than an event from DDS."""
+PRESENCE_CHECK_SECONDS = 0.25
+"""Period of checks of topics and processes, s; they cost more than an event from DDS."""
 
 LOOK_SECONDS_EACH = 0.002
 """Added per agent of a swarm: the look at the topics of a thousand takes 0.1 s."""
@@ -41,7 +41,7 @@ class AgentPresence:
         link: the node to use.
         expected: names of the expected agents, if known.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
         processes: of the swarm; they show why an agent does not answer.
 
     Attributes:
@@ -156,7 +156,7 @@ class AgentPresence:
             seconds + self.more_seconds,
             waiting_for=lambda: some(sorted(self._awaited(wanted))) or "agents to appear",
         )
-        refuse_other_definitions(self.link.node)
+        check_same_message_version(self.link.node)
         return self.agents()
 
     def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
@@ -193,11 +193,11 @@ class AgentPresence:
             return self._is_large or (bool(self.statuses) and not self._awaited(self.expected))
 
         self.link.spin_until(decided, seconds, waiting_for=lambda: agent)
-        refuse_other_definitions(self.link.node)
+        check_same_message_version(self.link.node)
 
     @property
     def more_seconds(self) -> float:
-        """What to add to the time for which a node of the swarm is waited for."""
+        """Extra time, s, for which a node of the swarm is waited for."""
         return DISCOVERY_SECONDS_EACH * len(self.expected)
 
     @property
@@ -217,7 +217,7 @@ class AgentPresence:
         now = time.monotonic()
         if now < self._looks_at:
             return False
-        self._looks_at = now + LOOK_SECONDS + LOOK_SECONDS_EACH * len(self.expected)
+        self._looks_at = now + PRESENCE_CHECK_SECONDS + LOOK_SECONDS_EACH * len(self.expected)
         return True
 
     @property
@@ -233,8 +233,8 @@ class AgentPresence:
             pid = self.processes.pid(agent)
             running = f"; its process ({pid}) still runs" if pid else ""
             silent = f"{agent} has been silent for {round(waited, 1):g} s"
-            return SwarmError(f"{silent}{running}", Do.LOGS(node=agent))
+            return SwarmError(f"{silent}{running}", Fix.LOGS(node=agent))
         known = {*self.statuses, *self.expected}
         if not known:
-            return SwarmError(f'no agent "{agent}" answers, and no other does', Do.UP())
-        return SwarmError(f'no agent "{agent}" answers {has(known, agent)}', Do.STATUS())
+            return SwarmError(f'no agent "{agent}" answers, and no other does', Fix.UP())
+        return SwarmError(f'no agent "{agent}" answers {has(known, agent)}', Fix.STATUS())

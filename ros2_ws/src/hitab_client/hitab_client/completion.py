@@ -1,4 +1,4 @@
-"""What the shell offers when it completes names: what the run registry knows, without ROS."""
+"""Completion of names in the shell, from the run registry, without ROS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the command prints: messages and progress on stderr, results and JSON on stdout."""
+"""Output of the command: messages and progress on stderr, results and JSON on stdout."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_client.commands import with_commands
+from hitab_client.cli_remedies import with_commands
 from hitab_core import HitabError
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 SECONDS_BELOW = 2.0
-"""Between two states that are shown one below the other."""
+"""Separator of two states shown one below the other."""
 
 PIPED_WIDTH = 10_000
 """Columns, if the output is no terminal: then nothing has to fit."""

@@ -22,10 +22,10 @@ RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 HERE, BY_PROFILE = "LOCALHOST", "SYSTEM_DEFAULT"
 
 LOOPBACK = Path(__file__).with_name("dds_loopback.xml")
-"""For processes on this machine only."""
+"""Profile for processes on this machine only."""
 
 NETWORK = Path(__file__).with_name("dds_network.xml")
-"""For communication with other machines."""
+"""Profile for communication with other machines."""
 
 PORTS = 120
 """Maximum number of processes with their own ports in a ROS domain."""

@@ -17,7 +17,7 @@ def chosen_by_user() -> int | None:
 
 
 def for_swarm(refused: Collection[int] = (), *, has_world: bool = True) -> int:
-    """Return the domain id for a new swarm: the user's, else 0, else one that nobody uses.
+    """Return the domain id for a new swarm: the user's, else 0, else an unused one.
 
     Other programs may use 0: plain ROS tools, which are to find the swarm, look for it there.
 

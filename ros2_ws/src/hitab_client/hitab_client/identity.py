@@ -9,9 +9,9 @@ import re
 import secrets
 
 from hitab_client.errors import SwarmError
-from hitab_core import Do
+from hitab_core import Fix
 
-BY_HAND = "nodes started by hand"
+STARTED_BY_HAND = "nodes started by hand"
 """Stands for all nodes that no `hitab up` has started, in place of a swarm's identity."""
 
 LAUNCHED = "launch:"
@@ -46,13 +46,13 @@ def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
     """Whether a node belongs to the swarm in question.
 
     Args:
-        heard: the identity in its status; empty: it was started by hand.
-        meant: the identity of the swarm in question, or `BY_HAND`; empty: any.
+        heard: the identity in its status; empty if it was started by hand.
+        meant: the identity of the swarm in question, or `STARTED_BY_HAND`; empty for any.
         started_by_it: whether that swarm has started a node of this name.
     """
     if not meant or heard == meant:
         return True
-    if meant == BY_HAND:
+    if meant == STARTED_BY_HAND:
         return is_by_hand(heard)
     return not heard and not started_by_it
 
@@ -62,20 +62,20 @@ def other_swarm(node: str, heard: str, meant: str) -> SwarmError:
     from hitab_client.run_folder import registered_swarms  # which needs `is_identity`
 
     left = [record.swarm for _, record in registered_swarms() if record.identity == heard]
-    if meant == BY_HAND and left:
+    if meant == STARTED_BY_HAND and left:
         return SwarmError(
             f'{node} is left of swarm "{left[0]}", which has ended without being stopped',
-            Do.DOWN(swarm=left[0]),
-            Do.UP(swarm=left[0]),
+            Fix.DOWN(swarm=left[0]),
+            Fix.UP(swarm=left[0]),
         )
-    if meant == BY_HAND:
+    if meant == STARTED_BY_HAND:
         return SwarmError(
             f"{node} belongs to swarm {heard}, which was not started from here (another "
             f"HITAB_HOME, user or computer); to use it nevertheless, add --swarm {heard}"
         )
-    whose = f"swarm {heard}" if heard else BY_HAND
+    whose = f"swarm {heard}" if heard else STARTED_BY_HAND
     return SwarmError(
         f"{node} belongs to {whose}, not to swarm {meant}; choose the swarm with --swarm NAME, or "
         "stop one of the two",
-        Do.DOWN(),
+        Fix.DOWN(),
     )

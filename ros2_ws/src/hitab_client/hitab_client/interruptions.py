@@ -17,8 +17,8 @@ _depth = 0
 FROM_C = "pymunk._callbacks"
 """Module of functions that are called from C, where an exception would be lost."""
 
-AGAIN_S = 0.01
-"""After which a signal that came in such a function comes again."""
+SIGNAL_REPEAT_S = 0.01
+"""Delay after which a signal that came in such a function is raised again, s."""
 
 
 def handle_interruptions() -> None:
@@ -66,7 +66,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     if _depth and not _came:
         _came.append(number)
     elif any(f.f_globals.get("__name__") == FROM_C for f, _ in traceback.walk_stack(frame)):
-        threading.Timer(AGAIN_S, os.kill, (os.getpid(), number)).start()
+        threading.Timer(SIGNAL_REPEAT_S, os.kill, (os.getpid(), number)).start()
     elif number == signal.SIGINT:
         raise KeyboardInterrupt
     else:

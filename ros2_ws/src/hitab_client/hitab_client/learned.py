@@ -1,4 +1,4 @@
-"""What an agent has learned, as it publishes it and as its service `get_behavior` answers."""
+"""Learned behaviors of an agent, from its topics and its service `get_behavior`."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from hitab_msgs.msg import Question
 from hitab_core import (
     START,
     Automaton,
+    BoundedNumber,
     Example,
     FeatureKind,
-    Number,
     Remark,
     Scale,
     TransitionTree,
@@ -28,7 +28,7 @@ from hitab_core.regression import Neighbors, learn_numbers
 from hitab_core.training import TrainingCost
 from hitab_ros.conversions import cost_of, example_of, numbers_of_behaviors, remarks_of
 
-NOTHING: Mapping[str, TransitionTree] = MappingProxyType({})
+NO_TREES: Mapping[str, TransitionTree] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Learned:
         origin: basic, hand-written, trained or training.
         parameters, arguments: the parameters, and their bindings during training.
         states: labels of its states; in training, of those that were chosen or commanded.
-        chosen: labels of the states that were chosen when the training began; empty: any can be
+        chosen: labels of the states that were chosen when the training began; empty if any can be
             commanded, or it is not in training.
         features: labels, in the order of the examples' values.
         units, scales: of the features.
@@ -60,7 +60,7 @@ class Learned:
     units: tuple[str, ...]
     scales: tuple[Scale, ...]
     examples: tuple[Example, ...]
-    trees: Mapping[str, TransitionTree] = field(default_factory=lambda: NOTHING)
+    trees: Mapping[str, TransitionTree] = field(default_factory=lambda: NO_TREES)
     readable: tuple[str, ...] = ()
     version: int = 0
     versions: tuple[int, ...] = ()
@@ -69,7 +69,7 @@ class Learned:
     difference: str = ""
     trimmed: tuple[str, ...] = ()
     chosen: tuple[str, ...] = ()
-    with_numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=dict)
+    with_numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=dict)
 
     @property
     def is_automaton(self) -> bool:
@@ -94,7 +94,7 @@ class Learned:
             self.description,
         )
 
-    def numbers_of(self, state: Use) -> tuple[Number, ...]:
+    def numbers_of(self, state: Use) -> tuple[BoundedNumber, ...]:
         """Return the numbers that a state's behavior takes."""
         return self.with_numbers.get(state.name, ())
 
@@ -105,7 +105,7 @@ class Learned:
 
     @cached_property
     def numbers(self) -> Mapping[str, Neighbors]:
-        """What gives the numbers of each state that takes some, by label."""
+        """Number functions of the states that take numbers, by label."""
         states = map(Use.parse, self.states)
         return learn_numbers(states, self.scales, self.examples, self.numbers_of)
 
@@ -119,7 +119,7 @@ class Learned:
 
 @dataclass(frozen=True)
 class Training(Learned):
-    """What an agent is being trained, as it publishes it.
+    """Training of an agent, as published.
 
     Attributes:
         revision: counts up with each change.
@@ -127,8 +127,8 @@ class Training(Learned):
         searched: whether all questions were looked for, and the cost is known.
         questions: that are open.
         answered: those that were answered, and how, oldest first.
-        remarks: signs that it does not play.
-        cost: what the training has cost so far; None: unknown.
+        remarks: signs of a behavior that does not play.
+        cost: what the training has cost so far; None if unknown.
     """
 
     revision: int = 0

@@ -1,4 +1,4 @@
-"""Whether ROS can start with the variables of the environment, found without loading ROS.
+"""Check of the environment variables for ROS, without loading ROS.
 
 With a middleware that is not installed, ROS ends the process that loads it.
 """
@@ -24,12 +24,12 @@ DOMAINS = 233
 SERVER = "ROS_DISCOVERY_SERVER"
 SERVERS = re.compile(r"(?:^|;) *(?:UDPv4:\[)?([\w.-]+)\]?(?::(\d+))? *(?=;|$)")
 SERVER_PORT, DISCARD = 11811, 9
-REFUSED_SECONDS = 0.2  # in which a machine says that nobody listens at a port of it
+PORT_TIMEOUT_SECONDS = 0.2  # in which a machine refuses connections to an unused port
 
 RANGES = ("LOCALHOST", "SUBNET", "SYSTEM_DEFAULT", "OFF")
 
 Problem = tuple[str, str, str]
-"""What it is about, what is wrong, and the way out."""
+"""The subject, the fault and the way out."""
 
 
 def problems() -> Iterator[Problem]:
@@ -78,7 +78,7 @@ def _without_server(said: str, here: bool) -> Iterator[Problem]:
 def _no_answer(host: str, port: int) -> str:
     """Return why messages cannot be received at a port; "" if they may be."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.settimeout(REFUSED_SECONDS)
+        probe.settimeout(PORT_TIMEOUT_SECONDS)
         try:
             probe.connect((host, port))
             probe.send(b"")

@@ -17,17 +17,17 @@ from rclpy.qos import QoSProfile
 from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
-from hitab_core import Do
-from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, Patience, suspensions_noticed
+from hitab_core import Fix
+from hitab_ros import NO_TYPE_DESCRIPTIONS, BusyTimeout, GuardedNode, suspensions_noticed
 
-NODE = "hitab"
+NODE_NAME = "hitab"
 """Name of the node of a program that talks to a swarm, always the same for security policies."""
 
 CALL_SECONDS = 15.0
-"""How long to wait for the answer of an available service."""
+"""Timeout for the answer of an available service, s."""
 
-REPEAT_SECONDS = 1.0
-"""How long to wait before sending a request again; doubled each time."""
+REQUEST_REPEAT_SECONDS = 1.0
+"""Time before a request is sent again, s; doubled each time."""
 
 NOTICEABLE_SECONDS = 0.5
 """A wait that takes longer is announced."""
@@ -37,7 +37,7 @@ class RosLink:
     """A node, its executor and its clients; a context manager.
 
     Args:
-        domain_id: ROS domain; None: that of the environment.
+        domain_id: ROS domain; None for that of the environment.
         announce: called with what a wait is for, once it takes noticeable time.
         name: of the node. Several programs may have the same one: they offer no services, and
             answers come to the client that asked, whatever its name.
@@ -48,7 +48,7 @@ class RosLink:
         domain_id: int | None = None,
         announce: Callable[[str], None] | None = None,
         *,
-        name: str = NODE,
+        name: str = NODE_NAME,
     ) -> None:
         self._announce = announce
         self._announced: set[str] = set()
@@ -62,7 +62,7 @@ class RosLink:
                 signal_handler_options=rclpy.signals.SignalHandlerOptions.NO,
             )
         except RuntimeError as error:
-            raise SwarmError(f"ROS does not start: {error}", Do.DOCTOR()) from None
+            raise SwarmError(f"ROS does not start: {error}", Fix.DOCTOR()) from None
         self.node = GuardedNode(
             name, context=self._context, parameter_overrides=[NO_TYPE_DESCRIPTIONS]
         )
@@ -99,7 +99,7 @@ class RosLink:
         """Handle pending events; wait at most this long for one, and defer Ctrl-C so long.
 
         Raises:
-            SwarmError: if this process was suspended for so long that it needs a new link.
+            SwarmError: if a long suspension of this process requires a new link.
         """
         if self._suspended:
             raise SwarmError(
@@ -124,11 +124,11 @@ class RosLink:
 
         Args:
             done: the condition.
-            seconds: how long to wait for it; longer on a busy machine, see `Patience`.
+            seconds: how long to wait for it; longer on a busy machine, see `BusyTimeout`.
             each: seconds between two looks, if nothing happens.
             waiting_for: returns what to announce if the wait takes noticeable time.
         """
-        began, patience = time.monotonic(), Patience(seconds)
+        began, patience = time.monotonic(), BusyTimeout(seconds)
         while not done():
             step = patience.step(each)
             if not step:
@@ -171,7 +171,7 @@ class RosLink:
                 yield topic
 
     def will_call(self, kind: Any, service: str) -> None:
-        """Prepare to call a service, so that it appears while others are called."""
+        """Prepare to call a service, for discovery while others are called."""
         if service not in self._clients:
             self._clients[service] = self.node.create_client(kind, service)
 
@@ -212,7 +212,7 @@ class RosLink:
             self._requests += 1
             request.request, request.client = self._requests, self._name
         deadline = time.monotonic() + seconds
-        patience = REPEAT_SECONDS
+        patience = REQUEST_REPEAT_SECONDS
         sent: list[Any] = []
 
         def answered() -> Any:
@@ -231,4 +231,4 @@ class RosLink:
                 if not future.done():
                     client.remove_pending_request(future)
         late = f"{service} did not answer within {seconds:g} s"
-        raise SwarmError(late, Do.LOGS(node=service.split("/")[-2]))
+        raise SwarmError(late, Fix.LOGS(node=service.split("/")[-2]))

@@ -1,4 +1,4 @@
-"""Where a running swarm keeps its files, and how other verbs find it.
+"""Run folders: files of a running swarm, through which other verbs find it.
 
     ~/.local/state/hitab/               or $XDG_STATE_HOME/hitab, or $HITAB_HOME
       keepaway/                         the run folder of swarm "keepaway"
@@ -52,7 +52,7 @@ class RunRecord:
         identity: unique to this start of the swarm. All of its nodes publish it in their statuses.
         commanders: those of the agents that are commanders.
         processes: the agents that each process runs, by the name of the process.
-        namespace: of all its nodes, such as ``/left``; empty: none.
+        namespace: of all its nodes, such as ``/left``, or empty.
     """
 
     swarm: str
@@ -104,7 +104,7 @@ class RunFolder:
 
     @property
     def started(self) -> datetime | None:
-        """When the current or last swarm here was started; None: there is no record of it."""
+        """Start time of the current or last swarm here; None without a record."""
         try:
             return datetime.fromtimestamp(self.record_file.stat().st_mtime)
         except OSError:

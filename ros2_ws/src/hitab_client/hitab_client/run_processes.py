@@ -1,4 +1,4 @@
-"""Why a process of a running swarm does not answer: what its supervisor and the system know."""
+"""Why a process of a running swarm does not answer, from its supervisor and the system."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ import psutil  # type: ignore[import-untyped]
 
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunRecord
-from hitab_core import Do, some
-from hitab_ros.exit_codes import FINAL
+from hitab_core import Fix, some
+from hitab_ros.exit_codes import DO_NOT_RESTART
 from hitab_ros.names import WORLD
 
-ANSWER_SECONDS = 5.0
-"""How long to wait for the answer of the supervisor of a swarm that is up."""
+SUPERVISOR_TIMEOUT_SECONDS = 5.0
+"""Timeout for the answer of the supervisor of a swarm that is up, s."""
 
-START_SECONDS = 60.0
-"""How long to wait for it while it starts many processes."""
+STARTING_TIMEOUT_SECONDS = 60.0
+"""Timeout for the answer of a supervisor that is starting many processes, s."""
 
 FRESH_SECONDS = 0.3
-"""How long the supervisor's answer is used before it is asked again."""
+"""Time for which an answer of the supervisor is used, s."""
 
-ENDED = ("EXITED", "FATAL", "UNKNOWN")
-STOPPED = ("STOPPED", "STOPPING")
+ENDED_STATES = ("EXITED", "FATAL", "UNKNOWN")
+STOPPED_STATES = ("STOPPED", "STOPPING")
 STARTING = ("STARTING", "BACKOFF")
 
 
@@ -49,7 +49,9 @@ class _SocketTransport(Transport):
         return connection
 
 
-def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[dict[str, Any]]:
+def process_states(
+    record: RunRecord, seconds: float = STARTING_TIMEOUT_SECONDS
+) -> list[dict[str, Any]]:
     """Return the supervisor's data on each process: name, statename, pid, exitstatus.
 
     Args:
@@ -66,15 +68,15 @@ def process_states(record: RunRecord, seconds: float = START_SECONDS) -> list[di
     except (OSError, Fault, ProtocolError, http.client.HTTPException, ExpatError) as error:
         raise SwarmError(
             f'the supervisor of swarm "{record.swarm}" does not answer ({error})',
-            Do.DOWN(swarm=record.swarm),
-            Do.UP(swarm=record.swarm),
+            Fix.DOWN(swarm=record.swarm),
+            Fix.UP(swarm=record.swarm),
         ) from None
 
 
 def answers(record: RunRecord) -> bool:
     """Whether the supervisor answers, which it does not while it starts."""
     try:
-        process_states(record, ANSWER_SECONDS)
+        process_states(record, SUPERVISOR_TIMEOUT_SECONDS)
     except SwarmError:
         return False
     return True
@@ -82,7 +84,7 @@ def answers(record: RunRecord) -> bool:
 
 @dataclass(frozen=True)
 class Silence:
-    """Why a process does not answer.
+    """Reason why a process does not answer.
 
     Attributes:
         process: its name.
@@ -107,7 +109,7 @@ class RunProcesses:
     """The processes of a swarm that `hitab up` has started.
 
     Args:
-        record: of the run; None: nothing is known of any process.
+        record: of the run; None if no process is known.
     """
 
     def __init__(self, record: RunRecord | None = None) -> None:
@@ -137,10 +139,10 @@ class RunProcesses:
     def reason(self, name: str) -> SwarmError | None:
         """Return why an agent or the world does not answer, as far as its process shows it."""
         why = self.why_silent(name)
-        return None if why is None else SwarmError(why.of(name), Do.LOGS(node=why.process))
+        return None if why is None else SwarmError(why.of(name), Fix.LOGS(node=why.process))
 
     def why_silent(self, name: str) -> Silence | None:
-        """Return why an agent or the world does not answer; None: its process looks healthy."""
+        """Return why an agent or the world does not answer; None if its process looks healthy."""
         self._ask()
         process = self.process_of(name)
         if process not in self._silences:
@@ -153,7 +155,7 @@ class RunProcesses:
         return why is not None and why.lasts
 
     def pid(self, name: str) -> int:
-        """Return the process id for an agent or the world; 0: it has none."""
+        """Return the process id for an agent or the world; 0 if it has none."""
         self._ask()
         state = self._states.get(self.process_of(name))
         return int(state["pid"]) if state is not None else 0
@@ -163,10 +165,10 @@ class RunProcesses:
         if state is None:
             return None
         said = state["statename"]
-        restarts = said == "EXITED" and state.get("exitstatus", 0) != FINAL
-        if said in ENDED and not restarts:
+        restarts = said == "EXITED" and state.get("exitstatus", 0) != DO_NOT_RESTART
+        if said in ENDED_STATES and not restarts:
             return Silence(process, f"has ended{_how(state)}", lasts=True, state="ended")
-        if said in STOPPED:
+        if said in STOPPED_STATES:
             what = "was stopped through its supervisor"
             return Silence(process, what, lasts=True, state="stopped")
         if said in STARTING or restarts:
@@ -184,7 +186,8 @@ class RunProcesses:
         if self._record is not None and time.monotonic() > self._asked + FRESH_SECONDS:
             try:
                 self._states = {
-                    state["name"]: state for state in process_states(self._record, ANSWER_SECONDS)
+                    state["name"]: state
+                    for state in process_states(self._record, SUPERVISOR_TIMEOUT_SECONDS)
                 }
             except SwarmError:
                 self._states = {}
@@ -193,7 +196,7 @@ class RunProcesses:
 
 
 def is_suspended(pid: int) -> bool:
-    """Return whether a process exists, but was stopped until somebody lets it continue."""
+    """Return whether a process exists, but is stopped by a signal."""
     try:
         return bool(psutil.Process(pid).status() == psutil.STATUS_STOPPED)
     except psutil.Error:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from hitab_core import HitabError, has
 
-GROUP = "hitab.shipped"
+SHIPPED_GROUP = "hitab.shipped"
 
 
 def shipped_folders(folder: str) -> list[Path]:
@@ -24,11 +24,12 @@ def shipped_folders(folder: str) -> list[Path]:
     Raises:
         HitabError: if there is none.
     """
-    packages = sorted({point.value for point in entry_points(group=GROUP)})
+    packages = sorted({point.value for point in entry_points(group=SHIPPED_GROUP)})
     found = [path for package in packages if (path := _folder(package, folder)) is not None]
     if not found:
         raise HitabError(
-            f'no package brings {folder} (entry-point group "{GROUP}"); install HiTAB again'
+            f'no package brings {folder} (entry-point group "{SHIPPED_GROUP}"); '
+            "install HiTAB again"
         )
     return found
 

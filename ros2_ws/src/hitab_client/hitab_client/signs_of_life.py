@@ -12,7 +12,7 @@ from hitab_client.identity import is_own
 from hitab_client.ros_link import RosLink
 from hitab_ros import names, qos
 
-SILENT_SECONDS = 1.5
+SILENT_AFTER_SECONDS = 1.5
 """A process that gave no sign for this long is silent; they come twice a second."""
 
 GAP_SECONDS = 0.25
@@ -26,10 +26,10 @@ ROSTERS = QoSProfile(
 
 
 class SignsOfLife:
-    """Which agents of a swarm are silent, and whether its world is.
+    """Silent agents of a swarm, and whether its world is silent.
 
-    An agent is silent if all processes that run it are, and nothing else comes of it: a process
-    that is slow gives its signs late, but what it sends shows that it lives. One whose process
+    An agent is silent if all of its processes are, and no message of the agent arrives: a slow
+    process gives its signs late, but its messages show that it lives. An agent whose process
     never gave a sign, such as one written in another language, is never silent.
 
     Args:
@@ -37,7 +37,7 @@ class SignsOfLife:
         expected: names of the agents that the swarm has started, and `names.WORLD` if it has
             started a world.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
     """
 
     def __init__(
@@ -96,4 +96,4 @@ class SignsOfLife:
         for process, moment in self._heard.items():
             for name in self._members.get(process, (process,)):
                 heard[name] = max(heard.get(name, moment), moment, self._shown.get(name, moment))
-        return {name: now - at for name, at in heard.items() if now - at > SILENT_SECONDS}
+        return {name: now - at for name, at in heard.items() if now - at > SILENT_AFTER_SECONDS}

@@ -16,22 +16,22 @@ from hitab_ros import EmergencySwitch, names, qos, why_stopped
 TYPE = "hitab_msgs/msg/StopState"
 
 FRESH_S = 1.0
-"""How long a report counts, s. They come several times a second."""
+"""Time for which a report is valid, s. Reports come several times a second."""
 
 REPEAT_S = 0.5
-"""Between two messages of an emergency stop to those who have not confirmed it, s."""
+"""Period of an emergency stop's messages to robots that have not confirmed it, s."""
 
 SETTLED_S = 0.7
-"""How long nobody new may have been found before all are known, s."""
+"""All are known once no new one was found for so long, s."""
 
 
 class Stops:
-    """What robots and simulated worlds of one ROS domain say of whether they act.
+    """Stop reports of the robots and simulated worlds in one ROS domain.
 
     Args:
         link: the node to use.
         expected: names of robots that are known to be there, though nothing of them may answer.
-        switch: of the emergency stop; None: a new one.
+        switch: of the emergency stop; None for a new one.
 
     Attributes:
         switch: the same.
@@ -73,7 +73,7 @@ class Stops:
         return take
 
     def _present(self) -> Iterator[tuple[str, StopState | None]]:
-        """Yield the name of each robot and world, and its last report; None: it is too old."""
+        """Yield the name of each robot and world, and its last report; None if it is too old."""
         of_robots = {topic.rpartition("/")[0].removeprefix("/") for topic in self._topics}
         for name in of_robots | set(self._expected):
             topic = f"/{name}/{names.STOP_STATE}"
@@ -115,7 +115,7 @@ class Stops:
         What holds a robot is released only if it was known when it was first said.
 
         Raises:
-            SwarmError: if somebody has released the stop meanwhile.
+            SwarmError: if the stop was released meanwhile.
         """
         known = self.switch.known
         reported = {it for _, report in self._present() if report for it in report.emergencies}
@@ -159,7 +159,7 @@ class Stops:
             raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
         request = Arm.Request(stop=self._reports[topic][1].stop)
         service = f"/{robot}/{names.ARM}"
-        missing = SwarmError(f"{robot} cannot be re-armed: nobody offers {service}")
+        missing = SwarmError(f"{robot} cannot be re-armed: no node offers {service}")
         answer = self._link.call(Arm, service, request, missing=lambda: missing)
         if not answer.success:
             raise refused(answer, f"{robot} may not act again")
@@ -189,7 +189,7 @@ class Stops:
             Those who have not confirmed it, and why not.
 
         Raises:
-            SwarmError: if somebody has released the stop meanwhile.
+            SwarmError: if the stop was released meanwhile.
         """
         lacking: dict[str, str] = {}
         began = time.monotonic()
@@ -223,5 +223,5 @@ class Stops:
 
     @staticmethod
     def settled(ends: Sequence[Stops]) -> bool:
-        """Whether nobody new was found for a while."""
+        """Whether no new one was found for a while."""
         return all(time.monotonic() - end.found_at > SETTLED_S for end in ends)

@@ -18,13 +18,13 @@ from hitab_client.run_folder import (
     running_swarms,
     state_home,
 )
-from hitab_core import Do, Remedy, has
+from hitab_core import Fix, Remedy, has
 
 if TYPE_CHECKING:
     from hitab_client.ros_link import RosLink
 
-LOOK_SECONDS = 3.0
-"""How long to look for a swarm that the registry does not know."""
+LOOKUP_SECONDS = 3.0
+"""Discovery time for a swarm that the registry does not know, s."""
 
 ALONE_SECONDS = 2.0
 """How long to look if no other node is found, s; on an idle machine the first one takes 0.1 s."""
@@ -72,7 +72,7 @@ def find_running(which: str | None) -> Found | None:
     """Return the named swarm, or the only one that is up; None if none is up.
 
     Args:
-        which: its name, identity, namespace or run folder; None: the only one.
+        which: its name, identity, namespace or run folder; None for the only one.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
@@ -90,7 +90,7 @@ def find_running(which: str | None) -> Found | None:
         names = [name_to_choose(record) for _, record in up]
         if names:
             raise SwarmError(f'no swarm "{which}" is up {has(names, which)}')
-        raise SwarmError(f'no swarm "{which}" is up, and no other', Do.UP(swarm=which))
+        raise SwarmError(f'no swarm "{which}" is up, and no other', Fix.UP(swarm=which))
     return found
 
 
@@ -112,8 +112,8 @@ def find_meant(which: str | None, domain_id: int | None) -> Found | None:
     been started elsewhere.
 
     Args:
-        which: its name, identity, namespace or run folder; None: the only one.
-        domain_id: ROS domain of the swarm, if none is named; None: any.
+        which: its name, identity, namespace or run folder; None for the only one.
+        domain_id: ROS domain of the swarm, if none is named; None for any.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.
@@ -155,8 +155,8 @@ def name_to_choose(record: RunRecord) -> str:
 def way_to_stop(folder: RunFolder, record: RunRecord) -> Remedy:
     """Return how to stop a swarm of the registry, or to end what is left of it."""
     if folder.path == RunFolder.of_swarm(record.swarm).path:
-        return Do.DOWN(swarm=name_to_choose(record))
-    return Do.DOWN_FOLDER(folder=folder.path)
+        return Fix.DOWN(swarm=name_to_choose(record))
+    return Fix.DOWN_FOLDER(folder=folder.path)
 
 
 def none_is_up(domain_id: int | None) -> tuple[str, list[Remedy]]:
@@ -192,8 +192,8 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
 
     Args:
         link: the node to use.
-        namespace: the one that is meant, see `is_namespace`; empty: any.
-        identity: of the swarm in question; empty: any.
+        namespace: the one that is meant, see `is_namespace`; empty for any.
+        identity: of the swarm in question; empty for any.
 
     Raises:
         SwarmError: if there are no such nodes, or if they are in several namespaces.
@@ -206,12 +206,14 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
         there = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
         return there & {namespace.rstrip("/")} if namespace else there
 
-    def somebody() -> bool:
+    def is_occupied() -> bool:
         return len(link.node.get_node_names()) > 1
 
-    if not (link.spin_until(somebody, ALONE_SECONDS) and link.spin_until(spaces, LOOK_SECONDS)):
+    if not (
+        link.spin_until(is_occupied, ALONE_SECONDS) and link.spin_until(spaces, LOOKUP_SECONDS)
+    ):
         which = f"namespace {namespace} of {where}" if namespace else where
-        raise SwarmError(f"no swarm answers in {which}", Do.UP(swarm="keepaway"))
+        raise SwarmError(f"no swarm answers in {which}", Fix.UP(swarm="keepaway"))
     there: set[str] = set()
     while there != (there := spaces() or there):
         link.spin_until(lambda: False, SETTLE_SECONDS)
@@ -237,7 +239,7 @@ def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None
     """
     up = list(running_swarms())
     left = [found for found in registered_swarms() if found[0].supervisor(found[1]) is None]
-    ended, ways = "have ended without being stopped", (Do.DOWN(),)
+    ended, ways = "have ended without being stopped", (Fix.DOWN(),)
     if which is None:
         return only(up, "swarms are up", *ways) or only(left, f"swarms {ended}", *ways)
     found = only(meant(which, up), _called(which), *ways) or only(

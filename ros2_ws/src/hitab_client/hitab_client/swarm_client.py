@@ -30,7 +30,7 @@ from hitab_client.errors import SwarmError, refused
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_client.users import user_name
-from hitab_core import Do
+from hitab_core import Fix
 from hitab_ros import names, qos
 from hitab_ros.conversions import cost_of, remedies_of
 
@@ -42,17 +42,17 @@ if TYPE_CHECKING:
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5
 DRAIN_SECONDS = 0.02
-"""For what has come while the link was not spun, such as of what another program has changed."""
+"""Time to process messages that arrived while the client was not spinning."""
 
 PUBLISHED_SECONDS = 15.0
-"""How long an agent may take to publish what it is being trained; it looks for questions first."""
+"""Timeout for an agent to publish its training, s; it looks for questions first."""
 
-AT_ONCE = 50
+SERVICES_PER_BATCH = 50
 """Agents of a host create a service when a client appears; for so many at the same time."""
 
 
 def is_answered(status: AgentStatus, sequence: int) -> bool:
-    """Return whether an agent's status shows that it has taken, or refused, a command."""
+    """Return whether an agent's status shows a command as taken or refused."""
     return sequence in (status.last_command_sequence, status.last_refused_sequence)
 
 
@@ -64,7 +64,7 @@ class SwarmClient(AgentPresence):
         expected: names of the expected agents, if known.
         prefix: namespace of the swarm.
         demonstrator: name of the demonstrator; by default, the user.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
         processes: of the swarm; they show why an agent does not answer.
 
     Attributes:
@@ -111,19 +111,19 @@ class SwarmClient(AgentPresence):
 
         Args:
             agent: to command.
-            behavior: that it should perform.
+            behavior: to perform.
             targets: for the behavior's parameters.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
-            seen: the world's cycle that the demonstrator saw; 0: the last one.
-            pace: simulated seconds in a second of a person who is late by nobody knows how much;
+            seen: the world's cycle that the demonstrator saw; 0 for the last one.
+            pace: simulated seconds per second of a person with an unknown delay;
                 0: ``ago`` is known.
             unrecorded: only perform it; no example is recorded.
             sequence: number of the command, such as the time in microseconds. An agent obeys a
                 number once, so a lost command can be sent again with its number. 0: a new one.
             seconds: how long to wait.
-            demonstrator: who commands; empty: the client's.
-            world: of the agent; None: it has none. An agent that is late in a stepped world is
-                waited for: it would take the command for an answer to what it perceived before.
+            demonstrator: who commands; empty for the client's.
+            world: of the agent; None if it has none. An agent that is late in a stepped world is
+                waited for: it would take the command for an answer to an earlier percept.
 
         Raises:
             SwarmError: if the agent is missing, refuses, or does not acknowledge.
@@ -151,13 +151,13 @@ class SwarmClient(AgentPresence):
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline and not self.processes.is_lost(agent):
             # The subscriber may be an agent whose death is not yet known; its successor gets the
-            # next copy. An agent ignores commands that it has already obeyed, before a crash too.
+            # next copy. An agent ignores commands obeyed before, even before a crash.
             publisher.publish(command)
             if self.link.spin_until(answered, RESEND_SECONDS):
                 break
         if not answered():
             late = f"{agent} did not acknowledge the command within {seconds:g} s"
-            raise self.processes.reason(agent) or SwarmError(late, Do.EXAMPLES(agent=agent))
+            raise self.processes.reason(agent) or SwarmError(late, Fix.EXAMPLES(agent=agent))
         status = self.statuses[agent]
         if status.last_refused_sequence == sequence:
             remedies = remedies_of(status.last_remedies)
@@ -203,7 +203,7 @@ class SwarmClient(AgentPresence):
         return answer
 
     def _shows(self, agent: str, answer: Any) -> bool:
-        """Whether the status of an agent shows what it has answered."""
+        """Whether the status of an agent shows its answer."""
         status = self.statuses.get(agent)
         if status is None:
             return True
@@ -241,13 +241,13 @@ class SwarmClient(AgentPresence):
             has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
         ):
             raise self.processes.reason(agent) or SwarmError(
-                "it does not publish what it is being trained", Do.LOGS(node=agent), where=agent
+                "it does not publish its training", Fix.LOGS(node=agent), where=agent
             )
         if not self.statuses[agent].training_revision:
             raise SwarmError(
                 "it is not training anything",
-                Do.RESUME(agent=agent),
-                Do.TRAIN(agent=agent),
+                Fix.RESUME(agent=agent),
+                Fix.TRAIN(agent=agent),
                 where=agent,
             )
         return self.trainings[agent]
@@ -261,7 +261,7 @@ class SwarmClient(AgentPresence):
             )
 
     def forget_training(self, agent: str) -> None:
-        """Have the agent not publish for this client any more what it is being trained."""
+        """End the agent's publishing of its training for this client."""
         if (subscription := self._followed.pop(agent, None)) is not None:
             self.link.node.destroy_subscription(subscription)
             self.trainings.pop(agent, None)
@@ -347,15 +347,15 @@ class SwarmClient(AgentPresence):
         return self.ask(agent, SaveBehavior, names.SAVE, **fields)
 
     def perform(self, agent: str, behavior: str, arguments: Sequence[str] = ()) -> Any:
-        """Make an agent perform a behavior; empty: nothing."""
+        """Make an agent perform a behavior, or idle if empty."""
         return self.ask(
             agent, Perform, names.PERFORM, behavior=behavior, arguments=list(arguments)
         )
 
     def reload(self, agents: Sequence[str]) -> Iterator[tuple[str, str, bool]]:
         """Make agents reload their libraries; yield each, its answer and whether it did."""
-        for start in range(0, len(agents), AT_ONCE):
-            together = agents[start : start + AT_ONCE]
+        for start in range(0, len(agents), SERVICES_PER_BATCH):
+            together = agents[start : start + SERVICES_PER_BATCH]
             for agent in together:
                 service = names.of_agent(agent, names.LOAD_LIBRARY, self.prefix)
                 self.link.will_call(LoadLibrary, service)

@@ -12,7 +12,7 @@ from hitab_msgs.srv import Control
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_client.world_client import WorldClient
-from hitab_core import Do
+from hitab_core import Fix
 
 
 @contextlib.contextmanager
@@ -34,9 +34,9 @@ def as_it_was(world: WorldClient) -> Iterator[WorldStatus]:
     if problem is not None:
         raise SwarmError(
             f"the world could not be restored to {before.mode} in {before.pace}: {problem}",
-            Do.STATUS(),
-            Do.PACE(),
-            Do.RESUME_WORLD(),
+            Fix.STATUS(),
+            Fix.PACE(),
+            Fix.RESUME_WORLD(),
         ) from problem
 
 
@@ -45,7 +45,7 @@ def standing_still(world: WorldClient | None) -> Iterator[WorldStatus | None]:
     """Have a world stand still, as fast as the agents when it goes on; then as before.
 
     Args:
-        world: the world; None: there is none, and nothing is done.
+        world: the world; None if there is none, and nothing is done.
 
     Raises:
         SwarmError: as `as_it_was`.

@@ -13,7 +13,7 @@ from hitab_client.errors import SwarmError, refused
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
-from hitab_core import Do, some
+from hitab_core import Fix, some
 from hitab_ros import names, qos
 from hitab_ros.conversions import remedies_of
 from hitab_ros.stamps import seconds_of
@@ -23,9 +23,12 @@ NOT_SIMULATED = (
     "this swarm has no world: its swarm file names none, and none that was started by hand "
     "answers; only a world can be driven"
 )
-STARTED_BY_HAND_SECONDS = 2.0  # to wait for a world that the swarm has not started
-SHOWN_SECONDS = 3.0  # that a status may come later than an answer
-MODES = {Control.Request.PAUSE: WorldState.PAUSED, Control.Request.RESUME: WorldState.RUNNING}
+WORLD_DISCOVERY_SECONDS = 2.0  # to wait for a world that the swarm has not started
+STATUS_DELAY_SECONDS = 3.0  # that a status may come later than an answer
+MODE_AFTER_REQUEST = {
+    Control.Request.PAUSE: WorldState.PAUSED,
+    Control.Request.RESUME: WorldState.RUNNING,
+}
 SPEED_SECONDS = 1.0  # over which the world's speed is averaged
 NAN = float("nan")
 
@@ -36,14 +39,14 @@ class WorldClient:
     Args:
         link: the node to use.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
         started_by_it: whether that swarm has started a world.
         processes: of the swarm; they show why the world does not answer.
 
     Attributes:
         status: the last status of the swarm's world.
         speed: as seen lately: simulated seconds in a second.
-        stranger: the other swarm that the world belongs to, if any; empty: it was started by hand.
+        stranger: the other swarm that the world belongs to, if any; empty if started by hand.
     """
 
     def __init__(
@@ -97,7 +100,7 @@ class WorldClient:
         """
         own = names.WORLD in self._processes
         if self._processes.are_known and not own:
-            seconds = min(seconds, STARTED_BY_HAND_SECONDS)
+            seconds = min(seconds, WORLD_DISCOVERY_SECONDS)
 
         is_lost = self._processes.is_lost
 
@@ -110,16 +113,16 @@ class WorldClient:
             raise other_swarm("the world", self.stranger, self.identity)
         if self.status is None:
             late = f"the world has been silent for {seconds:g} s"
-            silent = SwarmError(late, Do.LOGS(node=names.WORLD))
+            silent = SwarmError(late, Fix.LOGS(node=names.WORLD))
             raise self._processes.reason(names.WORLD) or (silent if own else self._absent)
         return self.status
 
     @property
     def _absent(self) -> SwarmError:
-        """Why there is no world, and what to do: a swarm of robots is not meant to have one."""
+        """Error for a missing world, with the way out; a swarm of robots needs none."""
         if self._processes.are_known:
             return SwarmError(NOT_SIMULATED)
-        return SwarmError(NO_WORLD, Do.UP())
+        return SwarmError(NO_WORLD, Fix.UP())
 
     def is_there(self) -> bool:
         """Whether a world has been discovered."""
@@ -147,7 +150,7 @@ class WorldClient:
         answer = self.ask(
             Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
         )
-        mode = MODES.get(action, "")
+        mode = MODE_AFTER_REQUEST.get(action, "")
         self._await_status(
             lambda status: (
                 mode in ("", status.mode)
@@ -162,7 +165,9 @@ class WorldClient:
 
         A command would be given as to the world that was.
         """
-        self.link.spin_until(lambda: self.status is None or right(self.status), SHOWN_SECONDS)
+        self.link.spin_until(
+            lambda: self.status is None or right(self.status), STATUS_DELAY_SECONDS
+        )
 
     @property
     def is_paused(self) -> bool:
@@ -251,7 +256,7 @@ class WorldClient:
         ):
             late = f"the world did not {what} within {seconds:g} s"
             raise self._processes.reason(names.WORLD) or SwarmError(
-                late, Do.LOGS(node=names.WORLD)
+                late, Fix.LOGS(node=names.WORLD)
             )
         assert self.state is not None
         return self.state

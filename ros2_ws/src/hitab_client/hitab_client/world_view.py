@@ -27,8 +27,8 @@ class Thing(Protocol):
 
 
 def no_reading(agent: str, feature: str) -> float:
-    """Raise, since nobody can ask the agents what they perceive."""
-    raise LessonError(f"nobody can ask {agent} what it perceives")
+    """Raise, since no service answers what the agents perceive."""
+    raise LessonError(f"the feature values of {agent} are unavailable here")
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class WorldView:
     """One moment.
 
     Attributes:
-        things: the true state of everything in the world; None: there is no world.
+        things: the true state of everything in the world; None if there is no world.
         seconds: simulated seconds since the step of the lesson began.
         paths: the active states of each agent.
         said: the agents that have said something since the step began.
         ended: the outcomes of the episodes that have ended since the step began.
-        reading: returns what an agent perceives, given its name and a feature; NaN: no value.
+        reading: returns the value of a feature, given an agent's name and the feature, or NaN.
     """
 
     things: Sequence[Thing] | None
@@ -59,8 +59,8 @@ class WorldView:
         """
         if self.things is None:
             raise LessonError(
-                f'nobody knows where "{name}" is, since there is no world; ask for what an agent '
-                'perceives, such as {feature: "DistanceTo(ball)", below: 2}'
+                f'the place of "{name}" is unknown, since there is no world; ask for a '
+                'feature of an agent, such as {feature: "DistanceTo(ball)", below: 2}'
             )
         if name.startswith(CLOSEST):
             kind = name[len(CLOSEST) :]

@@ -6,15 +6,15 @@ import pytest
 
 from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import (
-    Active,
+    ActiveState,
     All,
     AnyOf,
     Bearing,
     Distance,
     Ended,
+    FeatureValue,
     Not,
     Passed,
-    Perceived,
     Said,
     Speed,
 )
@@ -62,14 +62,14 @@ def test_a_condition_holds_when_it_should():
         (comparison("bearing", "keeper_1", "ball", above=89, below=91), True),
         (comparison("bearing", "keeper_1", "taker_1", above=179), True),
         (comparison("speed", "keeper_1", above=4.9, below=5.1), True),
-        (Active(active="GotoBall", agent="keeper_1"), True),
-        (Active(active="ApproachBall", agent="keeper_1"), True),
-        (Active(active="ApproachBall(ball)", agent="keeper_1"), True),
-        (Active(active="Pass", agent="keeper_1"), False),
-        (Active(active="GotoBall", agent="keeper_2"), False),
-        (Perceived(feature="DistanceTo(ball)", agent="keeper_1", below=5.1), True),
-        (Perceived(feature="DistanceTo(ball)", agent="keeper_1", below=5.1, above=5.0), False),
-        (Perceived(feature="Unseen", agent="keeper_1", below=5.0), False),
+        (ActiveState(active="GotoBall", agent="keeper_1"), True),
+        (ActiveState(active="ApproachBall", agent="keeper_1"), True),
+        (ActiveState(active="ApproachBall(ball)", agent="keeper_1"), True),
+        (ActiveState(active="Pass", agent="keeper_1"), False),
+        (ActiveState(active="GotoBall", agent="keeper_2"), False),
+        (FeatureValue(feature="DistanceTo(ball)", agent="keeper_1", below=5.1), True),
+        (FeatureValue(feature="DistanceTo(ball)", agent="keeper_1", below=5.1, above=5.0), False),
+        (FeatureValue(feature="Unseen", agent="keeper_1", below=5.0), False),
         (Said(said="taker_1"), True),
         (Said(said="keeper_1"), False),
         (Ended(ended="taken"), True),
@@ -95,8 +95,8 @@ def test_a_thing_that_is_not_there_is_told_with_what_was_meant():
 
 def test_without_a_world_only_what_agents_say_can_be_asked_for():
     nowhere = WorldView(None, 1.0, {"robot": ["GoFast"]})
-    assert Active(active="GoFast", agent="robot").holds(nowhere)
-    with pytest.raises(LessonError, match='nobody knows where "robot" is'):
+    assert ActiveState(active="GoFast", agent="robot").holds(nowhere)
+    with pytest.raises(LessonError, match='the place of "robot" is unknown'):
         nowhere.distance("robot", "ball")
-    with pytest.raises(LessonError, match="nobody can ask robot"):
+    with pytest.raises(LessonError, match="the feature values of robot"):
         nowhere.reading("robot", "DistanceTo(ball)")

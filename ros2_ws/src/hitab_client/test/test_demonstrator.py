@@ -13,14 +13,17 @@ from hitab_client.demonstrating import (
     KeyboardInput,
     outcome,
 )
-from hitab_client.demonstrating.demonstrator import FOUND_S, PATIENCE_S, PENDING_MAX
+from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX, RELAY_TIMEOUT_S
 from hitab_client.demonstrating.keyboard import HOLD_S
-from hitab_core import Number, Use
+from hitab_core import BoundedNumber, Use
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.conversions import number_messages
 
 ONE, TWO = "robot_1", "robot_2"
-NUMBERS = [Number("direction", -180.0, 180.0, "deg", circular=True), Number("power", 0.0, 50.0)]
+NUMBERS = [
+    BoundedNumber("direction", -180.0, 180.0, "deg", circular=True),
+    BoundedNumber("power", 0.0, 50.0),
+]
 
 
 class Topic:
@@ -137,7 +140,7 @@ class Desk:
         self.keyboard = KeyboardInput(self.demonstrator, 0.2, 0.8, clock)
         self.demonstrator.choose(ONE)
         self.demonstrator.look()
-        self.now += FOUND_S + 1.0
+        self.now += RELAY_TIMEOUT_S + 1.0
 
     def press(self, *keys: str) -> str:
         for key in keys:
@@ -190,7 +193,7 @@ def test_a_command_counts_for_what_was_seen_when_the_key_was_pressed(desk):
 
 def test_what_was_pressed_too_long_ago_or_too_often_is_left_out(desk):
     desk.demonstrator.press_behavior("Forward")
-    desk.now += PATIENCE_S + 0.1
+    desk.now += KEY_AGE_MAX_S + 0.1
     desk.demonstrator.work()
     assert "Forward is left out: it was pressed 1.1 s ago" in desk.demonstrator.said
     assert desk.demonstrator.failed
@@ -204,7 +207,7 @@ def test_undo_does_not_take_back_another_command_than_the_one_that_was_left_out(
     desk.agents.become(ONE, "training", "Start")
     desk.agents.undo = lambda agent: desk.agents.done.append("undo") or SimpleNamespace(message="")
     desk.demonstrator.press_behavior("Forward")
-    desk.now += PATIENCE_S + 0.1  # while an agent has not answered
+    desk.now += KEY_AGE_MAX_S + 0.1  # while an agent has not answered
     for key in "uu":
         desk.keyboard.press(key)
     desk.demonstrator.work()
@@ -225,11 +228,11 @@ def test_what_is_pressed_is_for_the_agent_that_was_chosen_then(desk):
 
 def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
     desk.press("2")
-    assert desk.demonstrator.asked.targets == ("goal", "home")
+    assert desk.demonstrator.prompt.targets == ("goal", "home")
     desk.press("2")
     assert desk.agents.done == [("perform", ONE, "GoTo(home)")]
     desk.press("2", "x")
-    assert desk.demonstrator.asked is None
+    assert desk.demonstrator.prompt is None
     assert len(desk.agents.done) == 1
     desk.agents.become(ONE, "training", "Start")
     desk.press("2", "3")
@@ -247,14 +250,14 @@ def test_a_target_may_be_pressed_before_an_agent_has_answered(desk):
 def test_numbers_are_typed_after_the_target(desk):
     desk.agents.become(ONE, "training", "Start")
     desk.press("3", "1")
-    assert desk.demonstrator.asked.number.name == "direction"
+    assert desk.demonstrator.prompt.number.name == "direction"
     assert "direction of" in desk.press(*"400", "\n")
     assert desk.demonstrator.failed
     desk.press(*"-49", "\x7f", "0", "\n", *"3.5", "\r")
     assert desk.agents.done[-1][2] == "Kick(goal, direction=-40, power=3.5)"
-    assert desk.demonstrator.asked is None
+    assert desk.demonstrator.prompt is None
     desk.press("3", "1", "4", "\x1b")
-    assert desk.demonstrator.asked is None
+    assert desk.demonstrator.prompt is None
     assert len(desk.agents.done) == 1
 
 

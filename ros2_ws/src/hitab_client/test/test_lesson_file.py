@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from hitab_client.errors import LessonError
-from hitab_client.lessons.conditions import Active, Distance, Passed
+from hitab_client.lessons.conditions import ActiveState, Distance, Passed
 from hitab_client.lessons.lesson import (
     Command,
     Test,
@@ -66,8 +66,8 @@ def test_a_lesson_is_read_step_by_step():
 def test_conditions_mean_the_learner_where_no_agent_is_named():
     (step,) = steps("  - check: {all: [{active: Pass}, {active: Stop, agent: keeper_2}]}\n")
     assert step.condition.parts == [
-        Active(active="Pass", agent="keeper_1"),
-        Active(active="Stop", agent="keeper_2"),
+        ActiveState(active="Pass", agent="keeper_1"),
+        ActiveState(active="Stop", agent="keeper_2"),
     ]
 
 

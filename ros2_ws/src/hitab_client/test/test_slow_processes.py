@@ -6,7 +6,7 @@ from typing import Any
 from hitab_msgs.msg import Alive
 
 from hitab_client import SignsOfLife, signs_of_life
-from hitab_client.signs_of_life import GAP_SECONDS, SILENT_SECONDS
+from hitab_client.signs_of_life import GAP_SECONDS, SILENT_AFTER_SECONDS
 
 
 class Clock:
@@ -31,8 +31,8 @@ def test_what_sends_something_else_than_signs_is_not_silent(monkeypatch):
             signs.silent()
         return set(signs.silent())
 
-    assert silent_after(0.5 * SILENT_SECONDS) == set()
-    assert silent_after(2 * SILENT_SECONDS, "world") == {"keeper_1"}
-    assert silent_after(2 * SILENT_SECONDS, "keeper_1") == {"world"}
+    assert silent_after(0.5 * SILENT_AFTER_SECONDS) == set()
+    assert silent_after(2 * SILENT_AFTER_SECONDS, "world") == {"keeper_1"}
+    assert silent_after(2 * SILENT_AFTER_SECONDS, "keeper_1") == {"world"}
     signs.take_signs_of(["other"])
-    assert "other" not in silent_after(2 * SILENT_SECONDS), "it never gave a sign"
+    assert "other" not in silent_after(2 * SILENT_AFTER_SECONDS), "it never gave a sign"

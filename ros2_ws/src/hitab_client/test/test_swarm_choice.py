@@ -8,7 +8,7 @@ import pytest
 from hitab_client import swarm_choice
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunFolder, RunRecord
-from hitab_core import Do
+from hitab_core import Fix
 
 RED = RunRecord("red", "r.yaml", 3, "LOCALHOST", ("a",), True, 1, "s", "red-0a1b2c3d")
 ANOTHER_RED = replace(RED, domain_id=4, identity="red-12345678")
@@ -54,4 +54,4 @@ def test_what_messages_offer_chooses_one_swarm(three):
         assert found[1] == record
     assert swarm_choice.name_to_choose(BLUE) == "blue", "short where it can be"
     one = RunFolder.of_swarm("red")
-    assert swarm_choice.way_to_stop(one, RED) == Do.DOWN(swarm=RED.identity)
+    assert swarm_choice.way_to_stop(one, RED) == Fix.DOWN(swarm=RED.identity)

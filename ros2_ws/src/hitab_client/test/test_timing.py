@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from hitab_msgs.msg import WorldStatus
 
-from hitab_client.demonstrating.commanding import EARLIER_SECONDS, earlier, simulated
+from hitab_client.demonstrating.key_actions import EARLIER_SECONDS, earlier, simulated
 
 
 def world(mode: str = "running", pace: str = "realtime", factor: float = 1.0) -> Any:

@@ -11,7 +11,7 @@ from hitab_msgs.srv import BeginTraining, EditExamples, Perform, SaveBehavior, S
 
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
-from hitab_ros.patience import BUSY_FACTOR
+from hitab_ros.busy_timeout import BUSY_FACTOR
 
 
 class Late(RosLink):

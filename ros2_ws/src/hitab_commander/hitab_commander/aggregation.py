@@ -11,12 +11,12 @@ from collections.abc import Iterable, Sequence
 from statistics import fmean
 
 from hitab_commander.kind import Observation, Over
-from hitab_core.commanding import Number, Report
+from hitab_core.orders import OrderId, Report
 
 NAN = math.nan
 
 
-def observed(report: Report, of: Observation, asked: Sequence[str], order: Number) -> float:
+def observed(report: Report, of: Observation, asked: Sequence[str], order: OrderId) -> float:
     """Return what is observed in one member: a value, or 1 or 0 for true or false.
 
     Args:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from hitab_commander.aggregation import observed, of_positions, summed_up
 from hitab_commander.kind import CommanderKind, GroupFeature, OrderMap, Over, Pick
 from hitab_commander.roll_call import RollCall
-from hitab_core.commanding import OTHERS, Number, Order, Report
+from hitab_core.orders import ALL_OTHERS, Order, OrderId, Report
 
 NAN = math.nan
 
@@ -185,7 +185,7 @@ class CommanderBody:
                 yield name, member.report
 
     @property
-    def number(self) -> Number:
+    def number(self) -> OrderId:
         """The number of the order in force."""
         return self.order.number
 
@@ -250,13 +250,15 @@ class CommanderBody:
         if label == self.given:
             return
         ordered = {
-            chosen or OTHERS if order.parameter and receiver == order.parameter else receiver: what
+            chosen or ALL_OTHERS
+            if order.parameter and receiver == order.parameter
+            else receiver: what
             for receiver, what in order.behaviors.items()
         }
-        if ordered.get(OTHERS) is not None and None in ordered.values():
+        if ordered.get(ALL_OTHERS) is not None and None in ordered.values():
             # A message cannot exempt some from an order to all others, so it names each member.
             ordered = {
-                name: next(ordered[r] for r in (name, member.role, OTHERS) if r in ordered)
+                name: next(ordered[r] for r in (name, member.role, ALL_OTHERS) if r in ordered)
                 for name, member in self.members.items()
             }
         self.given = label
@@ -268,7 +270,7 @@ class CommanderBody:
         )
         self.on_order(self.order)
 
-    def outbid(self, number: Number) -> None:
+    def outbid(self, number: OrderId) -> None:
         """Repeat the order in force with a newer number than that of a foreign order.
 
         Someone else has given an order in this commander's name; without this, subordinates would

@@ -12,7 +12,7 @@ from hitab_commander.commander_body import CommanderBody
 from hitab_commander.group_settings import GroupSettings
 from hitab_commander.group_status import GroupStatus
 from hitab_commander.rounds import Lockstep, Round
-from hitab_core.commanding import Order, Report
+from hitab_core.orders import Order, Report
 from hitab_ros import names, qos
 from hitab_ros.conversions import order_message
 from hitab_ros.stamps import time_of

@@ -25,7 +25,7 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind
 from hitab_commander.rounds import Lockstep, Round
 from hitab_core import Agent, BehaviorLibrary, FeatureValueError, Use
-from hitab_core.commanding import Report, Subordinate
+from hitab_core.orders import Report, Subordinate
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from hitab_core.commanding import OTHERS
+from hitab_core.orders import ALL_OTHERS
 
 
 class Over(StrEnum):
@@ -91,7 +91,7 @@ class OrderMap:
     Attributes:
         name: of the order: a basic behavior of the commander.
         behaviors: by receiver: a role, ``parameter`` for the subordinate that it is bound to, or
-            `OTHERS`. Empty text: perform nothing; None: continue what is performed.
+            `ALL_OTHERS`. Empty text: perform nothing; None: continue what is performed.
         parameter: its parameter, if it is about one subordinate.
     """
 
@@ -101,11 +101,11 @@ class OrderMap:
 
     def for_role(self, role: str) -> str | None:
         """Return what subordinates with a role perform; None: they continue."""
-        return self.behaviors.get(role, self.behaviors.get(OTHERS))
+        return self.behaviors.get(role, self.behaviors.get(ALL_OTHERS))
 
     def covers(self, role: str) -> bool:
         """Whether it defines what subordinates with a role do."""
-        return role in self.behaviors or OTHERS in self.behaviors
+        return role in self.behaviors or ALL_OTHERS in self.behaviors
 
 
 @dataclass(frozen=True)

@@ -43,8 +43,7 @@ from hitab_commander.kind import (
     Over,
     Pick,
 )
-from hitab_core import FLAGS, NAME, NAME_RULE, Use, VocabularyError, quantity
-from hitab_core.commanding import OTHERS
+from hitab_core import FLAGS, VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use, VocabularyError, quantity
 from hitab_core.library.yaml_models import (
     NONE_IS_EMPTY,
     Format,
@@ -56,6 +55,7 @@ from hitab_core.library.yaml_models import (
     read_use,
 )
 from hitab_core.library.yaml_places import Complaints, Document, Place, kind_of, open_yaml
+from hitab_core.orders import ALL_OTHERS
 
 FORMAT = 1
 """The newest format version that is read."""
@@ -81,9 +81,9 @@ def _label(text: str) -> str:
 
 
 def _receiver(text: str) -> str:
-    if NAME.match(text) is None:
+    if VOCABULARY_NAME.match(text) is None:
         raise ValueError("is not a name for a role")
-    return OTHERS if text == OTHERS_WORD else text
+    return ALL_OTHERS if text == OTHERS_WORD else text
 
 
 def _behavior(text: Any) -> str | None:
@@ -221,8 +221,10 @@ def kind_in(
         complaints: to add to.
         at: the place of the description.
     """
-    if name and NAME.match(name) is None:
-        complaints.add(at, f'"{name}" is not a name for a kind of commander; {NAME_RULE}')
+    if name and VOCABULARY_NAME.match(name) is None:
+        complaints.add(
+            at, f'"{name}" is not a name for a kind of commander; {VOCABULARY_NAME_RULE}'
+        )
 
     def each(key: str, lines: Mapping[str, Any], read: Callable[[Use, Any], T]) -> Iterator[T]:
         seen: set[str] = set()
@@ -259,7 +261,7 @@ def kind_text(kind: CommanderKind) -> str:
 
 def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
     name, parameter = use.name, "".join(use.arguments)
-    behaviors = line if isinstance(line, dict) else {OTHERS: line}
+    behaviors = line if isinstance(line, dict) else {ALL_OTHERS: line}
     if parameter and parameter not in behaviors:
         raise ValueError(
             f'the order "{name}" is about {parameter}; say what it and the others do: '

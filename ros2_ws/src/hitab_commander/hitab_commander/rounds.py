@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hitab_commander.commander_body import CommanderBody
-from hitab_core.commanding import Report
+from hitab_core.orders import Report
 
 FORGIVEN = 1e-6
 """s; the rounding error of times, which are sums of cycles."""

@@ -13,11 +13,11 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind, Observation, OrderMap, Over, Pick
 from hitab_commander.kind_reader import described_kind, kind_text, read_kind
 from hitab_core import Automaton, BehaviorLibrary, LibraryError, Scale, Use
-from hitab_core.commanding.order import OTHERS, Order, Report
 from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.yaml_places import read_yaml
+from hitab_core.orders.order import ALL_OTHERS, Order, Report
 
 NAMES = st.from_regex(r"[A-Z][a-z]{0,6}", fullmatch=True).filter(
     lambda name: name not in ("Done", "Failed", "Start")
@@ -110,7 +110,7 @@ def test_what_a_commander_has_learned_outlasts_new_orders_and_features_beside_th
     more = text.replace("nothing}", "Stop, Home: Home}").replace("}}", "}, Near: {minimum: X}}")
     assert list(library(more).load()) == ["Lead"]
     for changed in (text.replace("Search", "Find"), text.replace("mean", "maximum")):
-        with pytest.raises(LibraryError, match="of what it uses"):
+        with pytest.raises(LibraryError, match="of its parts"):
             library(changed).load()
 
 
@@ -216,7 +216,7 @@ def test_values_of_an_earlier_epoch_and_flags_of_an_earlier_order_do_not_count()
 )
 def test_an_order_means_what_it_says_for_the_name_else_the_role_else_all(behaviors, name, role):
     found = Order(behaviors=behaviors).behavior_for(name, role)
-    expected = [behaviors[key] for key in (name, role, OTHERS) if key in behaviors]
+    expected = [behaviors[key] for key in (name, role, ALL_OTHERS) if key in behaviors]
     assert found == (expected[0] if expected else None)
 
 
@@ -254,7 +254,7 @@ def test_giving_the_order_in_force_again_gives_nothing():
     body = body_with({"a": 1.0})
     given_orders = []
     body.on_order = given_orders.append
-    order = OrderMap("Send", {"A": "Search", OTHERS: None}, "A")
+    order = OrderMap("Send", {"A": "Search", ALL_OTHERS: None}, "A")
     body.give(order, "a")
     body.give(order, "a")
     body.give(order, None)

@@ -7,13 +7,13 @@ from .action_behavior import calls_of as calls_of
 from .action_behavior import feedback_feature as feedback_feature
 from .action_behavior import uses_actions as uses_actions
 from .advice.remarks import Remark as Remark
-from .advice.remarks import Sign as Sign
+from .advice.remarks import RemarkKind as RemarkKind
 from .agent import Agent as Agent
 from .agent import Mode as Mode
 from .automaton import FLAGS as FLAGS
 from .automaton import OWN_FEATURES as OWN_FEATURES
 from .automaton import OWN_NAMES as OWN_NAMES
-from .automaton import RESERVED as RESERVED
+from .automaton import RESERVED_NAMES as RESERVED_NAMES
 from .automaton import START as START
 from .automaton import Automaton as Automaton
 from .caution import Caution as Caution
@@ -49,7 +49,7 @@ from .learning.scikit_learn import TransitionTreeClassifier as TransitionTreeCla
 from .learning.transition_tree import TransitionTree as TransitionTree
 from .learning_agent import LearningAgent as LearningAgent
 from .library.behavior_library import BehaviorLibrary as BehaviorLibrary
-from .number import Number as Number
+from .number import BoundedNumber as BoundedNumber
 from .number import numbers_of as numbers_of
 from .number import with_numbers as with_numbers
 from .number import without_numbers as without_numbers
@@ -57,7 +57,7 @@ from .plain import behavior as behavior
 from .plain import feature as feature
 from .plain import plain_domain as plain_domain
 from .plain import target as target
-from .remedies import Do as Do
+from .remedies import Fix as Fix
 from .remedies import Remedy as Remedy
 from .repertoire import Repertoire as Repertoire
 from .saving import to_be_saved as to_be_saved
@@ -67,8 +67,8 @@ from .source_file import load_file as load_file
 from .training.training_session import Request as Request
 from .transition_function import HandWritten as HandWritten
 from .transition_function import TransitionFunction as TransitionFunction
-from .use import NAME as NAME
-from .use import NAME_RULE as NAME_RULE
+from .use import VOCABULARY_NAME as VOCABULARY_NAME
+from .use import VOCABULARY_NAME_RULE as VOCABULARY_NAME_RULE
 from .use import Use as Use
 from .vocabulary import has as has
 from .vocabulary import unknown as unknown

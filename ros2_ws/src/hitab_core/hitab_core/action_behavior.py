@@ -36,7 +36,7 @@ class ActionBehavior(BasicBehavior):
         goal: values of the goal's fields, by path, such as ``"pose.header.frame_id"``. A value
             is a constant, or a function of the body and the resolved targets. Fields that are
             left out keep their defaults.
-        feedback_within: the action fails if its server gives no feedback for so long, s; 0: the
+        feedback_within: the action fails if its server gives no feedback for so long, s; 0 if the
             server may be silent.
 
     Examples:
@@ -129,13 +129,13 @@ class ActionCall:
     """One goal of an action, from entering a state until the state is left.
 
     Attributes:
-        behavior: that it is the goal of.
+        behavior: whose goal this is.
         use: of the behavior, with its targets.
         goal: values of the goal's fields, by path.
-        outcome: the flag that it raises, once it is over; empty before.
+        outcome: the flag raised at the end; empty before.
         why: it failed, for people.
         accepted: whether the server has taken the goal.
-        feedback: the last one, as an object with the fields of the action's feedback; None: none.
+        feedback: the last one, as an object with the fields of the action's feedback, or None.
         left: whether the state was left.
         pulses: how often the behavior was pulsed.
     """
@@ -186,11 +186,11 @@ class Carrier(Protocol):
 
 
 class ActionCalls:
-    """What connects one body to the actions that it has others carry out.
+    """Connects one body to ROS actions, which other nodes carry out.
 
     Attributes:
-        carrier: carries out the calls; None: nobody does, and each of them fails.
-        current: the call whose state is active; None: none is.
+        carrier: carries out the calls; without one (None) each call fails.
+        current: the call whose state is active, or None.
     """
 
     def __init__(self) -> None:
@@ -211,7 +211,7 @@ class ActionCalls:
         except HitabError as error:
             call.fail(str(error))
         if self.carrier is None:
-            call.fail("nobody here carries out actions; only an agent's ROS node does")
+            call.fail("this program carries out no actions; only an agent's ROS node does")
         elif call.outcome:
             self.carrier.failed(call)
         else:

@@ -1,4 +1,4 @@
-"""One agent without its robot or middleware: what it knows, does and is being taught.
+"""One agent without its robot or middleware: its library, behavior and training.
 
 A node (`hitab_agent.agent_node`) passes in percepts and a demonstrator's commands and publishes
 the actions. Errors that a user can fix raise `HitabError` and leave the agent unchanged.
@@ -29,19 +29,19 @@ from hitab_core.errors import (
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import refused_name
-from hitab_core.library.contents import Losses
-from hitab_core.library.edition import Edition
+from hitab_core.library.contents import LostBehaviors
+from hitab_core.library.loaded_library import LoadedLibrary
 from hitab_core.library.provenance import Provenance
-from hitab_core.remedies import Do, Remedy
+from hitab_core.remedies import Fix, Remedy
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.observing import Observe
 from hitab_core.running.running_automaton import RunContext, Running
-from hitab_core.running.senses import BLIND, Senses
-from hitab_core.saving import Saved, edition_with, to_be_saved
+from hitab_core.saving import SavedBehavior, loaded_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.moments import KEPT_SECONDS
 from hitab_core.training.people_file import read_people, write_people
+from hitab_core.training.recent_percepts import KEPT_SECONDS
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import TrainingJournal
 from hitab_core.training.training_session import Request, TrainingSession
@@ -50,7 +50,7 @@ from hitab_core.wording import quantity
 
 
 class Mode(StrEnum):
-    """What an agent's decisions come from."""
+    """Modes of an agent, by the source of its decisions."""
 
     IDLE = "idle"
     PERFORMING = "performing"
@@ -59,9 +59,9 @@ class Mode(StrEnum):
 
 
 class _State(NamedTuple):
-    """What an agent switches to: an edition, its context, and what it performs, not started."""
+    """The next state of an agent: its library, its context and an unstarted behavior."""
 
-    edition: Edition
+    loaded: LoadedLibrary
     context: RunContext
     use: Use | None
     performance: Running | None
@@ -74,10 +74,9 @@ class Agent:
     journal folder, across restarts of the process.
 
     Attributes:
-        context: shared by everything that it performs.
-        monitor: what it does when it is unsure, and why it is unsure of its next decision.
-        awaited: what it begins to perform once that is no longer lost, unless something else is
-            asked of it before; None: nothing.
+        context: shared by all performed behaviors.
+        monitor: of unsure decisions: the response, and why the next decision is unsure.
+        pending_behavior: started as soon as its file is usable again; None if nothing waits.
     """
 
     def __init__(
@@ -106,21 +105,21 @@ class Agent:
         self._episode_since = 0
         self.mode = Mode.IDLE
         self.top: Use | None = None
-        self.awaited: Use | None = None
+        self.pending_behavior: Use | None = None
         self._random = random.Random(agent_seed(seed, 0, name))
         self._latest_saved = ""
         self.monitor = CautionMonitor()
         self._performance: Running | None = None
         self._performances: dict[Use, Running] = {}
-        self.edition = _first_edition(library)
+        self.loaded = _first_loaded(library)
         self.context = RunContext(
-            self.edition.repertoire,
+            self.loaded.repertoire,
             self.body,
-            Senses(self.body, domain),
+            FeatureCache(self.body, domain),
             self._random.random,
             most_probable,
             observe,
-            reach=self.monitor.reach,
+            number_range=self.monitor.number_range,
         )
         self.journal = TrainingJournal(journal_folder, domain.name)
         self._folder = journal_folder
@@ -129,27 +128,27 @@ class Agent:
         if self.session is not None:
             self.mode = Mode.TRAINING
 
-    # -- what it knows ----------------------------------------------------------------------
+    # -- its library ------------------------------------------------------------------------
 
     def _resumed(self) -> TrainingSession | None:
         return self.journal.resume(self.context, self.library.has_saved, self.people)
 
     @property
     def repertoire(self) -> Repertoire:
-        """All behaviors that it can perform."""
+        """All behaviors that the agent can perform."""
         return self.context.repertoire
 
     @property
     def faults(self) -> tuple[str, ...]:
-        """What it has lost: behaviors, and an interrupted training."""
+        """Lost behaviors, and an interrupted training, as sentences."""
         damage = self.journal.damage
-        return (*self.edition.losses.faults, *([damage] if damage else ()))
+        return (*self.loaded.losses.faults, *([damage] if damage else ()))
 
     @property
     def remedies(self) -> tuple[Remedy, ...]:
-        """What a person can do about `faults`, and about what its repertoire lacks."""
-        damaged = [Do.DISCARD(agent=self.name)] if self.journal.damage else []
-        return (*self.edition.losses.ways_out, *damaged)
+        """Remedies for `faults`, and for anything missing in the repertoire."""
+        damaged = [Fix.DISCARD(agent=self.name)] if self.journal.damage else []
+        return (*self.loaded.losses.ways_out, *damaged)
 
     @property
     def active_path(self) -> list[str]:
@@ -187,7 +186,7 @@ class Agent:
 
     @property
     def running(self) -> Running | None:
-        """What it performs, its training included; None: nothing."""
+        """The performed behavior, which may be in training, or None."""
         return self._performed if self._trained is None else self._trained.running
 
     @property
@@ -214,7 +213,7 @@ class Agent:
 
         Args:
             values: in the layout of the domain.
-            heard: messages that it hears.
+            heard: the messages heard.
             cycle: of the world.
             time: simulated, or the robot's, s.
             jumped: whether the situation does not follow from the last one, as when something was
@@ -225,7 +224,7 @@ class Agent:
         self.cycle = cycle
         self.context.clock.now = time
         self.body.sense(values, heard)
-        self.context.senses.forget()
+        self.context.feature_cache.forget()
         if (session := self._trained) is not None:
             session.perception.keep(session.running, cycle, time, jumped=jumped)
 
@@ -274,11 +273,11 @@ class Agent:
         """
         if name == self.training and name not in self.repertoire:
             raise TrainingError(
-                f'"{name}" is being trained and not saved yet', Do.SAVE(agent=self.name)
+                f'"{name}" is being trained and not saved yet', Fix.SAVE(agent=self.name)
             )
 
     def perform(self, use: Use | None) -> None:
-        """Perform a behavior as the top-level one, from Start; None: nothing.
+        """Perform a behavior as the top-level one, from Start; None to become idle.
 
         If it cannot be begun, the agent is idle.
 
@@ -290,7 +289,7 @@ class Agent:
         if use is not None:
             self.check_saved(use.name)
         performance = None if use is None else self._prepared(use)
-        self.awaited = None
+        self.pending_behavior = None
         self._stop()
         if self.session is not None:
             self.session.leave()
@@ -300,7 +299,7 @@ class Agent:
         if performance is None:
             return
         try:
-            with self.context.senses.blind_unless_perceived():
+            with self.context.feature_cache.blind_unless_perceived():
                 performance.start()
         except Exception:
             with suppress(Exception):
@@ -342,20 +341,20 @@ class Agent:
         if self.unsaved and not discard:
             raise TrainingError(
                 f'"{self.training}" has {quantity(self.unsaved, "unsaved example")}',
-                Do.SAVE(agent=self.name),
-                Do.DISCARD(agent=self.name),
+                Fix.SAVE(agent=self.name),
+                Fix.DISCARD(agent=self.name),
             )
         if self.journal.damage and not discard:
-            raise TrainingError(self.journal.damage, Do.DISCARD(agent=self.name))
+            raise TrainingError(self.journal.damage, Fix.DISCARD(agent=self.name))
         earlier, _, version = resume.partition("@")
         name = curriculum.name or earlier
-        if name in self.edition.losses.reasons:
-            losses = self.edition.losses
+        if name in self.loaded.losses.reasons:
+            losses = self.loaded.losses
             raise LostBehaviorError(refused_name(name, "trained", losses), *losses.remedies[name])
         examples: tuple[Example, ...] = ()
         if resume:
             of = (
-                self.library.shelf.version(earlier, int(version)).automaton
+                self.library.on_disk.version(earlier, int(version)).automaton
                 if version.isdecimal()
                 else self.repertoire.get(resume)
             )
@@ -367,7 +366,7 @@ class Agent:
         self._stop()
         self.session = session
         self.mode = Mode.TRAINING
-        self.awaited = None
+        self.pending_behavior = None
         return session
 
     def command(
@@ -385,8 +384,8 @@ class Agent:
         Args:
             use: what to perform, or a flag.
             ago: how long before what the demonstrator saw it was due, s of simulated time.
-            seen: the world's cycle that the demonstrator saw; 0: that of the last percept.
-            pace: simulated seconds in a second of the demonstrator; 0: the situation has waited.
+            seen: the world's cycle that the demonstrator saw; 0 for that of the last percept.
+            pace: simulated seconds in a second of the demonstrator; 0 if the situation has waited.
             unrecorded: only perform it; no example is recorded.
             request: who commands it and with which number.
 
@@ -399,10 +398,10 @@ class Agent:
         if self.mode in (Mode.IDLE, Mode.PERFORMING):
             raise TrainingError(
                 f'it is {self.mode}, and the training of "{self.training}" waits',
-                Do.RESUME(agent=self.name),
+                Fix.RESUME(agent=self.name),
             )
         if self.mode is Mode.TESTING:
-            raise TrainingError(f'"{self.training}" is being tested', Do.RESUME(agent=self.name))
+            raise TrainingError(f'"{self.training}" is being tested', Fix.RESUME(agent=self.name))
         if 0 < seen < self._episode_since:
             raise TrainingError(
                 f"the command was for cycle {seen}, but a new episode has begun in cycle "
@@ -411,8 +410,8 @@ class Agent:
         if session.perception.moments.latest is None and 0.0 <= ago <= KEPT_SECONDS:
             ago, seen = 0.0, 0  # nothing has changed since the training began
         if self.awaits_percept:
-            raise FeatureValueError(BLIND)
-        with self.context.senses.blind_unless_perceived():
+            raise FeatureValueError(NO_PERCEPT_YET)
+        with self.context.feature_cache.blind_unless_perceived():
             if unrecorded:
                 return session.bring_into(use)
             return session.command(use, self.cycle, ago=ago, seen=seen, pace=pace, request=request)
@@ -421,7 +420,9 @@ class Agent:
     def awaits_percept(self) -> bool:
         """Whether a command has to wait for the first percept, which its examples need."""
         chosen = () if self.session is None else self.session.curriculum.features
-        return not self.context.senses.perceived and any(f.name not in FLAGS for f in chosen)
+        return not self.context.feature_cache.perceived and any(
+            f.name not in FLAGS for f in chosen
+        )
 
     def test(self, *, restart: bool = False) -> None:
         """Learn from the examples and give control to what was learned.
@@ -455,13 +456,13 @@ class Agent:
         *,
         keep_unused: bool = False,
         note: str = "",
-    ) -> Saved:
+    ) -> SavedBehavior:
         """Trim what was learned, add it to the library and end the training.
 
         Args:
-            name: of the saved behavior; empty: the name that training began with.
+            name: of the saved behavior; empty for the name that training began with.
             bindings: targets or parameters to replace, and their replacements.
-            description: for people who browse the library; empty: that of what it replaces.
+            description: for people who browse the library; empty to keep the present one.
             keep_unused: keep features that no transition function uses yet, so that training can
                 be resumed with them, as in behavior bootstrapping.
             note: on where it comes from, for its provenance.
@@ -487,11 +488,11 @@ class Agent:
             saved = change.save(
                 automaton, curriculum.classifier, Provenance(agent=self.name, note=note)
             )
-            edition = edition_with(saved, change, self.library, self.edition)
+            loaded = loaded_with(saved, change, self.library, self.loaded)
             try:
-                state = self._state(edition, then)
+                state = self._state(loaded, then)
             except VocabularyError as error:
-                state = self._state(edition, None)
+                state = self._state(loaded, None)
                 notes += [f'{self.name} is idle now; it cannot perform "{then}": {error}']
             # At the next start this marks a journal that was not archived as saved.
             record = {"do": "save", "automaton": saved.name, "checksum": saved.checksum}
@@ -502,7 +503,9 @@ class Agent:
         self._latest_saved = saved.name
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
-        return Saved(saved.automaton, self.library.shelf.file(saved.name), notes, replaced)
+        return SavedBehavior(
+            saved.automaton, self.library.on_disk.file(saved.name), notes, replaced
+        )
 
     def discard(self) -> None:
         """Give up the training under way and perform nothing.
@@ -524,7 +527,9 @@ class Agent:
             refused = "nothing can be saved: " if to_save else ""
             if to_save and self._latest_saved:
                 refused += f'"{self._latest_saved}" has been saved already, and '
-            raise TrainingError(f"{refused}it is not training anything", Do.TRAIN(agent=self.name))
+            raise TrainingError(
+                f"{refused}it is not training anything", Fix.TRAIN(agent=self.name)
+            )
         return self.session
 
     # -- library ----------------------------------------------------------------------------
@@ -540,24 +545,27 @@ class Agent:
                 the active behavior or training does not fit; nothing has changed.
         """
         library = library or self.library
-        edition = library.edition(strict=False)
-        if edition.losses.reasons.keys() - self.edition.losses.reasons.keys():
+        loaded = library.loaded(strict=False)
+        if loaded.losses.reasons.keys() - self.loaded.losses.reasons.keys():
             raise LibraryError(
-                f"it keeps what it knew: {'; '.join(edition.losses.faults)}",
-                *edition.losses.ways_out,
+                f"it keeps its present library: {'; '.join(loaded.losses.faults)}",
+                *loaded.losses.ways_out,
             )
-        self.take_up(edition, library=library)
-        return sorted(self.edition.files)
+        self.take_up(loaded, library=library)
+        return sorted(self.loaded.files)
 
     def take_up(
-        self, edition: Edition, start: Use | None = None, library: BehaviorLibrary | None = None
+        self,
+        loaded: LoadedLibrary,
+        start: Use | None = None,
+        library: BehaviorLibrary | None = None,
     ) -> list[str]:
-        """Switch to an edition that is already on disk.
+        """Switch to a loaded library that is already on disk.
 
         Args:
-            edition: of its library.
+            loaded: of its library.
             start: what to perform instead of the active behavior.
-            library: that the edition comes from, if not the agent's own.
+            library: that the loaded library comes from, if not the agent's own.
 
         Returns:
             Notes on what could not be stopped or started.
@@ -565,11 +573,11 @@ class Agent:
         Raises:
             VocabularyError: if the active behavior or training does not fit; nothing has changed.
         """
-        state = self._state(edition, self.check_fit(edition, start))
+        state = self._state(loaded, self.check_fit(loaded, start))
         return self._swap(state, library or self.library)
 
-    def check_fit(self, edition: Edition, start: Use | None = None) -> Use | None:
-        """Check that the active behavior, or ``start``, and the training fit an edition.
+    def check_fit(self, loaded: LoadedLibrary, start: Use | None = None) -> Use | None:
+        """Check that the active behavior, or ``start``, and the training fit a loaded library.
 
         Returns:
             What to perform with it.
@@ -578,13 +586,13 @@ class Agent:
             VocabularyError: naming what does not fit, and the way out.
         """
         use = start or (self.top if self.mode is Mode.PERFORMING else None)
-        if use is None and self.mode is Mode.IDLE and self.awaited is not None:
+        if use is None and self.mode is Mode.IDLE and self.pending_behavior is not None:
             with suppress(VocabularyError):
-                edition.repertoire.check_performable(self.awaited)
-                use = self.awaited
-        losses = edition.losses
-        gone = sorted(losses.reasons.keys() & self.edition.files.keys())
-        kept = "it keeps what it knew:"
+                loaded.repertoire.check_performable(self.pending_behavior)
+                use = self.pending_behavior
+        losses = loaded.losses
+        gone = sorted(losses.reasons.keys() & self.loaded.files.keys())
+        kept = "it keeps its present library:"
         if gone:
             raise LostBehaviorError(
                 f"{kept} {', '.join(gone)} would be lost: {'; '.join(losses.faults)}",
@@ -592,7 +600,7 @@ class Agent:
             )
         try:
             if use is not None:
-                edition.repertoire.check_performable(use)
+                loaded.repertoire.check_performable(use)
         except VocabularyError as error:
             raise VocabularyError(
                 f'{kept} it could no longer perform "{use}": {error}; have it perform something '
@@ -600,7 +608,7 @@ class Agent:
             ) from None
         try:
             if self.session is not None:
-                self.session.check_on(edition.repertoire)
+                self.session.check_on(loaded.repertoire)
         except VocabularyError as error:
             raise VocabularyError(
                 f'{kept} the training of "{self.training}" could not continue: {error}; '
@@ -608,17 +616,17 @@ class Agent:
             ) from None
         return use
 
-    def _state(self, edition: Edition, use: Use | None) -> _State:
+    def _state(self, loaded: LoadedLibrary, use: Use | None) -> _State:
         """Return what the agent switches to; so far nothing is changed.
 
         Raises:
             VocabularyError: if it cannot be performed.
         """
-        context = replace(self.context, repertoire=edition.repertoire)
+        context = replace(self.context, repertoire=loaded.repertoire)
         if use is None:
-            return _State(edition, context, None, None)
-        edition.repertoire.check_performable(use)
-        return _State(edition, context, use, context.perform(use))
+            return _State(loaded, context, None, None)
+        loaded.repertoire.check_performable(use)
+        return _State(loaded, context, use, context.perform(use))
 
     def _swap(
         self, state: _State, library: BehaviorLibrary, *, ends_training: bool = False
@@ -629,7 +637,7 @@ class Agent:
             self._stop()
         except Exception as error:  # a domain's code, a user's
             notes.append(f"what {self.name} performed could not be stopped: {error!r}")
-        self.library, self.edition, self.context = library, state.edition, state.context
+        self.library, self.loaded, self.context = library, state.loaded, state.context
         self._performances.clear()
         self.top, self._performance = state.use, state.performance
         if ends_training:
@@ -641,7 +649,7 @@ class Agent:
                 self.session = self._resumed()
         if state.performance is not None:
             assert state.use is not None
-            self.awaited = None
+            self.pending_behavior = None
             self._performances[state.use] = state.performance
             self.mode = Mode.PERFORMING
             try:
@@ -655,11 +663,11 @@ class Agent:
         return notes
 
 
-def _first_edition(library: BehaviorLibrary) -> Edition:
+def _first_loaded(library: BehaviorLibrary) -> LoadedLibrary:
     """Return what is sound in a library; nothing if its folder cannot be read."""
     try:
-        return library.edition(strict=False)
+        return library.loaded(strict=False)
     except FolderInUseError:
         raise
     except LibraryError as error:
-        return library.editions.of({}, Losses.of_unread(error.problem, library.domain))
+        return library.reader.of({}, LostBehaviors.of_unread(error.problem, library.domain))

@@ -20,7 +20,7 @@ START = "Start"
 FLAGS = ("Done", "Failed")
 """The flag states: entering one raises a flag in the parent automaton, then returns to Start."""
 
-RESERVED = frozenset((START, *FLAGS))
+RESERVED_NAMES = frozenset((START, *FLAGS))
 
 SECONDS_IN_STATE = "SecondsInState"
 SECONDS_SINCE = "SecondsSince"
@@ -37,7 +37,7 @@ counts from the last time that the automaton saw this flag up, or, if it never d
 """
 
 CLEARED = frozenset({*map(Use, FLAGS), Use(SECONDS_IN_STATE)})
-"""Those of them that are 0 when a state is entered."""
+"""Flags and timers that are 0 when a state is entered."""
 
 OWN_NAMES = frozenset(use.name for use in OWN_FEATURES)
 
@@ -61,7 +61,7 @@ class Automaton:
     """A learned or hand-written hierarchical finite-state automaton.
 
     Attributes:
-        name: what it is called as a behavior.
+        name: of the automaton, also as a behavior.
         states: S without Start: flags and uses of basic behaviors or other automata (B).
         features: F, in the order of the examples' values; a flag's name is the feature that the
             active sub-behavior has raised that flag.
@@ -123,7 +123,7 @@ class Automaton:
                     "which is not one of its states"
                 )
         for parameter in self.parameters:
-            if parameter in RESERVED:
+            if parameter in RESERVED_NAMES:
                 raise VocabularyError(
                     f'automaton "{self.name}": a parameter cannot be called "{parameter}", which '
                     "is reserved; rename it"

@@ -1,9 +1,9 @@
 """Caution: what an agent does when it is unsure; it goes on, halts, or hands back to the person.
 
 A decision is unsure if the situation is far from all examples of the state
-(`hitab_core.advice.confidence`). That is judged before the agent decides, for each level
-of what it performs, so that nothing is done that has to be taken back. Which state takes numbers
-is known only afterwards: far from the moments that showed them, it does nothing (`Reach`).
+(`hitab_core.advice.confidence`). Each level of the performed behavior is judged before the agent
+decides, so that no action has to be taken back. Which state takes numbers is known only
+afterwards: far from the moments that showed its numbers, a state does nothing (`NumberRange`).
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
-from hitab_core.remedies import Do
-from hitab_core.running.running_automaton import Reach, RunContext, Running, RunningAutomaton
+from hitab_core.remedies import Fix
+from hitab_core.running.running_automaton import NumberRange, RunContext, Running, RunningAutomaton
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.vocabulary import unknown
 
 
 class WhenUnsure(StrEnum):
-    """What an unsure agent does."""
+    """Responses of an unsure agent."""
 
     GO_ON = "go_on"  # it decides all the same
     HALT = "halt"  # it does nothing until it is sure
@@ -33,12 +33,12 @@ class WhenUnsure(StrEnum):
 
 @dataclass(frozen=True)
 class Caution:
-    """When an agent is unsure, and what it does then.
+    """Caution of an agent: when it is unsure, and its response.
 
     Attributes:
-        when_unsure: what it does.
+        when_unsure: the response.
         distance: it is unsure farther than this from any example, in spreads of the state's
-            examples; 0: any distance will do.
+            examples; 0 for any distance.
     """
 
     when_unsure: WhenUnsure = WhenUnsure.GO_ON
@@ -59,7 +59,7 @@ class Caution:
             raise TrainingError(
                 f'"{when_unsure}" needs to know when an agent is unsure: how far from any example '
                 "(distance)",
-                Do.CAUTION(when_unsure=when_unsure),
+                Fix.CAUTION(when_unsure=when_unsure),
             )
         return cls(WhenUnsure(when_unsure), distance)
 
@@ -76,18 +76,18 @@ class Caution:
 
 
 class CautionMonitor:
-    """Judges whether an agent's next decision is sure, and halts what it performs meanwhile.
+    """Judges whether an agent's next decision is sure, and halts its behavior meanwhile.
 
     Attributes:
         caution: when a decision is unsure, and what is done then.
         unsure: why the next decision is unsure, for people; empty if it is sure, or if the agent
             goes on regardless.
-        reach: of the agent's context.
+        number_range: of the agent's context.
     """
 
     def __init__(self) -> None:
         self.caution = Caution()
-        self.reach = Reach()
+        self.number_range = NumberRange()
         self.unsure = ""
         self._halted: Running | None = None
         self._rated: dict[tuple[int, str], tuple[TransitionFunction, Confidences]] = {}
@@ -122,12 +122,15 @@ class CautionMonitor:
         self.unsure = self._doubts(running, context, trained)
         if not self.unsure:
             self._release()
-            self.reach.farthest, self.reach.beyond = self.caution.distance or math.inf, ""
+            self.number_range.max_distance, self.number_range.reason = (
+                self.caution.distance or math.inf,
+                "",
+            )
             try:
                 tick()
             finally:
-                self.reach.farthest = math.inf
-            self.unsure = self.reach.beyond
+                self.number_range.max_distance = math.inf
+            self.unsure = self.number_range.reason
         elif self.caution.when_unsure is WhenUnsure.HALT:
             self._halt(running)
         return not self.unsure
@@ -175,5 +178,5 @@ class CautionMonitor:
             halted.start()
 
     def forget(self) -> None:
-        """Forget what was halted, since something else is performed."""
+        """Forget the halted behavior, since another one is performed."""
         self._halted = None

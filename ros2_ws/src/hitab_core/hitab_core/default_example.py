@@ -1,4 +1,4 @@
-"""Default examples: a command also says to go on with what it commands, until the next one.
+"""Default examples: a command also means to continue the commanded behavior until the next one.
 
 Source: the paper, section 3, footnote 1.
 """

@@ -22,10 +22,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from hitab_core.automaton import FLAGS, OWN_FEATURES, OWN_NAMES, SECONDS_IN_STATE, SECONDS_SINCE
 from hitab_core.errors import VocabularyError
-from hitab_core.number import Number
+from hitab_core.number import BoundedNumber
 from hitab_core.plain_body import PlainBody
 from hitab_core.source_file import load_file, loaded_file
-from hitab_core.use import NAME, NAME_RULE, Use, wrong_number
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use, wrong_number
 from hitab_core.vocabulary import check_known, has
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ ENTRY_POINT_GROUP = "hitab.domains"
 
 
 class FeatureKind(StrEnum):
-    """How a feature's values are compared, and so how a transition tree may split on it."""
+    """Kind of a feature: how values compare, and how a transition tree may split on them."""
 
     CONTINUOUS = "continuous"
     TOROIDAL = "toroidal"  # wraps around after `period`, like an angle
@@ -87,7 +87,7 @@ class Feature:
 
     @property
     def scale(self) -> Scale:
-        """How values of this feature compare."""
+        """Scale on which values of this feature compare."""
         return Scale(
             self.kind, self.period if self.kind is FeatureKind.TOROIDAL else 0.0, self.categories
         )
@@ -95,7 +95,7 @@ class Feature:
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """How the values of a feature compare: all that a classifier needs to know of it."""
+    """Scale of a feature's values: everything that a classifier needs to know of the feature."""
 
     kind: FeatureKind = FeatureKind.CONTINUOUS
     period: float = 0.0
@@ -113,7 +113,7 @@ def _own(name: str, description: str, **more: Any) -> tuple[str, Feature]:
     return name, Feature(name, _not_of_a_body, description=description, **more)
 
 
-OWN = dict(
+FLAGS_AND_TIMERS = dict(
     [
         _own("Done", "whether the active state's behavior is done", kind=FeatureKind.BOOLEAN),
         _own("Failed", "whether the active state's behavior failed", kind=FeatureKind.BOOLEAN),
@@ -153,11 +153,11 @@ class BasicBehavior:
     one_shot: bool = False
     description: str = ""
     stands_still: bool = False
-    numbers: tuple[Number, ...] = ()
+    numbers: tuple[BoundedNumber, ...] = ()
 
 
 class Body(Protocol):
-    """What the basic behaviors and features of a domain act on: one agent's percept and action."""
+    """Body of one agent, with its percept and action, for basic behaviors and features."""
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
         """Take this cycle's percept; the layout of ``values`` is the domain's own."""
@@ -237,9 +237,9 @@ class Domain:
         for group in groups:
             names = [thing.name for thing in group]
             for thing_name in names:
-                if NAME.match(thing_name) is None:
+                if VOCABULARY_NAME.match(thing_name) is None:
                     raise VocabularyError(
-                        f'domain "{name}": "{thing_name}" is not a name; {NAME_RULE}'
+                        f'domain "{name}": "{thing_name}" is not a name; {VOCABULARY_NAME_RULE}'
                     )
                 if names.count(thing_name) > 1:
                     raise VocabularyError(f'domain "{name}" has "{thing_name}" twice')
@@ -278,14 +278,14 @@ class Domain:
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
 
-    def numbers_of(self, state: Use) -> tuple[Number, ...]:
+    def numbers_of(self, state: Use) -> tuple[BoundedNumber, ...]:
         """Return the numbers of a state's behavior; none unless it is a basic one with numbers."""
         behavior = self.behaviors.get(state.name)
         return () if behavior is None else behavior.numbers
 
     def feature(self, name: str) -> Feature:
         """Return a feature by name, of the domain or of the engine itself."""
-        return OWN[name] if name in OWN else self.features[name]
+        return FLAGS_AND_TIMERS[name] if name in FLAGS_AND_TIMERS else self.features[name]
 
     def scale_of(self, use: Use) -> Scale:
         """Return how the values of a feature compare."""
@@ -307,7 +307,7 @@ class Domain:
     @cached_property
     def _feature_parameters(self) -> dict[str, tuple[str, ...]]:
         found = {name: f.parameters for name, f in self.features.items()}
-        return found | {name: f.parameters for name, f in OWN.items()}
+        return found | {name: f.parameters for name, f in FLAGS_AND_TIMERS.items()}
 
     def check_use(
         self,

@@ -27,7 +27,7 @@ class HitabError(Exception):
 
     @property
     def problem(self) -> str:
-        """Where and what is wrong, without the ways out."""
+        """Place and description of the fault, without the ways out."""
         return f"{self.where}: {self.what}" if self.where else self.what
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""What a demonstrator's command teaches: one example of a transition function."""
+"""Example of a transition function, as a demonstrator's command gives it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Place = tuple[str, tuple[float | None, ...]]
 
 
 class ExampleKind(StrEnum):
-    """Where an example comes from."""
+    """Origin of an example."""
 
     DEMONSTRATED = "demonstrated"
     CORRECTION = "correction"  # demonstrated after taking over from the learned behavior
@@ -24,7 +24,7 @@ class ExampleKind(StrEnum):
 
     @property
     def shown(self) -> str:
-        """What people read."""
+        """Text for people."""
         return "overruled" if self is ExampleKind.SUPERSEDED else self.value
 
 
@@ -41,8 +41,8 @@ class Example:
         cycle: the world's cycle of the situation, 0 where unknown.
         ago: seconds of simulated time from the situation to the command.
         readings: everything that could be read in that situation, in the order of the training's
-            or automaton's ``readable``; NaN where there was no value. Empty: not kept.
-        numbers: with which ``next_state`` was commanded; empty: it takes none.
+            or automaton's ``readable``; NaN where there was no value. Empty if not kept.
+        numbers: with which ``next_state`` was commanded; empty if it takes none.
     """
 
     state: str

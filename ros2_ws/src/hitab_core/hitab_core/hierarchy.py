@@ -1,4 +1,4 @@
-"""Which behavior uses which: order and cycles, visiting each behavior once.
+"""Order and cycles of behaviors that use each other, visiting each behavior once.
 
 Behaviors are shared, so a hierarchy may have far more paths than behaviors.
 """
@@ -12,7 +12,7 @@ Uses = Callable[[str], Iterable[str]]
 
 
 def in_order(names: Iterable[str], uses: Uses) -> list[str]:
-    """Return behaviors and everything they are made of, each after what it uses.
+    """Return behaviors and everything they are made of, each after its parts.
 
     Raises:
         ValueError: if one uses itself; see `circle_among`.

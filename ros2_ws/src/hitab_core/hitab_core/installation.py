@@ -1,4 +1,4 @@
-"""How this HiTAB was installed: by pip, from a checkout, or with a ROS 2 workspace."""
+"""Installation of this HiTAB: by pip, from a checkout, or with a ROS 2 workspace."""
 
 from __future__ import annotations
 

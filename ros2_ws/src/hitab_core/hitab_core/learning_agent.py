@@ -30,9 +30,9 @@ MANY_RULES = 20
 
 
 class LearningAgent:
-    """An agent that is trained step by step, in the process of who trains it.
+    """An agent that is trained step by step, in the process of its trainer.
 
-    A step gives it a percept and, while it is being trained, the name of a behavior that it
+    Each step takes a percept and, during a training, the name of a behavior that the agent
     should perform; each command records an example. `learn` turns the examples into an automaton
     that then decides; a command after that corrects it. `save` adds the automaton to the library,
     so that the next training can use it as a state.
@@ -87,7 +87,7 @@ class LearningAgent:
             library = self._temporary.name
         self.agent = Agent(name, domain, BehaviorLibrary(library, domain), seed=seed)
         for fault in self.agent.faults:
-            ways = self.agent.edition.losses.ways_out
+            ways = self.agent.loaded.losses.ways_out
             warnings.warn(str(HitabError(fault, *ways)), stacklevel=2)
         self._cycle = 0
         self._period = period
@@ -107,11 +107,10 @@ class LearningAgent:
 
         Args:
             behavior: its name.
-            features: what its decisions may depend on, such as ``["DistanceTo(ball)"]``; None:
-                all features of the domain that have no parameter.
-            states: what may be commanded; empty: every behavior there is.
-            parameters: its own parameters, with the targets that they stand for while it is
-                being trained.
+            features: available to decisions, such as ``["DistanceTo(ball)"]``; None
+                for all features of the domain without parameters.
+            states: behaviors that may be commanded; empty for all.
+            parameters: of the behavior, with the targets that stand for them in training.
             classifier: see `hitab_core.learning.transition_learning.learner`.
             discard: give up a training that has not been saved.
 
@@ -160,11 +159,11 @@ class LearningAgent:
                 None, an empty text or NaN: none. It
                 is recorded as an example; after `learn` as a correction, and the demonstrator
                 stays in control until `learn` is called again.
-            heard: messages that it hears.
+            heard: the messages heard.
             ago: how long ago the command was due, s; it is recorded with the percept of then.
 
         Returns:
-            The action, in the layout of the domain; empty: none.
+            The action, in the layout of the domain, or empty.
 
         Raises:
             TrainingError: if nothing is being trained; if no behavior has been commanded yet.
@@ -189,7 +188,7 @@ class LearningAgent:
                 + ("" if agent.session is not None else ", after train(name)")
             )
         agent.tick()
-        self._size = len(percept)  # not before: what it has not could be what is wrong with it
+        self._size = len(percept)  # not before: a missing size could be what is wrong with it
         return tuple(map(float, agent.body.act()[0]))
 
     def learn(self) -> Automaton:
@@ -246,10 +245,10 @@ class LearningAgent:
     def save(self, name: str = "", description: str = "") -> Path:
         """Trim what was learned and add it to the library; this ends the training.
 
-        Signs that it does not play are warnings.
+        Signs of an automaton that does not play are warnings.
 
         Args:
-            name: what to call it; empty: as it was begun.
+            name: what to call it; empty to keep the name.
             description: for people who browse the library.
 
         Returns:

@@ -16,7 +16,7 @@ from hitab_core.vocabulary import unknown
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class BoundedNumber:
     """A number that a basic behavior is performed with.
 
     Attributes:
@@ -36,7 +36,7 @@ class Number:
         return f"{self.name} from {self.low:g} to {self.high:g}{self.unit and ' ' + self.unit}"
 
 
-def wrong_with(values: Sequence[float], wanted: Sequence[Number]) -> list[str]:
+def wrong_with(values: Sequence[float], wanted: Sequence[BoundedNumber]) -> list[str]:
     """Return what is wrong with the stored numbers of an example, worded to follow its number."""
     if not values:
         return []
@@ -59,25 +59,26 @@ def without_numbers(use: Use) -> Use:
     return Use(use.name, tuple(a for a in use.arguments if "=" not in a))
 
 
-def with_numbers(use: Use, values: Sequence[float], wanted: Sequence[Number]) -> Use:
+def with_numbers(use: Use, values: Sequence[float], wanted: Sequence[BoundedNumber]) -> Use:
     """Return a use with numbers, as it is commanded; none: as it is.
 
     Examples:
-        >>> str(with_numbers(Use("RunTowards"), [40.0], [Number("direction", -180, 180)]))
+        >>> str(with_numbers(Use("RunTowards"), [40.0], [BoundedNumber("direction", -180, 180)]))
         'RunTowards(direction=40)'
     """
     given = (f"{n.name}={value:.6g}" for n, value in zip(wanted, values, strict=bool(values)))
     return Use(use.name, (*use.arguments, *given))
 
 
-def numbers_of(use: Use, wanted: Sequence[Number]) -> tuple[float, ...]:
+def numbers_of(use: Use, wanted: Sequence[BoundedNumber]) -> tuple[float, ...]:
     """Return the numbers that a use gives, in the order of the behavior's own.
 
     Raises:
         VocabularyError: if one is unknown, missing, there twice, no number or out of its bounds.
 
     Examples:
-        >>> numbers_of(Use.parse("RunTowards(direction=40)"), [Number("direction", -180, 180)])
+        >>> direction = BoundedNumber("direction", -180, 180)
+        >>> numbers_of(Use.parse("RunTowards(direction=40)"), [direction])
         (40.0,)
     """
     names = [number.name for number in wanted]
@@ -96,7 +97,7 @@ def numbers_of(use: Use, wanted: Sequence[Number]) -> tuple[float, ...]:
 
 
 def _checked(
-    use: Use, number: Number, given: Mapping[str, str], wanted: Sequence[Number]
+    use: Use, number: BoundedNumber, given: Mapping[str, str], wanted: Sequence[BoundedNumber]
 ) -> float:
     text = given.get(number.name, "")
     value = _float(text)

@@ -22,7 +22,7 @@ def plain_domain(
 
     Args:
         name: of the domain.
-        behaviors: for each basic behavior the action that it takes, or a function that returns
+        behaviors: for each basic behavior its action, or a function that returns
             one from the percept. Names alone: behaviors without an action, where only the
             decisions matter.
         features: for each feature a function that returns its value from the percept. Names

@@ -14,7 +14,7 @@ class PlainBody:
     Attributes:
         percept: values, in an order that the domain's functions know.
         heard: messages that came with it.
-        action: set by a basic behavior; empty: none.
+        action: set by a basic behavior, or empty.
     """
 
     def __init__(self, name: str) -> None:

@@ -1,4 +1,4 @@
-"""What a person can do about an error: data, which each face words in its own way."""
+"""Remedies for errors, as data: each user interface words them in its own way."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from enum import Enum, unique
 
 
 @unique
-class Do(Enum):
-    """What can be done, in plain words; its arguments are the names in braces.
+class Fix(Enum):
+    """Fixes for errors, in plain words; arguments are the names in braces.
 
     Faces that have a command, a button or a call for it keep a table from these to words.
-    ``Do.SAVE(agent="keeper_1")`` is a remedy. An argument that is not given is named in capitals.
+    ``Fix.SAVE(agent="keeper_1")`` is a remedy. An argument that is not given is named in capitals.
     """
 
     # trainings
@@ -21,7 +21,7 @@ class Do(Enum):
     RESUME = "go on with the training of {agent}"
     DEMONSTRATE = "command {agent} a behavior"
     CORRECT = "take over from {agent}, and command {behavior} where it is right"
-    CHOOSE_FEATURES = "choose features for {agent} by what it decides"
+    CHOOSE_FEATURES = "choose features for {agent} by its decisions"
     VOCABULARY = "list what {agent} can do and perceive"
     QUESTIONS = "see what {agent} asks"
     EXAMPLES = "list the examples of {agent}"
@@ -72,19 +72,19 @@ class Do(Enum):
 class Remedy:
     """Something to do, with its arguments by name."""
 
-    code: Do
+    code: Fix
     arguments: tuple[tuple[str, str], ...] = ()
 
     def __str__(self) -> str:
         """Return it in plain words.
 
         Examples:
-            >>> str(Do.SAVE(agent="keeper_1")), str(Do.SAVE())
+            >>> str(Fix.SAVE(agent="keeper_1")), str(Fix.SAVE())
             ('save the training of keeper_1', 'save the training of AGENT')
         """
         return self.worded({})
 
-    def worded(self, words: Mapping[Do, str]) -> str:
+    def worded(self, words: Mapping[Fix, str]) -> str:
         """Return it in the words of a table; in plain words if the table has none for it."""
         return words.get(self.code, self.code.value).format_map(_Given(self.arguments))
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NoReturn
 
-from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
+from hitab_core.automaton import FLAGS, RESERVED_NAMES, START, Automaton
 from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.number import numbers_of, without_numbers
-from hitab_core.remedies import Do, Remedy
+from hitab_core.remedies import Fix, Remedy
 from hitab_core.use import Use
 from hitab_core.vocabulary import unknown
 
@@ -19,7 +19,7 @@ class Repertoire:
     """The behaviors of a domain plus the trained ones.
 
     A trained automaton replaces a hand-written one of the same name, but not a basic behavior.
-    Nothing replaces a lost behavior, see `hitab_core.library.contents.Losses`.
+    Nothing replaces a lost behavior, see `hitab_core.library.contents.LostBehaviors`.
 
     Attributes:
         domain: of the robot.
@@ -80,10 +80,12 @@ class Repertoire:
 
     def _refuse_lost(self, name: str) -> None:
         if name in self.lost:
-            ways_out = self._ways_out.get(name) or (Do.CHECK_LIBRARY(),)
+            ways_out = self._ways_out.get(name) or (Fix.CHECK_LIBRARY(),)
             raise LostBehaviorError(self.lost[name], *ways_out)
         if self._unread and name not in self._parameters:
-            raise LostBehaviorError(f'"{name}" is unknown, and {self._unread}', Do.CHECK_LIBRARY())
+            raise LostBehaviorError(
+                f'"{name}" is unknown, and {self._unread}', Fix.CHECK_LIBRARY()
+            )
 
     def is_one_shot(self, use: Use) -> bool:
         """Whether a state is executed only once per entry and so gets no default example."""
@@ -103,7 +105,7 @@ class Repertoire:
         Raises:
             VocabularyError: naming what is unknown or wrongly bound.
         """
-        if use.name in RESERVED:
+        if use.name in RESERVED_NAMES:
             if use.name == START:
                 raise VocabularyError(f"{START} cannot be commanded; every automaton begins there")
             if use.arguments:
@@ -133,7 +135,7 @@ class Repertoire:
         self.commanded(use)
 
     def check(self, automaton: Automaton) -> None:
-        """Check that everything ``automaton`` uses exists and that it is not recursive.
+        """Check that ``automaton`` is not recursive, and that all its parts exist.
 
         Raises:
             VocabularyError: naming the automaton and what is wrong.
@@ -172,7 +174,7 @@ class Repertoire:
         Raises:
             VocabularyError: if it is reserved, or that of a basic behavior.
         """
-        if name in RESERVED:
+        if name in RESERVED_NAMES:
             raise VocabularyError(f'"{name}" is reserved; choose another name')
         if name in self.domain.behaviors:
             raise VocabularyError(

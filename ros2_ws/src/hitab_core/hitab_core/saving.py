@@ -12,12 +12,12 @@ from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import LibraryChange
-from hitab_core.library.edition import Edition
+from hitab_core.library.loaded_library import LoadedLibrary
 from hitab_core.library.trimming import check_bound, rebind, trim
 from hitab_core.training.training_session import TrainingSession
 
 
-class Saved(NamedTuple):
+class SavedBehavior(NamedTuple):
     """A training that was saved.
 
     Attributes:
@@ -41,7 +41,7 @@ def to_be_saved(
     *,
     keep_unused: bool = False,
 ) -> tuple[Automaton, list[str]]:
-    """Return what saving would add to the library and what it would trim; see `Agent.save`.
+    """Return what saving would add to the library and would trim; see `Agent.save`.
 
     Raises:
         TrainingError: if no example leaves Start.
@@ -62,10 +62,10 @@ def to_be_saved(
     return trim(learned, repertoire, classifier=classifier)
 
 
-def edition_with(
-    saved: BehaviorFile, change: LibraryChange, library: BehaviorLibrary, known: Edition
-) -> Edition:
-    """Return the edition of a library that an agent knows after a change that saves a behavior.
+def loaded_with(
+    saved: BehaviorFile, change: LibraryChange, library: BehaviorLibrary, known: LoadedLibrary
+) -> LoadedLibrary:
+    """Return the loaded library that an agent knows after a change that saves a behavior.
 
     Raises:
         VocabularyError: if the behavior does not fit what is there.
@@ -73,9 +73,9 @@ def edition_with(
     losses = known.losses
     try:
         if losses and change.contents.problems.keys() <= losses.reasons.keys():
-            return change.edition()  # what was lost may be usable again
+            return change.loaded()  # what was lost may be usable again
         # Other agents' additions to a shared library are picked up on reload.
-        return library.editions.of({**known.files, saved.name: saved}, losses)
+        return library.reader.of({**known.files, saved.name: saved}, losses)
     except VocabularyError as error:
         raise VocabularyError(
             f'"{saved.name}" cannot be saved: {error}; save it under another name, or '

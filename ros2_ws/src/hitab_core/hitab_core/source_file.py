@@ -10,13 +10,13 @@ from traceback import extract_tb
 from types import ModuleType
 
 from hitab_core.errors import VocabularyError
-from hitab_core.use import NAME, NAME_RULE
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 
 PREFIX = "hitab_file_"
 
 
 LONG_SECONDS = 5.0
-"""After which it is said that a file still runs: one with only definitions takes less."""
+"""Time after which a file is reported as still running, s; definitions alone take less."""
 
 
 def loaded_file(name: str) -> ModuleType | None:
@@ -33,8 +33,10 @@ def load_file(path: Path) -> ModuleType:
     path = path.expanduser().resolve()
     if not path.is_file():
         raise VocabularyError(f"{path}: there is no such file; correct the path")
-    if NAME.match(path.stem) is None:
-        raise VocabularyError(f'{path}: "{path.stem}" is not a name; {NAME_RULE}; rename the file')
+    if VOCABULARY_NAME.match(path.stem) is None:
+        raise VocabularyError(
+            f'{path}: "{path.stem}" is not a name; {VOCABULARY_NAME_RULE}; rename the file'
+        )
     there = loaded_file(path.stem)
     if there is not None and there.__file__ == str(path):
         return there

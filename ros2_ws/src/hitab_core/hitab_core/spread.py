@@ -1,4 +1,4 @@
-"""How much the values of a feature usually differ, and how far apart situations are by that."""
+"""Usual differences of feature values, and distances of situations in these units."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def spreads(values: Floats, scales: Sequence[Scale]) -> Floats:
     Equal ones are left out. It is a median since a domain may say 1000 m where there is nothing.
 
     Args:
-        values: shape (n, m); NaN: missing.
+        values: shape (n, m); NaN if missing.
         scales: how the values of each of the m features compare.
 
     Returns:
@@ -34,7 +34,7 @@ def spreads(values: Floats, scales: Sequence[Scale]) -> Floats:
 
 
 def differences(some: Floats, others: Floats, scale: Scale) -> Floats:
-    """Return how much values of a feature differ from others, shape (k, n); NaN: one is missing.
+    """Return how much values of a feature differ from others, shape (k, n); NaN if one is missing.
 
     On a circle it is the shorter way round. Values that compare by equality differ by 0 or 1.
 

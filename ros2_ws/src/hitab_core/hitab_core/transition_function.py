@@ -23,7 +23,7 @@ is no value: a `NoValueError` if the decision may do without. ``draw()`` is unif
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """Why a state was chosen: the tests that held and the distribution drawn from.
+    """Reason for a decision: the tests that held and the distribution drawn from.
 
     Attributes:
         tests: readable conditions in the order of testing, such as ``"DistanceTo(ball) <= 4"``.
@@ -58,7 +58,7 @@ class TransitionFunction(Protocol):
         """Explain the decision for a full feature vector; ``names`` name its features."""
 
     def retrace(self, values: Sequence[float | None], names: Sequence[str]) -> Explanation:
-        """Explain a past decision from the values that it read, without repeating it.
+        """Explain a past decision from its feature values, without repeating it.
 
         Args:
             values: of the features; None if the decision did not read one, NaN if it was

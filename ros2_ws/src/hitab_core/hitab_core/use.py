@@ -1,4 +1,4 @@
-"""The use of a behavior or feature in an automaton: its name and what it is bound to.
+"""A behavior or feature with its arguments, as an automaton uses it.
 
 It is written ``DistanceTo(ball)``, or without parameters just ``Stop``. An argument names a target
 of the domain or a parameter of the automaton that contains the use.
@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from hitab_core.errors import VocabularyError
 from hitab_core.wording import natural, quantity
 
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}\Z")
+VOCABULARY_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}\Z")
 """Pattern of the names of behaviors, targets and parameters; behaviors also name files."""
 
-NAME_RULE = "use up to 100 letters, digits and _, beginning with a letter"
+VOCABULARY_NAME_RULE = "use up to 100 letters, digits and _, beginning with a letter"
 _USE = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?\s*\Z")
 
 
@@ -46,7 +46,7 @@ class Use:
         inner = match.group(2)
         arguments = tuple(part.strip() for part in inner.split(",")) if inner else ()
         for argument in arguments:
-            if NAME.match(argument.partition("=")[0].rstrip()) is None:
+            if VOCABULARY_NAME.match(argument.partition("=")[0].rstrip()) is None:
                 raise VocabularyError(f'"{argument}" in "{text}" is not a target or parameter')
         return cls(match.group(1), arguments)
 

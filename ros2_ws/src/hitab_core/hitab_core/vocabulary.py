@@ -1,4 +1,4 @@
-"""What to say of an unknown name: the known ones, and the one that was probably meant."""
+"""Texts for unknown names: the known names, and the one that was probably meant."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
-NAMED_MAX = 5
+LISTED_MAX = 5
 """Maximum number of names in a sentence, if nothing else is said."""
 
 
@@ -32,7 +32,7 @@ def numbered(noun: str, numbers: Iterable[int], most: int | None = None) -> str:
     Args:
         noun: for one.
         numbers: of the things.
-        most: with more, only say how many there are; None: name all.
+        most: with more, only say how many there are; None to name all.
 
     Examples:
         >>> numbered("example", [3]), numbered("example", [5, 4]), numbered("example", [1, 2], 1)
@@ -44,7 +44,7 @@ def numbered(noun: str, numbers: Iterable[int], most: int | None = None) -> str:
     return f"{noun if len(listed) == 1 else noun + 's'} {', '.join(map(str, listed))}"
 
 
-def some(names: Sequence[str], most: int = NAMED_MAX, between: str = ", ") -> str:
+def some(names: Sequence[str], most: int = LISTED_MAX, between: str = ", ") -> str:
     """Return the first of many names, and the number of the others.
 
     Examples:

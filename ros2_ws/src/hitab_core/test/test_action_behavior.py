@@ -19,7 +19,7 @@ from hitab_core import (
     calls_of,
     feedback_feature,
 )
-from hitab_core.running import RunContext, Senses
+from hitab_core.running import FeatureCache, RunContext
 
 
 class Body:
@@ -81,7 +81,7 @@ def body() -> Body:
 
 
 def performing(body: Any) -> Any:
-    context = RunContext(Repertoire(DOMAIN), body, Senses(body, DOMAIN), lambda: 0.0)
+    context = RunContext(Repertoire(DOMAIN), body, FeatureCache(body, DOMAIN), lambda: 0.0)
     return context.perform(Use("GoTo", ("there",)))
 
 
@@ -159,7 +159,7 @@ def test_without_anybody_who_carries_out_actions_they_fail():
     running.start()
     running.tick()
     assert running.raised == {"Failed"}
-    assert "nobody here carries out actions" in calls_of(body).current.why
+    assert "this program carries out no actions" in calls_of(body).current.why
     running.stop()
 
 

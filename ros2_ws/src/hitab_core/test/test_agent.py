@@ -12,7 +12,7 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.remedies import Do
+from hitab_core.remedies import Fix
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -111,7 +111,7 @@ def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
     agent.perform(Use("Right"))
     with pytest.raises(TrainingError, match="it is performing") as refused:
         agent.command(Use("Left"))
-    assert refused.value.remedies == (Do.RESUME(agent="ann"),)
+    assert refused.value.remedies == (Fix.RESUME(agent="ann"),)
     assert len(agent.session.examples) == 4
 
 

@@ -381,7 +381,7 @@ def test_words_can_be_added_to_a_domain_as_long_as_those_in_use_stay_as_they_are
 
     changed = domain(BasicBehavior("Kick", one_shot=False))
     complaint = complaints_of(text, changed)[0]
-    assert "of what it uses), but this is version 1" in complaint
+    assert "of its parts), but this is version 1" in complaint
     assert "accept Control.hfa.yaml" in complaint
     accepted = read_behavior(text, "Control.hfa.yaml", changed, accepting=True)
     assert says_the_same(accepted, control)

@@ -23,7 +23,7 @@ from hitab_core.library.commit import COMMIT, commit
 from hitab_core.library.differences import difference
 from hitab_core.library.durable_files import locked
 from hitab_core.library.provenance import Provenance
-from hitab_core.remedies import Do
+from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]
@@ -147,10 +147,10 @@ def test_earlier_versions_are_kept_and_can_be_restored(
     first = library.file("Approach").checksum
     library.save(teach("Approach", ["DistanceTo(ball)"], [("Start", [3], "GoSlow")]))
     second = library.file("Approach")
-    assert library.shelf.versions("Approach") == [1, 2]
+    assert library.on_disk.versions("Approach") == [1, 2]
     assert second.provenance.version == 2
     assert second.provenance.earlier == first
-    assert library.shelf.version("Approach", 1).checksum == first
+    assert library.on_disk.version("Approach", 1).checksum == first
     library.restore("Approach", 1)
     third = again(library).file("Approach")
     assert third.automaton.examples == approach.examples
@@ -169,7 +169,7 @@ def test_the_difference_between_versions_names_examples_rules_states_and_feature
             [("Start", [20.25, 0], "GoFast"), ("GoFast", [9, 1], "Kick")],
         )
     )
-    first, second = (library.shelf.version("Approach", number) for number in (1, 2))
+    first, second = (library.on_disk.version("Approach", number) for number in (1, 2))
     found = difference(first, second, library.domain)
     assert found.startswith(
         "- state GoSlow\n- state Stop\n+ state Kick\n+ feature BallIsKickable\nrules:\n"
@@ -206,12 +206,12 @@ def test_a_behavior_that_was_deleted_is_brought_back_and_what_uses_it_is_not_bla
         again(library).load()
     told = 'uses behavior "Approach", which was deleted; bring its version 1 back'
     assert told in str(refused.value)
-    losses = again(library).edition(strict=False).losses
+    losses = again(library).loaded(strict=False).losses
     (fault,) = losses.faults
     assert told in fault
     restored, given_up = losses.remedies["Control"]
-    assert restored == Do.RESTORE(behavior="Approach", version=1, folder=library.folder)
-    assert given_up.code is Do.DELETE
+    assert restored == Fix.RESTORE(behavior="Approach", version=1, folder=library.folder)
+    assert given_up.code is Fix.DELETE
 
 
 def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_used(
@@ -260,7 +260,7 @@ def test_a_name_cannot_lead_out_of_the_folder(library: BehaviorLibrary) -> None:
     with pytest.raises(LibraryError, match="no behavior can be called"):
         library.install({"../Approach": library.texts()["Approach"]})
     with pytest.raises(LibraryError, match="no behavior can be called"):
-        library.shelf.versions("../../library")
+        library.on_disk.versions("../../library")
 
 
 def test_transition_functions_that_are_not_what_the_examples_teach_are_refused(
@@ -281,8 +281,8 @@ def test_an_edit_is_accepted_once_it_is_right(library: BehaviorLibrary) -> None:
     with pytest.raises(LibraryError, match="must be a number"):
         again(library).accept_edits("Approach")
     path.write_text(path.read_text().replace("four", "2.5"))
-    losses = again(library).edition(strict=False).losses
-    assert losses.remedies["Approach"][0] == Do.ACCEPT(file=path)
+    losses = again(library).loaded(strict=False).losses
+    assert losses.remedies["Approach"][0] == Fix.ACCEPT(file=path)
     assert again(library).accept_edits("Approach") == ["Approach"]
     accepted = again(library).file("Approach")
     assert accepted.automaton.examples[2].features == (2.5,)
@@ -301,7 +301,7 @@ def test_a_file_changed_by_other_means_is_kept_before_it_is_replaced(
     with pytest.raises(LibraryError, match="it would take the place of a lost behavior"):
         again(library).save(approach)
     again(library).restore("Approach", 1)
-    assert library.shelf.versions("Approach") == [1, 2, 3]
+    assert library.on_disk.versions("Approach") == [1, 2, 3]
     kept = library.folder / ".versions/Approach/0002.hfa.yaml"
     assert kept.read_bytes() == b"\xff something of value"
     assert again(library).load().keys() == {"Approach", "Control", "Keepaway"}
@@ -320,11 +320,11 @@ def test_installing_is_all_or_nothing(
     assert snapshot(tmp_path / "other") == {}
     assert other.install(texts) == ["Approach", "Control", "Keepaway"]
     assert other.install(texts) == []
-    assert other.shelf.versions("Control") == [1]
+    assert other.on_disk.versions("Control") == [1]
     noted = {**texts, "Control": texts["Control"] + "# well done\n"}
     assert other.install(noted) == ["Control"]
     assert again(other).texts() == noted
-    assert other.shelf.versions("Control") == [1, 2]
+    assert other.on_disk.versions("Control") == [1, 2]
 
 
 def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
@@ -514,7 +514,9 @@ def test_two_processes_that_save_the_same_behavior_lose_no_version(tmp_path: Pat
 
     robot = Domain.of("r", "1", lambda name: None, behaviors=[BasicBehavior("Stop")], features=[])
     library = BehaviorLibrary(folder, robot)
-    assert library.shelf.versions("Rest") == list(range(1, 17))
-    files = [library.shelf.version("Rest", number) for number in library.shelf.versions("Rest")]
+    assert library.on_disk.versions("Rest") == list(range(1, 17))
+    files = [
+        library.on_disk.version("Rest", number) for number in library.on_disk.versions("Rest")
+    ]
     assert [file.provenance.earlier for file in files[1:]] == [f.checksum for f in files[:-1]]
     assert {file.provenance.agent for file in files} == {"keeper_1", "keeper_2"}

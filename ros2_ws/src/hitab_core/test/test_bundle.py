@@ -11,7 +11,7 @@ from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, bundle_digest, make_bundle, read_bundle
-from hitab_core.library.edition import Editions
+from hitab_core.library.loaded_library import LibraryReader
 from hitab_core.repertoire import Repertoire
 
 Teach = Callable[..., Automaton]
@@ -49,7 +49,7 @@ def repacked(*files: tuple[str, str]) -> Bundle:
 
 def install(bundle: Bundle, receiver: BehaviorLibrary) -> list[str]:
     """Have a library take in a bundle, as the agents that receive one do."""
-    read_bundle(bundle, receiver.editions)
+    read_bundle(bundle, receiver.reader)
     return receiver.install(dict(bundle.files))
 
 
@@ -86,9 +86,9 @@ def test_a_bundle_that_changed_on_its_way_is_refused(bundle: Bundle, robot: Doma
     (name, text), *rest = bundle.files
     for files in (((name, text + "# more\n"), *rest), tuple(rest), (*rest, (name, text))):
         with pytest.raises(LibraryError, match="it was corrupted in transit; send it again"):
-            read_bundle(replace(bundle, files=files), Editions(robot))
+            read_bundle(replace(bundle, files=files), LibraryReader(robot))
     with pytest.raises(LibraryError, match="it was corrupted in transit"):
-        read_bundle(replace(bundle, digest="0" * 64), Editions(robot))
+        read_bundle(replace(bundle, digest="0" * 64), LibraryReader(robot))
 
 
 def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
@@ -100,7 +100,7 @@ def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
         'Control.hfa.yaml:10: state "Approach" uses behavior "Approach", which is neither in': (
             repacked(control, keepaway)
         ),
-        "each once and after what it uses": repacked(control, approach, keepaway),
+        "each once and after its own parts": repacked(control, approach, keepaway),
         "each once and after": repacked(approach, approach, control, keepaway),
         "and nothing else": repacked(approach, keepaway, control),
         'Control.hfa.yaml:4: is called "Keepaway"': (

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hitab_core.advice.confidence import Confidences
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.nearness import UNKNOWN, Nearness
+from hitab_core.advice.nearness import UNKNOWN_DISTANCE, Nearness
 from hitab_core.automaton import Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
@@ -63,14 +63,14 @@ def test_values_that_are_missing_are_left_out():
     near = Nearness(values, [METERS, METERS], (0, 1))
     assert near([0.0, 10.0]) == 0  # the first example does not say
     assert near([4.0, None]) == near([4.0, math.nan]) == 0
-    assert near([math.nan, math.nan]) == UNKNOWN
+    assert near([math.nan, math.nan]) == UNKNOWN_DISTANCE
     assert Nearness(values, [METERS, METERS], ())([1.0, 2.0]) == 0
 
 
 def test_a_decision_without_a_tested_value_is_as_far_away_as_its_farthest_leaf():
     rate = rated(BALL, [METERS, BOOLEAN_SCALE])
     assert rate.distance([8.5, 0.0]) == rate.distance([8.5, 1.0]) == 0
-    assert rate.distance([8.5, None]) == rate.distance([8.5, math.nan]) == UNKNOWN
+    assert rate.distance([8.5, None]) == rate.distance([8.5, math.nan]) == UNKNOWN_DISTANCE
 
 
 def test_of_what_is_no_tree_the_distance_is_known_too():

@@ -9,13 +9,13 @@ import pytest
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.automaton import Automaton
-from hitab_core.commanding.order import OTHERS, Order
-from hitab_core.commanding.subordinate import Subordinate
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle, plan_bundle
-from hitab_core.remedies import Do
+from hitab_core.orders.order import ALL_OTHERS, Order
+from hitab_core.orders.subordinate import Subordinate
+from hitab_core.remedies import Fix
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -108,7 +108,7 @@ def test_an_agent_starts_with_what_is_sound_and_names_what_is_not(
 ) -> None:
     damage(trained, "Low")
     agent = make()
-    assert sorted(agent.edition.files) == ["Other"]
+    assert sorted(agent.loaded.files) == ["Other"]
     agent.perform(Use("Other"))
     assert agent.mode is Mode.PERFORMING
     (fault,) = agent.faults
@@ -116,10 +116,10 @@ def test_an_agent_starts_with_what_is_sound_and_names_what_is_not(
     assert fault.startswith(f"Low is lost: its file in {folder} cannot be used: Low.hfa.yaml:")
     assert fault.endswith("; it is needed for High, Middle, Patrol")
     ways_out = (
-        Do.RESTORE(behavior="Low", version=1, folder=folder),
-        Do.DELETE(behavior="Low", folder=folder),
+        Fix.RESTORE(behavior="Low", version=1, folder=folder),
+        Fix.DELETE(behavior="Low", folder=folder),
     )
-    assert agent.edition.losses.remedies["High"] == agent.remedies == ways_out
+    assert agent.loaded.losses.remedies["High"] == agent.remedies == ways_out
     with pytest.raises(LostBehaviorError) as refused:
         agent.perform(Use("High"))
     assert refused.value.remedies == ways_out
@@ -150,7 +150,7 @@ def test_nothing_stands_in_for_what_is_lost_and_whoever_asks_for_it_learns_why(
     with pytest.raises(LostBehaviorError, match=f"^{reason}"):
         agent.command(Use(name))
     with pytest.raises(LibraryError, match=f"cannot be sent: {reason}"):
-        make_bundle(agent.edition.texts, agent.repertoire, name)
+        make_bundle(agent.loaded.texts, agent.repertoire, name)
 
 
 def test_a_basic_behavior_does_not_take_the_name_of_a_trained_one(
@@ -188,7 +188,7 @@ def test_behaviors_that_use_each_other_are_lost_and_others_are_not(
     teach(other, "Low", "Middle")
     file_of(trained, "Low").write_bytes(file_of(other, "Low").read_bytes())
     agent = make()
-    assert sorted(agent.edition.files) == ["Other"]
+    assert sorted(agent.loaded.files) == ["Other"]
     with pytest.raises(LostBehaviorError, match="recursive"):
         agent.perform(Use("Low"))
 
@@ -199,7 +199,7 @@ def test_a_file_that_was_edited_can_be_accepted_as_the_fault_proposes(
     path = file_of(trained, "Low")
     path.write_text(path.read_text().replace('description: ""', 'description: "mine"'))
     agent = make()
-    assert Do.ACCEPT(file=path) in agent.edition.losses.remedies["Low"]
+    assert Fix.ACCEPT(file=path) in agent.loaded.losses.remedies["Low"]
     agent.library.accept_edits("Low")
     agent.reload()
     assert agent.faults == ()
@@ -218,7 +218,7 @@ def test_nothing_is_saved_in_place_of_what_is_lost(trained: Agent, make: Make) -
         assert file_of(agent, name).read_bytes() == before
         agent.discard()
     teach(agent, "New", "Left")
-    assert sorted(agent.edition.files) == ["New", "Other"]
+    assert sorted(agent.loaded.files) == ["New", "Other"]
 
 
 def test_a_file_that_is_damaged_while_the_agent_is_up_is_not_replaced_by_what_it_saves(
@@ -238,9 +238,9 @@ def test_an_agent_that_is_up_keeps_what_it_has_when_a_reload_would_lose_it(
 ) -> None:
     trained.perform(Use("Other"))
     damage(trained, "Low")
-    with pytest.raises(LibraryError, match="it keeps what it knew: Low is lost: "):
+    with pytest.raises(LibraryError, match="it keeps its present library: Low is lost: "):
         trained.reload()
-    assert sorted(trained.edition.files) == ["High", "Low", "Middle", "Other"]
+    assert sorted(trained.loaded.files) == ["High", "Low", "Middle", "Other"]
     assert trained.behavior == "Other"
 
 
@@ -249,12 +249,12 @@ def test_what_is_restored_comes_back_with_all_that_is_made_of_it(
 ) -> None:
     damage(trained, "Low")
     agent = make()
-    agent.awaited = Use("High")
+    agent.pending_behavior = Use("High")
     BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
     assert agent.reload() == ["High", "Low", "Middle", "Other"]
     assert agent.faults == ()
     assert agent.behavior == "High", "it begins what it should have begun with"
-    assert agent.library.shelf.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
+    assert agent.library.on_disk.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
 
 
 def test_what_is_given_up_can_be_trained_anew_and_brings_back_what_is_made_of_it(
@@ -265,25 +265,25 @@ def test_what_is_given_up_can_be_trained_anew_and_brings_back_what_is_made_of_it
     BehaviorLibrary(agent.library.folder, agent.domain).remove("Low")
     agent.reload()
     assert agent.faults == ()
-    assert sorted(agent.edition.files) == [
+    assert sorted(agent.loaded.files) == [
         "High",
         "Middle",
         "Other",
     ]  # Low is the hand-written one
     teach(agent, "Low", "Right", "Left")
-    assert sorted(agent.edition.files) == ["High", "Low", "Middle", "Other"]
+    assert sorted(agent.loaded.files) == ["High", "Low", "Middle", "Other"]
 
 
 def bundle_of(agent: Agent, name: str) -> Bundle:
-    return make_bundle(agent.edition.texts, agent.repertoire, name)
+    return make_bundle(agent.loaded.texts, agent.repertoire, name)
 
 
 def take_in(agent: Agent, bundle: Bundle) -> None:
     """Have an agent receive behaviors."""
     with agent.library.change() as change:
-        edition = plan_bundle(change, bundle)
+        loaded = plan_bundle(change, bundle)
         change.commit()
-    agent.take_up(edition)
+    agent.take_up(loaded)
 
 
 def test_other_behaviors_are_received_and_what_is_lost_stays_lost(
@@ -294,7 +294,7 @@ def test_other_behaviors_are_received_and_what_is_lost_stays_lost(
     damage(bob, "Low")
     again = make("bob")
     take_in(again, bundle_of(trained, "Other"))
-    assert sorted(again.edition.files) == ["Other"]
+    assert sorted(again.loaded.files) == ["Other"]
     assert "Low.hfa.yaml" in again.faults[0]
 
 
@@ -305,7 +305,7 @@ def test_an_agent_that_is_ordered_to_perform_what_is_lost_idles_until_it_is_back
     agent = make()
     agent.perform(Use("Other"))
     subordinate = Subordinate(agent)
-    subordinate.take(Order(1, 1, "Attack", {OTHERS: "High"}))
+    subordinate.take(Order(1, 1, "Attack", {ALL_OTHERS: "High"}))
     assert agent.mode is Mode.IDLE
     assert subordinate.waits
     assert subordinate.refusal.startswith('cannot obey the order "Attack": High needs Middle, ')
@@ -381,4 +381,4 @@ def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_over
     assert agent.reload() == ["High", "Low", "Middle", "Other"]
     assert agent.faults == ()
     agent.save()
-    assert sorted(make().edition.files) == ["High", "Low", "Middle", "New", "Other"]
+    assert sorted(make().loaded.files) == ["High", "Low", "Middle", "New", "Other"]

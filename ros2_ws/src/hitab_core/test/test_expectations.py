@@ -101,7 +101,7 @@ def test_what_cannot_be_decided_as_expected_is_told(library, changed, decides):
     ],
 )
 def test_an_edited_line_that_is_wrong_is_told_by_line(library, line, says):
-    path = library.shelf.file("Shuttle")
+    path = library.on_disk.file("Shuttle")
     lines = path.read_text().splitlines()
     number = library.file("Shuttle").expectations[0].line
     lines[number - 1] = f"    {line}"
@@ -114,7 +114,7 @@ def test_an_edited_line_that_is_wrong_is_told_by_line(library, line, says):
 
 
 def test_an_edit_of_an_expectation_is_accepted_like_any_other(library):
-    path = library.shelf.file("Shuttle")
+    path = library.on_disk.file("Shuttle")
     path.write_text(path.read_text().replace("Position: 9.0", "Position: 1.0"))
     library.accept_edits("Shuttle")
     assert "it decides Right, not Left" in library.file("Shuttle").broken[0]

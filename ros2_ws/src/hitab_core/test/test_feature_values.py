@@ -78,7 +78,7 @@ def test_a_value_that_is_no_number_is_none(agent: Agent, value: Any) -> None:
     agent.sense([value], [])
     assert "Range" in refusal(agent), "a command without any value teaches nothing"
     with pytest.raises(NoValueError, match=r'^feature "Range" has no value') as raised:
-        agent.context.senses.read(agent.context.senses.slot(Use("Range")))
+        agent.context.feature_cache.read(agent.context.feature_cache.slot(Use("Range")))
     assert len(str(raised.value)) < 120
 
 

@@ -20,7 +20,7 @@ from hitab_core.library.bundle_file import (
 )
 from hitab_core.library.commit import COMMIT, carry_out, forget, withdraw
 from hitab_core.library.durable_files import sync_trees
-from hitab_core.library.edition import Editions
+from hitab_core.library.loaded_library import LibraryReader
 from hitab_core.library.provenance import Provenance
 
 Teach = Callable[..., Automaton]
@@ -88,8 +88,8 @@ def test_a_renamed_behavior_does_the_same_and_so_does_what_uses_it(
     ]
     assert other.file("Control").uses["ComeNear"] == other.file("ComeNear").checksum
     assert other.file("ComeNear").provenance.note == '"Approach" renamed to "ComeNear"'
-    assert other.shelf.versions("Approach") == [1], "it can still be restored"
-    assert other.shelf.versions("Control") == [1, 2]
+    assert other.on_disk.versions("Approach") == [1], "it can still be restored"
+    assert other.on_disk.versions("Control") == [1, 2]
 
 
 def test_behaviors_that_decide_otherwise_once_a_name_differs_are_named(
@@ -131,7 +131,7 @@ def test_a_name_that_is_taken_or_impossible_is_refused(
 def test_nothing_is_renamed_while_something_is_lost_that_may_use_it(
     library: BehaviorLibrary,
 ) -> None:
-    library.shelf.file("Keepaway").write_text("nothing")
+    library.on_disk.file("Keepaway").write_text("nothing")
     with pytest.raises(
         LibraryError, match=r"files that may use it cannot be read.*Keepaway\.hfa\.yaml"
     ):
@@ -206,7 +206,7 @@ def test_every_behavior_of_an_exported_file_is_checked(
     path = library.folder.parent / "behaviors.yaml"
     path.write_text(bundle_file_text(texts, robot.name))
     with pytest.raises(LibraryError) as refused:
-        Editions(robot).read_all(read_bundle_file(path).texts)
+        LibraryReader(robot).read_all(read_bundle_file(path).texts)
     assert "Approach.hfa.yaml:" in str(refused.value)
     assert "Control.hfa.yaml:" in str(refused.value)
 
@@ -217,7 +217,7 @@ def test_an_import_says_what_it_replaces(
     other = BehaviorLibrary(tmp_path / "other", robot)
     other.save(teach("Approach", [], [("Start", [], "Stop")]))
     other.save(teach("Control", [], [("Start", [], "Stop")]))
-    other.shelf.file("Control").write_text("nothing")
+    other.on_disk.file("Control").write_text("nothing")
     with other.change() as change:
         assert change.install(library.texts()) == ["Approach", "Control", "Keepaway"]
         assert {name: change.replaced(name) for name in sorted(change.changed)} == {

@@ -9,8 +9,8 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Targe
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.running_automaton import RunContext
-from hitab_core.running.senses import Senses
 from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
@@ -89,9 +89,11 @@ class Agent:
     def __init__(self, *automata, seed=1, most_probable=False):
         self.body = Recorder()
         self.repertoire = Repertoire(DOMAIN, {made.name: made for made in automata})
-        self.senses = Senses(self.body, DOMAIN)
+        self.feature_cache = FeatureCache(self.body, DOMAIN)
         draw = random.Random(seed).random
-        self.context = RunContext(self.repertoire, self.body, self.senses, draw, most_probable)
+        self.context = RunContext(
+            self.repertoire, self.body, self.feature_cache, draw, most_probable
+        )
 
     def perform(self, text):
         running = self.context.perform(Use.parse(text))
@@ -103,7 +105,7 @@ class Agent:
 
     def see(self, **values):
         self.body.sense(values, [])
-        self.senses.forget()
+        self.feature_cache.forget()
 
     def log(self):
         said, self.body.log = self.body.log, []
@@ -252,13 +254,13 @@ def test_each_feature_is_read_at_most_once_per_tick():
     }
     high = Automaton("High", uses("Low"), uses("x"), functions)
     body = Recorder()
-    senses = Senses(body, domain)
+    feature_cache = FeatureCache(body, domain)
     repertoire = Repertoire(domain, {"Low": low, "High": high})
-    running = RunContext(repertoire, body, senses, random.random).perform(Use("High"))
+    running = RunContext(repertoire, body, feature_cache, random.random).perform(Use("High"))
     running.start()
     running.tick()
     assert len(reads) == 1
-    senses.forget()
+    feature_cache.forget()
     running.tick()
     assert len(reads) == 2
 
@@ -501,7 +503,9 @@ def test_a_trained_automaton_takes_the_place_of_a_hand_written_one_beside_the_ot
     trained = automaton("Servo", ["C"], {START: lambda x: "C"})
     body = Recorder()
     repertoire = Repertoire(hand, {"Servo": trained})
-    running = RunContext(repertoire, body, Senses(body, hand), random.random).perform(Use("Play"))
+    running = RunContext(repertoire, body, FeatureCache(body, hand), random.random).perform(
+        Use("Play")
+    )
     running.start()
     running.tick()
     running.tick()

@@ -23,8 +23,8 @@ from hitab_core.learning.tree_growth import LEAST_FRACTION
 from hitab_core.learning.tree_nodes import Fork, Leaf, Threshold, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.running_automaton import RunContext
-from hitab_core.running.senses import Senses
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -317,33 +317,33 @@ class Player:
             "T", tuple(map(Use, "ABC")), (Use("x"), Use("y")), {START: function, "A": function}
         )
         self.body = Body()
-        self.senses = Senses(self.body, domain)
+        self.feature_cache = FeatureCache(self.body, domain)
         self.random = random.Random(5)
         context = RunContext(
-            Repertoire(domain, {"T": automaton}), self.body, self.senses, self.random.random
+            Repertoire(domain, {"T": automaton}), self.body, self.feature_cache, self.random.random
         )
         self.running: Any = context.perform(Use("T"))
         self.running.start()
 
     def tick(self, *values: Any) -> str:
         self.body.values = values
-        self.senses.forget()
+        self.feature_cache.forget()
         self.running.tick()
         return str(self.running.active_path[0])
 
 
 def test_a_decision_goes_on_and_what_lacks_a_value_is_named_until_it_has_one() -> None:
     player = Player(learned([[1, 1], [9, 9]], ["A", "B"], [CONTINUOUS] * 2))
-    assert player.senses.lacking() == []
+    assert player.feature_cache.lacking() == []
     assert player.tick(NAN, 1.0) in ("A", "B")
     lacking = 'feature "x" has no value; check its sensor'
-    assert player.senses.lacking() == [lacking]
+    assert player.feature_cache.lacking() == [lacking]
     assert player.tick(NAN, 1.0) in ("A", "B")  # B needs nothing, but x still has no value
-    assert player.senses.lacking() == [lacking]
+    assert player.feature_cache.lacking() == [lacking]
     player.tick(2.0, 1.0)
-    assert player.senses.lacking() == []
+    assert player.feature_cache.lacking() == []
     assert player.tick(1.0, NAN) in ("A", "B")
-    assert player.senses.lacking() == [], "nothing needs y"
+    assert player.feature_cache.lacking() == [], "nothing needs y"
 
 
 def test_without_a_required_value_nothing_is_decided() -> None:
@@ -380,10 +380,10 @@ def test_a_value_that_the_domain_refuses_is_missing_and_read_once_per_tick() -> 
 
     player = Player(learned([[1, 1], [9, 9]], ["A", "A"], [CONTINUOUS] * 2))
     assert player.tick(Sensor(), 1.0) == "A"
-    slot = player.senses.slot(Use("x"))
+    slot = player.feature_cache.slot(Use("x"))
     player.body.reads = 0
     for _ in range(3):
         with pytest.raises(NoValueError):
-            player.senses.read(slot)
+            player.feature_cache.read(slot)
     assert player.body.reads == 1
-    assert math.isnan(player.senses.known(slot) or 0.0)
+    assert math.isnan(player.feature_cache.known(slot) or 0.0)

@@ -18,10 +18,10 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.learning.transition_learning import learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.live_features import live_features
 from hitab_core.running.observing import Change, guest
 from hitab_core.running.running_automaton import RunContext
-from hitab_core.running.senses import Senses
 from hitab_core.transition_function import HandWritten, TransitionFunction
 from hitab_core.use import Use
 
@@ -123,16 +123,21 @@ class Player:
         )
         self.body = Touchy()
         self.random = random.Random(5)
-        self.senses = Senses(self.body, DOMAIN)
+        self.feature_cache = FeatureCache(self.body, DOMAIN)
         self.context = RunContext(
-            self.repertoire, self.body, self.senses, self.random.random, most_probable, observe
+            self.repertoire,
+            self.body,
+            self.feature_cache,
+            self.random.random,
+            most_probable,
+            observe,
         )
         self.running = self.context.perform(Use("Outer"))
         self.running.start()
 
     def tick(self, values: Sequence[float]) -> None:
         self.body.values = values
-        self.senses.forget()
+        self.feature_cache.forget()
         try:
             self.running.tick()
         except ZeroDivisionError as error:
@@ -283,7 +288,7 @@ def test_what_people_ask_is_not_kept_for_a_decision() -> None:
     """Kept in its slot, what was read for people would be what the decision goes by."""
     player = asked()
     player.body.values = (1.0, 0.0, 0.0)
-    player.senses.forget()
+    player.feature_cache.forget()
     assert live_features(player.running, player.context)[0] == ("Outer", "First", 1.5)
     player.body.values = (3.0, 0.0, 0.0)  # a feature may change without a percept
     player.running.tick()
@@ -302,7 +307,7 @@ def test_what_a_decision_has_read_is_told_as_it_was_read() -> None:
 def test_one_feature_that_cannot_be_read_hides_no_other_and_raises_nothing() -> None:
     player = asked()
     player.body.values = (1.0, -1.0, 2.0)
-    player.senses.forget()
+    player.feature_cache.forget()
     also = [Use("Second"), Use("Third")]
     values = [value for _, _, value in live_features(player.running, player.context, also)]
     assert [math.isnan(value) for value in values] == [False, True, False, True, False]

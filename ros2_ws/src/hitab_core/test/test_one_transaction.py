@@ -80,8 +80,8 @@ def known(agent):
     """What an agent can do and is being taught, as far as it survives."""
     session = agent.session
     return (
-        agent.edition.digest,
-        {n: f.text for n, f in agent.edition.files.items()},
+        agent.loaded.digest,
+        {n: f.text for n, f in agent.loaded.files.items()},
         sorted(agent.repertoire.automata),
         session and (session.curriculum, session.examples),
     )
@@ -153,7 +153,7 @@ def test_disk_memory_and_answer_agree_whichever_operation_fails(
             assert "More" in again.repertoire
         else:
             assert known(again) == after, f"operation {number}, {answer}"
-        for file in again.edition.files.values():
+        for file in again.loaded.files.values():
             again.perform(Use(file.name, ("ball",) * len(file.automaton.parameters)))
         if not disk.failed:
             assert answer == "done"
@@ -228,7 +228,7 @@ def test_what_others_use_is_not_saved_with_other_parameters_and_nothing_is_lost(
     with pytest.raises(HitabError, match=r'"High"|High\.hfa\.yaml'):
         agent.save()
     assert agent.session is not None
-    assert BehaviorLibrary(agent.library.folder, agent.domain).edition().texts == before
+    assert BehaviorLibrary(agent.library.folder, agent.domain).loaded().texts == before
     agent.save("Lower")
     assert "Lower" in make().repertoire
 
@@ -238,7 +238,7 @@ def test_a_bundle_that_does_not_fit_to_what_is_performed_is_refused_before_it_is
     teach(pupil, "Go", "Near(A)", parameters=("A",))
     pupil.perform(Use("Go", ("ball",)))
     teach(teacher, "Go", "Left")
-    bundle = make_bundle(teacher.edition.texts, teacher.repertoire, "Go")
+    bundle = make_bundle(teacher.loaded.texts, teacher.repertoire, "Go")
     before = known(pupil)
     with (
         pupil.library.change() as change,
@@ -251,11 +251,11 @@ def test_a_bundle_that_does_not_fit_to_what_is_performed_is_refused_before_it_is
     assert pupil.behavior == "Go(ball)"
     # The ways out that the error names, and that of starting what has come.
     with pupil.library.change() as change:
-        edition = plan_bundle(change, bundle)
-        pupil.check_fit(edition, Use("Go"))
+        loaded = plan_bundle(change, bundle)
+        pupil.check_fit(loaded, Use("Go"))
         change.commit()
-    pupil.take_up(edition, Use("Go"))
-    assert digest_in(pupil.edition, dict(bundle.files)) == bundle.digest
+    pupil.take_up(loaded, Use("Go"))
+    assert digest_in(pupil.loaded, dict(bundle.files)) == bundle.digest
     assert pupil.behavior == "Go"
 
 
@@ -287,15 +287,15 @@ def test_agents_that_share_a_library_notice_what_one_commits_when_they_reload(
         agent.reload()
     teach(ann, "High", "Low(ball)")
     bob.perform(Use("Low", ("ball",)))
-    ann_knew = ann.edition
+    ann_knew = ann.loaded
     for agent in (bob, cleo):
         assert "High" not in agent.repertoire
         # What one sends is what it knows, not what others have put into the folder since.
         with pytest.raises(LibraryError):
-            make_bundle(agent.edition.texts, agent.repertoire, "High")
+            make_bundle(agent.loaded.texts, agent.repertoire, "High")
         agent.reload()
-        assert agent.edition.texts == ann_knew.texts
-    assert bob.edition is ann.edition, "agents of a process share what they have learned"
+        assert agent.loaded.texts == ann_knew.texts
+    assert bob.loaded is ann.loaded, "agents of a process share what they have learned"
     assert bob.behavior == "Low(ball)"
 
 
@@ -309,7 +309,7 @@ def test_a_change_that_one_of_a_shared_library_cannot_follow_leaves_it_what_it_k
     bob.perform(Use("Go", ("ball",)))
     before = known(bob)
     teach(ann, "Go", "Left")
-    with pytest.raises(VocabularyError, match=r'it keeps what it knew.*"Go\(ball\)"'):
+    with pytest.raises(VocabularyError, match=r'it keeps its present library.*"Go\(ball\)"'):
         bob.reload()
     assert known(bob) == before
     assert bob.behavior == "Go(ball)"

@@ -19,7 +19,7 @@ from hitab_core import (
     plain_domain,
 )
 from hitab_core.example import Example, ExampleKind, contradictions
-from hitab_core.training import Curriculum, Question, moments
+from hitab_core.training import Curriculum, Question, recent_percepts
 
 CART = plain_domain(
     "cart",
@@ -58,12 +58,12 @@ class Driven:
 
     def asked(self, kind: str) -> Question:
         """Return the question of a kind, after dismissing those before it."""
-        while (question := self.session.asked.find()[0]).kind != kind:
+        while (question := self.session.questions.find()[0]).kind != kind:
             self.session.answer(question.number, dismiss=True)
         return question
 
     def kinds(self) -> list[str]:
-        return [question.kind.value for question in self.session.asked.find()]
+        return [question.kind.value for question in self.session.questions.find()]
 
 
 @pytest.fixture
@@ -81,8 +81,8 @@ def twice(cart: Driven) -> None:
 
 def test_commands_that_contradict_each_other_are_asked_about_at_once(cart: Driven) -> None:
     twice(cart)
-    assert len(cart.session.asked.known()) == 1
-    (question, *_) = cart.session.asked.find()
+    assert len(cart.session.questions.known()) == 1
+    (question, *_) = cart.session.questions.find()
     assert question.kind == "contradiction"
     assert question.examples == (3, 7)
     assert [choice.name for choice in question.choices] == ["Stop", "Left"]
@@ -112,7 +112,7 @@ def test_a_training_without_features_can_be_asked_about(cart: Driven) -> None:
     cart.agent.take_over()
     wrong = cart.session.running.active
     cart.agent.command(Use("Right" if wrong != "Right" else "Left"))
-    while questions := cart.session.asked.find():
+    while questions := cart.session.questions.find():
         assert "where ," not in str(questions)
         cart.session.answer(questions[0].number)
 
@@ -120,12 +120,12 @@ def test_a_training_without_features_can_be_asked_about(cart: Driven) -> None:
 @pytest.mark.parametrize("features", [(), ("Position",)])
 def test_a_training_without_examples_has_no_question(cart: Driven, features: tuple[str]) -> None:
     cart.agent.begin(Curriculum("Blank", tuple(map(Use, features))))
-    assert cart.session.asked.find() == []
+    assert cart.session.questions.find() == []
 
 
 def test_an_answer_is_given_once_and_to_a_question_that_is_open(cart: Driven) -> None:
     twice(cart)
-    (question, *_) = cart.session.asked.find()
+    (question, *_) = cart.session.questions.find()
     with pytest.raises(TrainingError, match=r'has no choice "Wait" \(known: Left, Stop\)'):
         cart.session.answer(question.number, "Wait")
     cart.session.answer(question.number)
@@ -139,7 +139,7 @@ def test_a_question_that_was_dismissed_is_not_asked_again_also_after_a_crash(
     cart: Driven,
 ) -> None:
     twice(cart)
-    (question, *_) = cart.session.asked.find()
+    (question, *_) = cart.session.questions.find()
     cart.session.answer(question.number, dismiss=True)
     assert "contradiction" not in cart.kinds()
     cart.agent.journal.close()
@@ -150,7 +150,7 @@ def test_a_question_that_was_dismissed_is_not_asked_again_also_after_a_crash(
 
 def test_two_older_commands_outweigh_a_newer_one_but_not_a_correction(cart: Driven) -> None:
     def proposed() -> str:
-        (question,) = [q for q in cart.session.asked.find() if q.kind == "contradiction"]
+        (question,) = [q for q in cart.session.questions.find() if q.kind == "contradiction"]
         return question.choices[0].name
 
     for label in ("Left", "Left", "Stop"):
@@ -195,8 +195,8 @@ def test_questions_are_looked_for_in_steps_and_the_same_are_found(tmp_path: Path
     cart, other = confused(tmp_path / "a"), confused(tmp_path / "b")
     steps = sum(1 for _ in cart.session.search())
     assert steps > 5
-    assert [q.text for q in cart.session.asked.find()] == [
-        q.text for q in other.session.asked.find()
+    assert [q.text for q in cart.session.questions.find()] == [
+        q.text for q in other.session.questions.find()
     ]
     assert sum(1 for _ in cart.session.search()) == 0, "they are known"
 
@@ -206,17 +206,17 @@ def test_a_search_during_which_the_examples_change_finds_nothing(tmp_path: Path)
     search = cart.session.search()
     next(search)
     cart.show(1.0, "Right")
-    count = len(cart.session.asked.known())
+    count = len(cart.session.questions.known())
     assert list(search) == []
-    assert len(cart.session.asked.known()) == count
-    assert len(cart.session.asked.find()) > count
+    assert len(cart.session.questions.known()) == count
+    assert len(cart.session.questions.find()) > count
 
 
 def test_a_feature_that_is_not_read_cannot_be_chosen_before_the_first_example(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of a domain with very many features, those of two parameters are read only if chosen."""
-    monkeypatch.setattr(moments, "READABLE_MAX", 0)
+    monkeypatch.setattr(recent_percepts, "READABLE_MAX", 0)
     domain = Domain.of(
         "pair",
         "1",
@@ -246,7 +246,7 @@ def shown(tmp_path: Path) -> Driven:
 
 def never_shown(cart: Driven) -> Question | None:
     """Return what is asked about something that was never shown."""
-    return next((q for q in cart.session.asked.find() if q.kind == "unshown"), None)
+    return next((q for q in cart.session.questions.find() if q.kind == "unshown"), None)
 
 
 def test_a_situation_that_is_met_in_a_test_is_asked_about_and_the_answer_is_learned(
@@ -350,7 +350,7 @@ def test_one_question_besides_contradictions_is_asked_at_a_time(shown: Driven) -
     for position in (0.0, 5.0, 5.0, 9.0):
         shown.at(position)
     numbers = set()
-    while questions := shown.session.asked.find():
+    while questions := shown.session.questions.find():
         (question,) = questions
         assert question.number not in numbers
         numbers.add(question.number)
@@ -362,12 +362,12 @@ def test_a_question_stays_until_it_is_answered_whatever_is_met_meanwhile(shown: 
     shown.agent.test(restart=True)
     shown.at(0.0)
     shown.at(1.0)
-    (asked,) = shown.session.asked.find()
+    (asked,) = shown.session.questions.find()
     for bump in range(2, 40):  # each is met for the first time, and tells more
         shown.at(3.0, bump=float(bump))
-    assert shown.session.asked.find() == [asked]
+    assert shown.session.questions.find() == [asked]
     shown.session.answer(asked.number, dismiss=True)
-    (other,) = shown.session.asked.find()
+    (other,) = shown.session.questions.find()
     assert other.number != asked.number
 
 

@@ -18,7 +18,7 @@ from hitab_core import (
 )
 from hitab_core.example import Example
 from hitab_core.training import Curriculum
-from hitab_core.training.moments import Moment, nearest
+from hitab_core.training.recent_percepts import PerceptRecord, nearest
 
 CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position", "Speed"])
 STEP = 0.1
@@ -88,7 +88,7 @@ def test_a_sensor_that_was_silent_for_a_moment_does_not_have_a_late_command_refu
 
 
 def test_the_nearest_moment_counts_and_of_two_as_near_the_later_one() -> None:
-    kept = [Moment(i, i * STEP, "Go", (0.0,)) for i in range(8)]
+    kept = [PerceptRecord(i, i * STEP, "Go", (0.0,)) for i in range(8)]
     times = [0.0, 0.11, 0.19, 0.25, 0.26, 9.0, -1.0]
     assert [nearest(kept, time).cycle for time in times] == [0, 1, 2, 3, 3, 7, 0]
 
@@ -223,7 +223,7 @@ def test_what_was_saved_can_be_trained_again_with_other_features(cart: Driven) -
     cart.run(4)
     cart.command("Left")
     cart.agent.save()
-    text = cart.agent.library.shelf.file("Shuttle").read_text()
+    text = cart.agent.library.on_disk.file("Shuttle").read_text()
     assert "readable:" in text
     again = Agent("cart", CART, BehaviorLibrary(cart.folder / "library", CART))
     again.begin(Curriculum("", (Use("Speed"), Use("Position"))), resume="Shuttle")

@@ -10,12 +10,12 @@ from sklearn.neighbors import KNeighborsRegressor
 
 from hitab_core import (
     BasicBehavior,
+    BoundedNumber,
     Domain,
     Feature,
     FeatureKind,
     LearningAgent,
     LibraryError,
-    Number,
     Scale,
     Use,
     VocabularyError,
@@ -24,8 +24,8 @@ from hitab_core import (
 from hitab_core.library import BehaviorFile
 from hitab_core.regression import MOMENTS_MAX, Neighbors
 
-DIRECTION = Number("direction", -180.0, 180.0, "deg", circular=True)
-SPEED = Number("speed", 0.0, 1.0, "m/s")
+DIRECTION = BoundedNumber("direction", -180.0, 180.0, "deg", circular=True)
+SPEED = BoundedNumber("speed", 0.0, 1.0, "m/s")
 CIRCLE = Scale(FeatureKind.TOROIDAL, 2 * math.pi)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hitab_core import Agent, BehaviorLibrary, Do, Sign, Use, plain_domain
+from hitab_core import Agent, BehaviorLibrary, Fix, RemarkKind, Use, plain_domain
 from hitab_core.training import Curriculum
 
 CART = plain_domain(
@@ -50,7 +50,7 @@ class Cart:
     def remarks(self):
         return self.agent.remarks(look=True)
 
-    def codes(self) -> list[Sign]:
+    def codes(self) -> list[RemarkKind]:
         return [remark.code for remark in self.remarks]
 
 
@@ -65,10 +65,10 @@ def test_commands_that_lead_back_to_each_other_in_one_situation_make_a_loop(
 ) -> None:
     cart.taught((3.0, "Stop"), (3.0, "Right"), (3.0, "Stop"), features=features)
     (remark,) = cart.remarks
-    assert remark.code is Sign.LOOP
+    assert remark.code is RemarkKind.LOOP
     assert dict(remark.arguments)["states"] == "Stop and Right"
     assert str(remark).startswith(("with Position = 3", "with no feature chosen"))
-    assert remark.remedy == Do.RELABEL(agent="cart", number=3, behavior="Stop", before="Right")
+    assert remark.remedy == Fix.RELABEL(agent="cart", number=3, behavior="Stop", before="Right")
     assert "have example 3 of cart go to Stop instead of Right, if that is wrong" in str(
         remark.remedy
     )
@@ -82,7 +82,7 @@ def test_commands_that_lead_back_to_each_other_in_one_situation_make_a_loop(
 
 def test_what_was_commanded_again_and_again_needs_other_features(cart: Cart) -> None:
     cart.taught(*((3.0, label) for label in ("Stop", "Right") * 3))
-    assert [remark.remedy.code for remark in cart.remarks] == [Do.CHOOSE_FEATURES]
+    assert [remark.remedy.code for remark in cart.remarks] == [Fix.CHOOSE_FEATURES]
 
 
 @pytest.mark.parametrize(
@@ -110,9 +110,9 @@ def test_a_state_and_a_flag_that_no_test_reaches_are_remarked_on_after_some_epis
     cart.tested(0.0, 1.0, episodes=FEW)
     assert cart.codes() == []
     cart.tested(0.0, 1.0)
-    assert cart.codes() == [Sign.NOT_ENTERED, Sign.NOT_RAISED]
-    assert cart.remarks[0].remedy == Do.CORRECT(agent="cart", behavior="Stop")
-    assert cart.remarks[1].remedy == Do.CORRECT(agent="cart", behavior="Done")
+    assert cart.codes() == [RemarkKind.NOT_ENTERED, RemarkKind.NOT_RAISED]
+    assert cart.remarks[0].remedy == Fix.CORRECT(agent="cart", behavior="Stop")
+    assert cart.remarks[1].remedy == Fix.CORRECT(agent="cart", behavior="Done")
     cart.tested(0.0, 5.0, 8.0, episodes=1)
     assert cart.codes() == []
 
@@ -122,9 +122,9 @@ def test_a_state_that_no_test_leaves_is_remarked_on_until_the_examples_change(
 ) -> None:
     cart.taught((0.0, "Right"), (5.0, "Left"), (0.0, "Right"))
     cart.tested(0.0, 5.0, 4.0)
-    assert cart.codes() == [Sign.NOT_LEFT]
+    assert cart.codes() == [RemarkKind.NOT_LEFT]
     assert dict(cart.remarks[0].arguments)["state"] == "Left"
-    assert cart.remarks[0].remedy == Do.CORRECT(agent="cart", behavior="Right")
+    assert cart.remarks[0].remedy == Fix.CORRECT(agent="cart", behavior="Right")
     assert cart.agent.session is not None
     cart.agent.session.undo()
     assert cart.codes() == []

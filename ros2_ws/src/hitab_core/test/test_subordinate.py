@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.commanding.order import OTHERS, Order
-from hitab_core.commanding.subordinate import Subordinate
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.orders.order import ALL_OTHERS, Order
+from hitab_core.orders.subordinate import Subordinate
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -51,7 +51,7 @@ CART = Domain.of(
 def test_a_behavior_that_fails_to_start_waits_and_tells_why_until_it_can_be_started(tmp_path):
     agent = Agent("cart", CART, BehaviorLibrary(tmp_path, CART))
     subordinate = Subordinate(agent)
-    assert subordinate.take(Order(1, 1, "Go", {OTHERS: "Drive"}))
+    assert subordinate.take(Order(1, 1, "Go", {ALL_OTHERS: "Drive"}))
     assert subordinate.waits
     assert subordinate.refusal.startswith('cannot obey the order "Go": nothing perceived yet; ')
     assert agent.mode is Mode.IDLE
@@ -65,7 +65,7 @@ ORDERS = st.builds(
     epoch=st.integers(1, 2),
     sequence=st.integers(0, 4),
     behaviors=st.dictionaries(
-        st.sampled_from(["cart", "scout", "other", OTHERS]),
+        st.sampled_from(["cart", "scout", "other", ALL_OTHERS]),
         st.sampled_from(["Drive", "Park", ""]),
         max_size=3,
     ),
@@ -98,7 +98,9 @@ def test_the_newest_order_is_performed_once_training_lets_it(tmp_path_factory, e
             if number > newest:
                 newest = number
                 known = [
-                    event.behaviors[r] for r in ("cart", "scout", OTHERS) if r in event.behaviors
+                    event.behaviors[r]
+                    for r in ("cart", "scout", ALL_OTHERS)
+                    if r in event.behaviors
                 ]
                 if number[1]:
                     pending = known[0] if known else None

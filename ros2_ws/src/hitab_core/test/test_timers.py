@@ -14,9 +14,9 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.live_features import live_features
 from hitab_core.running.running_automaton import RunContext
-from hitab_core.running.senses import Senses
 from hitab_core.training import Curriculum
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
@@ -56,7 +56,7 @@ class Player:
         self.body = Body()
         repertoire = Repertoire(domain, {made.name: made for made in automata})
         self.context = RunContext(
-            repertoire, self.body, Senses(self.body, domain), random.Random(1).random
+            repertoire, self.body, FeatureCache(self.body, domain), random.Random(1).random
         )
         self.running: Any = self.context.perform(Use(automata[-1].name))
         self.running.start()
@@ -64,7 +64,7 @@ class Player:
     def tick(self, seconds: float = STEP, x: float = 0.0) -> list[str]:
         self.context.clock.now += seconds
         self.body.values = [x]
-        self.context.senses.forget()
+        self.context.feature_cache.forget()
         self.running.tick()
         return list(self.running.active_path)
 
@@ -218,7 +218,7 @@ def test_a_command_sees_a_flag_for_the_timers() -> None:
     assert running.peek_features() == [0.0], "it is up"
     running.take_down_flags()
     player.context.clock.now += 1.0
-    player.context.senses.forget()
+    player.context.feature_cache.forget()
     assert running.peek_features() == [1.0]
 
 

@@ -473,7 +473,7 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             trained.command(("Left", "Right")[commands % 2])
             trained.session.delete([commands])
             trained.session.relabel([commands - 1], Use("Stay"))
-            trained.session.asked.known()
+            trained.session.questions.known()
             command = len(looks)
             examples = trained.session.examples
             looks.clear()

@@ -46,12 +46,12 @@ def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
     """
     if to not in LANGUAGES:
         raise VocabularyError(unknown("language", to, LANGUAGES))
-    edition, use = library.edition(strict=False), Use.parse(behavior)
-    hierarchy = hierarchy_of(edition.repertoire, use)
+    loaded, use = library.loaded(strict=False), Use.parse(behavior)
+    hierarchy = hierarchy_of(loaded.repertoire, use)
     if not LANGUAGES[to].has_numbers:
         _refuse_numbers(hierarchy, to)
-    parts = [name for name in edition.repertoire.needed_by(use.name) if name in edition.files]
-    digest = bundle_digest(tuple((name, edition.files[name].text) for name in parts))
+    parts = [name for name in loaded.repertoire.needed_by(use.name) if name in loaded.files]
+    digest = bundle_digest(tuple((name, loaded.files[name].text) for name in parts))
     origin = (
         f"{use}, exported by {tool_name()} from the library "
         f"{library.folder.resolve().name} of domain {library.domain.name}, "

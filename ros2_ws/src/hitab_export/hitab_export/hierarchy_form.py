@@ -15,7 +15,7 @@ from hitab_core import (
     START,
     ActionBehavior,
     Automaton,
-    Number,
+    BoundedNumber,
     Repertoire,
     TransitionFunction,
     TransitionTree,
@@ -25,7 +25,7 @@ from hitab_core import (
 )
 from hitab_core.learning import ClassifierFunction
 from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_choice
-from hitab_core.regression import Neighbors, Table
+from hitab_core.regression import Neighbors, NumberTable
 from hitab_core.running import checks_of
 
 OWN = tuple(map(str, OWN_FEATURES))
@@ -68,7 +68,7 @@ class FeatureForm:
 
     Attributes:
         label: its name with its targets.
-        categories, required: as in `hitab_core.running.senses.checked`.
+        categories, required: as in `hitab_core.running.feature_cache.checked`.
         period: of a toroidal feature, else 0.
         unit: of its values; empty: none.
     """
@@ -91,8 +91,8 @@ class NumbersForm:
     """
 
     features: tuple[int, ...]
-    table: Table
-    wanted: tuple[Number, ...]
+    table: NumberTable
+    wanted: tuple[BoundedNumber, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +232,7 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
 def _numbers(
     automaton: Automaton,
     label: str,
-    wanted: tuple[Number, ...],
+    wanted: tuple[BoundedNumber, ...],
     features: list[str],
     slots: dict[str, int],
 ) -> NumbersForm | None:
@@ -241,7 +241,7 @@ def _numbers(
         return None
     learned = automaton.numbers.get(label)
     if not isinstance(learned, Neighbors):  # none was shown with any: it does nothing
-        return NumbersForm((), Table(), wanted)
+        return NumbersForm((), NumberTable(), wanted)
     read = tuple(slots.setdefault(name, len(slots)) for name in features)
     return NumbersForm(read, learned.table, wanted)
 

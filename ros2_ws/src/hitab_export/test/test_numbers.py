@@ -8,11 +8,11 @@ import pytest
 
 from hitab_core import (
     BasicBehavior,
+    BoundedNumber,
     Domain,
     Feature,
     FeatureKind,
     LearningAgent,
-    Number,
     VocabularyError,
 )
 from hitab_export import exported
@@ -46,7 +46,10 @@ BOAT = Domain.of(
         BasicBehavior(
             "Sail",
             Boat.steer,
-            numbers=(Number("direction", -180, 180, "deg", circular=True), Number("speed", 0, 1)),
+            numbers=(
+                BoundedNumber("direction", -180, 180, "deg", circular=True),
+                BoundedNumber("speed", 0, 1),
+            ),
         ),
     ],
     features=[

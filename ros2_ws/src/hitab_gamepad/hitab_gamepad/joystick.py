@@ -10,7 +10,7 @@ from sensor_msgs.msg import Joy
 
 from hitab_client import RosLink
 from hitab_client.demonstrating import Demonstrator, Pressed
-from hitab_core import Number, Use, quantity, with_numbers
+from hitab_core import BoundedNumber, Use, quantity, with_numbers
 from hitab_gamepad.joystick_mapping import Mapping
 from hitab_gamepad.stick import Stick
 from hitab_ros import qos, steady_timer
@@ -29,7 +29,7 @@ class _Held:
 
     button: str
     behavior: str
-    wanted: list[Number]
+    wanted: list[BoundedNumber]
     first: Pressed
 
 

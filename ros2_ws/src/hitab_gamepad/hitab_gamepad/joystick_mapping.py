@@ -11,8 +11,8 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from hitab_client import DescriptionError
-from hitab_client.demonstrating import ACTIONS
-from hitab_core import Number, Use, VocabularyError, has
+from hitab_client.demonstrating import KEY_ACTIONS
+from hitab_core import BoundedNumber, Use, VocabularyError, has
 from hitab_core.library import kind_of
 from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, Record, among, open_record
 from hitab_core.library.yaml_places import Complaints, Place, read_text, read_yaml
@@ -100,7 +100,7 @@ class Gauge(Record):
         """The axes that it reads."""
         return [i for i in (self.ahead, self.left, self.axis) if i is not None]
 
-    def read(self, number: Number, axes: Sequence[float]) -> float | None:
+    def read(self, number: BoundedNumber, axes: Sequence[float]) -> float | None:
         """Return the value of a number; None: the stick does not point anywhere, or cannot."""
         if self.axis is not None:
             share = (axes[self.axis] - self.low) / ((self.high - self.low) or 1.0)
@@ -146,7 +146,7 @@ class Mapping(Record):
     behaviors: Annotated[
         dict[str, Annotated[str | int, PlainValidator(_behavior)]], NONE_IS_EMPTY
     ] = Field(default_factory=dict)
-    actions: Annotated[dict[str, Annotated[str, among(ACTIONS)]], NONE_IS_EMPTY] = Field(
+    actions: Annotated[dict[str, Annotated[str, among(KEY_ACTIONS)]], NONE_IS_EMPTY] = Field(
         default_factory=dict
     )
     driving: Annotated[dict[Annotated[str, among(WAYS)], Axis], NONE_IS_EMPTY] = Field(

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from hitab_client import DescriptionError
-from hitab_client.demonstrating.pressed import ACTIONS
+from hitab_client.demonstrating.pressed import KEY_ACTIONS
 from hitab_gamepad.joystick_mapping import (
     Button,
     parse_mapping,
@@ -37,7 +37,7 @@ def test_a_mapping_names_buttons_and_what_they_do():
 @pytest.mark.parametrize("name", shipped_mappings())
 def test_shipped_mappings_give_a_button_to_all_that_a_person_needs(name):
     mapping = read_mapping(name)
-    needed = {*ACTIONS} - {"redo"}
+    needed = {*KEY_ACTIONS} - {"redo"}
     assert needed <= {*mapping.actions.values()}
     assert {*mapping.behaviors.values()} == {1, 2, 3, 4}
     assert {*mapping.driving} == {"ahead", "turn"}

@@ -14,9 +14,9 @@ from sensor_msgs.msg import LaserScan
 
 from hitab_agent import AgentNode
 from hitab_client import RosLink
-from hitab_client.recording import Messages, Recorder, driving_of
+from hitab_client.recording import RecordedMessages, Recorder, driving_of
 from hitab_core import Domain
-from hitab_core.showing import Strip
+from hitab_core.labeling import Strip
 from hitab_robots import Robot, Scan, Sector, motion, nearest_range
 from hitab_ros.stamps import as_time
 from hitab_ros.testing import context_of_its_own, spin_until
@@ -99,7 +99,7 @@ def test_a_driven_robot_is_labeled_from_its_recorded_percepts(
         stage.node.destroy_node()
         stage.executor.shutdown()
 
-    recorded = {message.topic for message in Messages(tmp_path / "bag.mcap")}
+    recorded = {message.topic for message in RecordedMessages(tmp_path / "bag.mcap")}
     assert "/robot_1/scan" in recorded
     driven = driving_of(tmp_path / "bag.mcap", "robot_1")
     cycles = [moment.cycle for moment in driven.moments]

@@ -14,9 +14,10 @@ from . import stamps as stamps
 from . import testing as testing
 from .alive import give_signs_of_life as give_signs_of_life
 from .alive import give_signs_of_operator as give_signs_of_operator
+from .busy_timeout import BusyTimeout as BusyTimeout
+from .definitions import check_same_message_version as check_same_message_version
 from .definitions import own_hash as own_hash
 from .definitions import own_hashes as own_hashes
-from .definitions import refuse_other_definitions as refuse_other_definitions
 from .definitions import share_folder as share_folder
 from .emergency_stop import EmergencySwitch as EmergencySwitch
 from .guard import Guard as Guard
@@ -24,7 +25,6 @@ from .guarded_node import NO_TYPE_DESCRIPTIONS as NO_TYPE_DESCRIPTIONS
 from .guarded_node import GuardedNode as GuardedNode
 from .guarded_node import name_of as name_of
 from .known_stops import KnownStops as KnownStops
-from .patience import Patience as Patience
 from .receivers import Receivers as Receivers
 from .recent_requests import RecentRequests as RecentRequests
 from .sparing_log import SparingLog as SparingLog
@@ -40,4 +40,4 @@ from .stop import why_stopped as why_stopped
 from .stop_machine import StopMachine as StopMachine
 from .stop_machine import StopState as StopState
 from .suspensions import suspensions_noticed as suspensions_noticed
-from .unique_name import refuse_second_of_name as refuse_second_of_name
+from .unique_name import check_name_is_free as check_name_is_free

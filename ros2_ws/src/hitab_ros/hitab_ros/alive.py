@@ -10,8 +10,8 @@ from rclpy.node import Node
 from hitab_ros import names, qos
 from hitab_ros.steady_timer import steady_timer
 
-PERIOD_S = 0.5
-"""Time between two signs of life, s, by the machine's clock: a paused world is alive, too."""
+HEARTBEAT_PERIOD_S = 0.5
+"""Period of heartbeats, s, by the machine's clock: a paused world is alive, too."""
 
 
 def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) -> None:
@@ -22,7 +22,7 @@ def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) 
 
     Args:
         node: that stands for its process; its namespace gives the name.
-        swarm: identity of its swarm; empty: none.
+        swarm: identity of its swarm, or empty.
         others: further names that stand for the process, such as those of a host's commanders.
     """
     signs = [Alive(process=name, swarm=swarm) for name in (names.own_name(node), *others)]
@@ -47,4 +47,4 @@ def _give(node: Node, topic: str, signs: Iterable[Alive], there: Callable[[], ob
         for sign in signs if there() else ():
             publisher.publish(sign)
 
-    steady_timer(node, PERIOD_S, show)
+    steady_timer(node, HEARTBEAT_PERIOD_S, show)

@@ -22,10 +22,10 @@ from hitab_ros.plain_text import plain
 
 PACKAGE = "hitab_msgs"
 
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,99}\Z")
+ROS_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,99}\Z")
 """Pattern of a part of a topic name, such as the name of an agent, host or world."""
 
-NAME_RULE = "use up to 100 letters, digits and _, not beginning with a digit"
+ROS_NAME_RULE = "use up to 100 letters, digits and _, not beginning with a digit"
 
 NAMES = frozenset({"HostRoster.agents", "HostRoster.host"})
 """Fields that become parts of topic names."""
@@ -38,7 +38,7 @@ SEVERAL_LINES = frozenset({"text", "description", "last_error", "faults", "messa
 PATH_TEXT_MAX = 4096
 PATHS = frozenset({"LoadLibrary_Request.path"})
 
-BYTES_MAX = 12_000_000
+MESSAGE_BYTES_MAX = 12_000_000
 """Maximum size of a message. A list of objects takes a hundred times its time, and ten times its
 memory, to become a message of Python's; the largest files and pictures that are sent fit."""
 
@@ -56,8 +56,8 @@ so it is not dropped because of them."""
 CYCLES = frozenset({"cycle", "episode_cycle", "seen"})
 """Fields of any message with a world's cycle, which must fit into the files that keep it."""
 
-AHEAD_S = 3600.0
-"""How far numbers made from the time of day may be ahead of this machine's clock."""
+CLOCK_AHEAD_MAX_S = 3600.0
+"""Maximum lead of numbers made from the time of day over this machine's clock, s."""
 TIMES_OF_DAY = frozenset({"HostRoster.number", "Order.epoch", "Report.epoch"})
 """Such numbers, ns. One from the far future would make all later ones look old."""
 
@@ -82,7 +82,7 @@ def check(message: Any) -> None:
 
 def too_far_ahead(number: int) -> bool:
     """Whether a number made from the time of day is too far in the future for a clock error."""
-    return number > time.time_ns() + int(AHEAD_S * 1e9)
+    return number > time.time_ns() + int(CLOCK_AHEAD_MAX_S * 1e9)
 
 
 @functools.cache
@@ -124,8 +124,8 @@ def _check_items(place: str, most: int, one: Check | None, values: Sequence[Any]
 def _check_text(place: str, limit: int, lines: bool, value: str) -> None:
     if len(value) > limit:
         raise BadMessage(f"{place} has {len(value)} characters; the limit is {limit}")
-    if place in NAMES and NAME.match(value) is None:
-        raise BadMessage(f"{place}: {_shown(value)} is not a name; {NAME_RULE}")
+    if place in NAMES and ROS_NAME.match(value) is None:
+        raise BadMessage(f"{place}: {_shown(value)} is not a name; {ROS_NAME_RULE}")
     if not (value.isprintable() or (lines and "\0" not in value)):
         raise BadMessage(f"{place}: {_shown(value)} has control characters; remove them")
 
@@ -147,6 +147,6 @@ def _check_cycle(place: str, cycle: int) -> None:
 def _check_time_of_day(place: str, number: int) -> None:
     if too_far_ahead(number):
         raise BadMessage(
-            f"{place} is {number} ns, more than {AHEAD_S / 3600.0:g} h ahead of this machine's "
-            "clock; set the clocks of all machines"
+            f"{place} is {number} ns, more than {CLOCK_AHEAD_MAX_S / 3600.0:g} h ahead of this "
+            "machine's clock; set the clocks of all machines"
         )

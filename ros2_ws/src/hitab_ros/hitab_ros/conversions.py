@@ -11,18 +11,18 @@ from typing import Any, TypeVar
 from hitab_msgs import msg
 
 from hitab_core import (
-    Do,
+    BoundedNumber,
     Example,
     ExampleKind,
     Feature,
-    Number,
+    Fix,
     Remark,
+    RemarkKind,
     Remedy,
     Scale,
-    Sign,
     Use,
 )
-from hitab_core.commanding import Order, Report
+from hitab_core.orders import Order, Report
 from hitab_core.training import TrainingCost
 
 Data = TypeVar("Data")
@@ -65,9 +65,9 @@ def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
 def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
     """Return the remedies in messages, without those that this version does not know."""
     return tuple(
-        Remedy(Do[m.code], tuple(zip(m.names, m.values, strict=False)))
+        Remedy(Fix[m.code], tuple(zip(m.names, m.values, strict=False)))
         for m in messages
-        if m.code in Do.__members__
+        if m.code in Fix.__members__
     )
 
 
@@ -87,10 +87,10 @@ def remark_messages(remarks: Iterable[Remark]) -> list[msg.Remark]:
 def remarks_of(messages: Iterable[Any]) -> tuple[Remark, ...]:
     """Return the remarks in messages, without those that this version does not know."""
     return tuple(
-        Remark(Sign[m.code], tuple(zip(m.names, m.values, strict=False)), remedy)
+        Remark(RemarkKind[m.code], tuple(zip(m.names, m.values, strict=False)), remedy)
         for m in messages
         for remedy in remedies_of([m.remedy])
-        if m.code in Sign.__members__
+        if m.code in RemarkKind.__members__
     )
 
 
@@ -111,15 +111,15 @@ def example_of(message: Any) -> Example:
     )
 
 
-def number_messages(numbers: Iterable[Number]) -> list[msg.Number]:
+def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
     """Return the numbers of a behavior as messages."""
     return [message_of(msg.Number, number) for number in numbers]
 
 
-def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[Number, ...]]:
+def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumber, ...]]:
     """Return the numbers of the behaviors in messages that take some, by name."""
     return {
-        Use.parse(behavior.name).name: tuple(data_of(Number, n) for n in behavior.numbers)
+        Use.parse(behavior.name).name: tuple(data_of(BoundedNumber, n) for n in behavior.numbers)
         for behavior in messages
         if behavior.numbers
     }
@@ -169,7 +169,7 @@ def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> 
     Args:
         name: with its targets or parameters.
         feature: as the domain declares it.
-        scale: of its values; None: it is not asked for.
+        scale: of its values; None if it is not asked for.
     """
     told = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
     told.description = feature.description

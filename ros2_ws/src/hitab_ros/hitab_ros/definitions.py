@@ -56,7 +56,7 @@ def own_hash(kind: str) -> str:
     return own_hashes(kind)[kind]
 
 
-def refuse_other_definitions(node: Node) -> None:
+def check_same_message_version(node: Node) -> None:
     """Raise if a discovered node defines one of the project's messages or services differently.
 
     One topic or service of each type is looked at: of two versions in one ROS domain, the one that

@@ -1,4 +1,4 @@
-"""What a process finds wrong, on ROS's topic ``/diagnostics``, where rqt and others show it.
+"""Diagnostics of a process on ROS's topic ``/diagnostics``, for rqt and others.
 
 One message per process and second, however many agents it runs; and one soon after a change.
 """
@@ -16,20 +16,20 @@ from rclpy.qos import QoSProfile
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.steady_timer import steady_timer
 
-TOPIC = "/diagnostics"  # absolute, as in REP 107
-PERIOD_S = 1.0
+DIAGNOSTICS_TOPIC = "/diagnostics"  # absolute, as in REP 107
+DIAGNOSTICS_PERIOD_S = 1.0
 SOON_S = 0.1
-"""How long after a change a message is sent, for all changes until then."""
+"""Delay of a message after a change, for all changes until then."""
 
 LOOKED_AT_PER_S = 1000
 """With more agents, changes wait longer, so that looking at all of them costs little."""
 
-SHOWN_MAX = 50
+STATUSES_MAX = 50
 """Maximum number of statuses in a message: of many agents, those that have something wrong."""
 
 
 class Level(IntEnum):
-    """How bad it is, as ``diagnostic_msgs/DiagnosticStatus`` numbers it."""
+    """Severity, as numbered in ``diagnostic_msgs/DiagnosticStatus``."""
 
     OK = 0
     WARN = 1
@@ -38,17 +38,17 @@ class Level(IntEnum):
 
     @property
     def severity(self) -> int:
-        """How it compares: an error is worse than what nothing is known of."""
+        """Order of severity: an error is worse than an unknown state."""
         return (Level.OK, Level.WARN, Level.STALE, Level.ERROR).index(self)
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """What is wrong with one agent or world; cheap to make, since of many few are shown.
+    """Faults of one agent or world; cheap to make, since few of many are shown.
 
     Attributes:
         name: of it.
-        hardware: that it stands for; unique.
+        hardware: unique name of the diagnosed part.
         found: what is wrong; the worst counts, and of those the first is the message.
         details: returns the message if nothing is wrong, and more that is of interest, by key.
     """
@@ -96,8 +96,10 @@ class Diagnostics:
         self._read = read
         self._node = node
         self._heard = self._due = False
-        self._publisher = node.create_publisher(DiagnosticArray, TOPIC, QoSProfile(depth=10))
-        steady_timer(node, PERIOD_S, self._look)
+        self._publisher = node.create_publisher(
+            DiagnosticArray, DIAGNOSTICS_TOPIC, QoSProfile(depth=10)
+        )
+        steady_timer(node, DIAGNOSTICS_PERIOD_S, self._look)
         self._soon = steady_timer(node, SOON_S, self._publish)
         self._soon.cancel()
 
@@ -143,4 +145,4 @@ def shown(found: Sequence[Diagnosis], process: str) -> list[DiagnosticStatus]:
     )
     wrong = [one for one in found if one.found]
     wrong.sort(key=lambda one: one.level.severity, reverse=True)
-    return [summary.status(), *(one.status() for one in wrong[:SHOWN_MAX])]
+    return [summary.status(), *(one.status() for one in wrong[:STATUSES_MAX])]

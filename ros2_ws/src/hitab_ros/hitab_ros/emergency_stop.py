@@ -1,9 +1,9 @@
 """The emergency stop of all robots: anyone stops them, and all who take part agree on it.
 
-Anyone may publish on ``/emergency_stop``. Whoever takes part, a robot's relay, the `hitab` command
-or the studio, has a switch. Switches tell one another on ``/emergency_stop/state``, latched, which
-stops they know (`hitab_ros.known_stops`): so those who come late or were out of reach hear of a
-stop, and of its release, though its sender has ended.
+Anyone may publish on ``/emergency_stop``. Each participant (a robot's relay, the `hitab` command,
+the studio) has a switch. Switches publish their known stops (`hitab_ros.known_stops`) on
+``/emergency_stop/state``, latched: so participants that join late or were out of reach receive a
+stop, and its release, even after its sender has ended.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.known_stops import KnownStops, must_tell
 from hitab_ros.steady_timer import steady_timer
 
-LOOK_S = 1.0
-"""Between two looks for stops that others latch, or have not been told, s."""
+STOP_CHECK_PERIOD_S = 1.0
+"""Period of checks for stops that others latch, or have not received, s."""
 
 
 class EmergencySwitch:
     """One participant's view of the emergency stop.
 
     Attributes:
-        known: the stops that it knows.
+        known: the known stops.
     """
 
     def __init__(
@@ -46,9 +46,9 @@ class EmergencySwitch:
         Args:
             node: to listen and speak with.
             changed: called when other stops are known.
-            hands_on: whether to tell the others what was heard. A latched message lasts as long as
-                its publisher, and the command that stops the robots may end at once; so those who
-                last, such as the robots' relays, keep it for those who come later.
+            hands_on: whether to rebroadcast received stops. A latched message lasts as long as its
+                publisher, and the command that stops the robots may exit at once; so long-lived
+                participants, such as the robots' relays, keep the stop for late joiners.
             known: the stops that this participant knew when it ended.
         """
         self.known = KnownStops() if known is None else known
@@ -63,7 +63,7 @@ class EmergencySwitch:
         )
         self._listen(qos.EVENTS, latched=False)
         if hands_on:
-            steady_timer(node, LOOK_S, self._look)
+            steady_timer(node, STOP_CHECK_PERIOD_S, self._look)
             if known:
                 self.tell()
 
@@ -117,7 +117,7 @@ class EmergencySwitch:
 
     def _hear_event(self, latched: bool, message: EmergencyStop, information: Any) -> None:
         if message.engaged:
-            # The same for all who hear it, and each time that it is delivered.
+            # The same for all receivers and all deliveries.
             sent = information["source_timestamp"]
             number = information["publication_sequence_number"]
             identity = f"{sent}.{number}" if sent else uuid.uuid4().hex
@@ -141,5 +141,5 @@ class EmergencySwitch:
 
 
 def stopped_by(known: KnownStops) -> str:
-    """Return who stopped the robots, and why; empty: no stop is in force."""
+    """Return who stopped the robots, and why; empty if no stop is in force."""
     return f"emergency stop by {known.who}" if known else ""

@@ -1,6 +1,6 @@
 """Exit codes that a node's process reports to its supervisor."""
 
-FINAL = 3
+DO_NOT_RESTART = 3
 """Exit code of a process that should not be restarted."""
 
 FINAL_AFTER = "HITAB_FINAL_AFTER_S"

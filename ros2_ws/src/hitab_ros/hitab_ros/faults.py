@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable
 from hitab_core import Remedy, quantity
 from hitab_ros.plain_text import plain
 
-FAULTS_MAX = 50
+FAULTS_KEPT_MAX = 50
 """Maximum number of faults that are kept; the first ones stay."""
 
-SHOWN_MAX = 10
+FAULTS_SHOWN_MAX = 10
 """Maximum number of faults in a status."""
 
 
@@ -43,7 +43,7 @@ class Faults:
             return False
         text = plain(text)
         before = self.by_key.get(key)
-        if before == text or (before is None and len(self.by_key) >= FAULTS_MAX):
+        if before == text or (before is None and len(self.by_key) >= FAULTS_KEPT_MAX):
             return False
         self.by_key[key], self._remedies[key] = text, remedies
         self.changed()
@@ -60,7 +60,7 @@ class Faults:
 
     @property
     def remedies(self) -> list[Remedy]:
-        """What a person can do about the faults."""
+        """Remedies for the faults."""
         return [remedy for key in self.by_key for remedy in self._remedies[key]]
 
     def texts(self) -> list[str]:
@@ -71,5 +71,7 @@ class Faults:
 def shown(faults: Iterable[str]) -> list[str]:
     """Return faults as a status shows them: not too many, each of bounded length."""
     texts = [plain(text) for text in faults]
-    more = len(texts) - SHOWN_MAX
-    return texts if more <= 0 else [*texts[:SHOWN_MAX], f"and {quantity(more, 'more fault')}"]
+    more = len(texts) - FAULTS_SHOWN_MAX
+    return (
+        texts if more <= 0 else [*texts[:FAULTS_SHOWN_MAX], f"and {quantity(more, 'more fault')}"]
+    )

@@ -17,7 +17,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 
 from hitab_core import HitabError
 from hitab_ros.answering import refuse, remedies_for, what_went_wrong
-from hitab_ros.checks import BYTES_MAX, BadMessage, check
+from hitab_ros.checks import MESSAGE_BYTES_MAX, BadMessage, check
 from hitab_ros.faults import Faults
 from hitab_ros.sparing_log import SparingLog
 
@@ -26,7 +26,7 @@ TRACE_MAX = 6000
 
 
 class _Guarding:
-    """What is done in this context raises nothing; it may be entered again and again."""
+    """Reusable context manager that catches and reports exceptions."""
 
     def __init__(self, guard: Guard, key: str) -> None:
         self._guard = guard
@@ -122,7 +122,7 @@ class Guard:
 
         Args:
             key: the topic, in words.
-            kind: the type of messages; None: the callback takes their bytes.
+            kind: the type of messages; None if the callback takes their bytes.
             callback: takes a message, or a message and information about it.
             checked: whether to check messages; otherwise the callback must do so.
         """
@@ -134,9 +134,10 @@ class Guard:
             message, *information = arguments[0] if type(arguments[0]) is tuple else arguments
             try:
                 if kind is not None:
-                    if (size := len(message)) > BYTES_MAX:
+                    if (size := len(message)) > MESSAGE_BYTES_MAX:
                         raise BadMessage(
-                            f"it has {size:,} bytes; the limit is {BYTES_MAX:,}; send less at once"
+                            f"it has {size:,} bytes; the limit is {MESSAGE_BYTES_MAX:,}; "
+                            "send less at once"
                         )
                     message = deserialize_message(message, kind)
                 if checked:

@@ -1,8 +1,8 @@
-"""Which emergency stops somebody has heard of, and which of them are released. No ROS here.
+"""Known emergency stops, and which of them are released. No ROS here.
 
 A stop is an event with an identity. It counts once, whenever it arrives, so clocks do not matter.
-A release names the stops that it ends. Stops and releases are only ever added, so all who have
-heard of the same ones agree, in whatever order and however often they heard of each.
+A release names the stops to end. Stops and releases are only ever added, so receivers
+of the same ones agree, in any order of arrival and with any repetition.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from typing import Self
 from hitab_ros.plain_text import plain
 
 KEPT_MAX = 100
-"""How many stops, and how many releases, are kept. An older stop that is delivered again after its
+"""Maximum number of stops, and of releases, kept. An older stop that is delivered again after its
 release was forgotten stops the robots again."""
 
 WORDS_MAX = 200
 """Maximum characters of who stopped or released the robots, and why."""
 
-SHOWN_MAX = 3
-"""How many stops the text for people names."""
+STOPS_NAMED_MAX = 3
+"""Maximum number of stops named in the text for people."""
 
 
 @dataclass(frozen=True)
 class KnownStops:
-    """What one participant knows; true if the robots have to stand still.
+    """Stops known to one participant; true if the robots have to stand still.
 
     Attributes:
         stops: who stopped the robots and why, for each stop that is not released, by identity.
@@ -52,11 +52,11 @@ class KnownStops:
 
     @property
     def who(self) -> str:
-        """Who has stopped the robots, and why; empty: nobody."""
-        return ", ".join([*dict.fromkeys(self.stops.values())][-SHOWN_MAX:])
+        """Senders and reasons of the stops in force; empty if there are none."""
+        return ", ".join([*dict.fromkeys(self.stops.values())][-STOPS_NAMED_MAX:])
 
     def joined(self, other: KnownStops) -> KnownStops:
-        """Return what is known to somebody who knows both."""
+        """Return the union of both."""
         # What is new comes last, and words stay as they were first heard.
         released = {**self.released, **other.released, **self.released}
         stops = {**self.stops, **other.stops, **self.stops}
@@ -75,10 +75,10 @@ class KnownStops:
 
 
 def must_tell(before: KnownStops, known: KnownStops, heard: KnownStops) -> bool:
-    """Whether who has learned something has to tell the others what it knows.
+    """Whether a receiver of news has to rebroadcast its own knowledge.
 
-    It has to if that stops or releases it, and if the sender of what it heard does not know what
-    holds it, or what has released it.
+    True if the news stops or releases the receiver, and if the sender does not know the
+    receiver's stops or releases.
     """
     return not bool(before) == bool(known) == bool(heard)
 

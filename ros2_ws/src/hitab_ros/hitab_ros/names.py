@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from hitab_core import Do, HitabError
+from hitab_core import Fix, HitabError
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -21,7 +21,7 @@ _RELATIVE = re.compile(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*\Z", re.ASCII)
 WORLD = "world"
 STATUS_TYPE = "hitab_msgs/msg/AgentStatus"
 STATUS_TYPES = (STATUS_TYPE, "hitab_msgs/msg/WorldStatus")
-"""Of agents and worlds. A swarm has one or both."""
+"""Namespaces of agents and worlds. A swarm has one or both."""
 
 # Of an agent.
 COMMAND = "command"
@@ -29,7 +29,7 @@ STATUS = "status"
 TRANSITIONS = "transitions"
 TRAINING = "training"
 PERCEPT = "percept"
-PERCEIVED = "perceived"  # each percept that it has taken in, for recordings
+PERCEIVED = "perceived"  # each percept taken in, for recordings
 BEGIN = "begin"
 SET_MODE = "set_mode"
 GET_REPORT = "get_report"
@@ -116,7 +116,7 @@ def of_agent(agent: str, name: str, prefix: str = "") -> str:
         raise HitabError(
             f'"{agent}" cannot be the name of an agent: name it without its namespace, such as '
             "keeper_1, and choose its swarm by the swarm's name",
-            Do.STATUS(),
+            Fix.STATUS(),
         )
     return f"{prefix}/{agent}/{name}"
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-TEXT_MAX = 1000
+PLAIN_TEXT_MAX = 1000
 """Maximum characters of a text."""
 
 
-def plain(text: str, limit: int = TEXT_MAX, *, lines: bool = True) -> str:
+def plain(text: str, limit: int = PLAIN_TEXT_MAX, *, lines: bool = True) -> str:
     """Return a text of bounded length without control characters.
 
     A message with such a text passes `hitab_ros.checks`: otherwise all others would drop it.

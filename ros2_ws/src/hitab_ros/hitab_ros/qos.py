@@ -16,7 +16,7 @@ LATCHED_BY_MANY = QoSProfile(
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
-"""For a subscriber to the states of many publishers, each of which counts."""
+"""Profile for a subscriber to the states of many publishers, each of which counts."""
 
 EVENTS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=200, reliability=ReliabilityPolicy.RELIABLE

@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 
 class Receivers:
-    """Those who receive from a publisher.
+    """Receivers of a publisher.
 
     Their number alone does not tell that one has taken the place of another, as a restarted
     process does when the killed one is given up at the same moment.
@@ -30,7 +30,7 @@ class Receivers:
         self._ends: frozenset[bytes] = frozenset()
 
     def look(self) -> bool:
-        """Update who receives; return whether somebody new does.
+        """Update the receivers; return whether one of them is new.
 
         A killed process is given up long after another has taken its place: that is no news.
         """

@@ -12,10 +12,10 @@ from typing import Generic, TypeVar
 
 Answer = TypeVar("Answer")
 
-MEMORY_S = 60.0
-"""How long an answer is remembered; no client repeats a request for longer than that."""
+ANSWER_MEMORY_S = 60.0
+"""Time for which an answer is remembered, s; no client repeats a request for longer."""
 
-MOST = 1000
+ANSWERS_MAX = 1000
 """Maximum number of answers remembered."""
 
 
@@ -30,7 +30,9 @@ class RecentRequests(Generic[Answer]):
     def came_of(self, client: str, number: int) -> Answer | None:
         """Return the answer to a request, or None if the request is new."""
         found = self._kept.get((client, number))
-        return found[1] if found is not None and self._clock() - found[0] <= MEMORY_S else None
+        return (
+            found[1] if found is not None and self._clock() - found[0] <= ANSWER_MEMORY_S else None
+        )
 
     def keep(self, client: str, number: int, answer: Answer) -> None:
         """Remember an answer, unless the client does not number its requests."""
@@ -41,5 +43,8 @@ class RecentRequests(Generic[Answer]):
         now = self._clock()
         self._kept[key] = (now, answer)
         # The oldest come first; drop those that are too old or too many.
-        while len(self._kept) > MOST or now - next(iter(self._kept.values()))[0] > MEMORY_S:
+        while (
+            len(self._kept) > ANSWERS_MAX
+            or now - next(iter(self._kept.values()))[0] > ANSWER_MEMORY_S
+        ):
             del self._kept[next(iter(self._kept))]

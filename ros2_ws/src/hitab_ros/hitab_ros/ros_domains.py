@@ -1,4 +1,4 @@
-"""Which ROS domains are free on this machine."""
+"""Free ROS domains on this machine."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _is_bound(port: int) -> bool:
 
 @contextlib.contextmanager
 def reserved_domain(is_taken: Callable[[int], bool] = lambda number: False) -> Iterator[int]:
-    """Reserve a ROS domain that nobody on this machine uses, for the duration of the context.
+    """Reserve a ROS domain that is unused on this machine, for the duration of the context.
 
     Programs that chose a domain by hand are looked for; those that reserve one, as this does, are
     kept off it.

@@ -8,13 +8,13 @@ from collections.abc import Callable, Hashable
 from hitab_core import quantity
 from hitab_ros.plain_text import plain
 
-AT_ONCE = 20
+BURST = 20
 """Maximum lines in a burst."""
 
 REFILL_S = 10.0
 """Time, s, after which one more line is allowed."""
 
-REMEMBERED = 500
+CAUSES_MAX = 500
 """Maximum number of causes remembered."""
 
 
@@ -38,7 +38,7 @@ class SparingLog:
         self._refill_s = refill_s
         self._clock = clock
         self._seen: dict[Hashable, None] = {}
-        self._left = float(AT_ONCE)
+        self._left = float(BURST)
         self._at = clock()
         self._left_out = 0
 
@@ -54,13 +54,13 @@ class SparingLog:
         if cause in self._seen:
             return
         now = self._clock()
-        self._left = min(AT_ONCE, self._left + (now - self._at) / self._refill_s)
+        self._left = min(BURST, self._left + (now - self._at) / self._refill_s)
         self._at = now
         if self._left < 1.0:
             self._left_out += 1
             return
         self._left -= 1.0
-        if len(self._seen) >= REMEMBERED:
+        if len(self._seen) >= CAUSES_MAX:
             del self._seen[next(iter(self._seen))]
         self._seen[cause] = None
         text = plain(text, limit)

@@ -23,17 +23,17 @@ from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from hitab_core import HitabError
-from hitab_ros.exit_codes import FINAL, FINAL_AFTER
+from hitab_ros.busy_timeout import BusyTimeout
+from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 from hitab_ros.guard import Guard
 from hitab_ros.guarded_node import GuardedNode
-from hitab_ros.patience import Patience
 from hitab_ros.suspensions import suspensions_noticed
 
 _WAKE_S = 0.1
 
 
 class FinalError(HitabError):
-    """An error that a restart would not fix; the exit code is `FINAL`."""
+    """An error that a restart would not fix; the exit code is `DO_NOT_RESTART`."""
 
 
 def make_node(name: str, **options: Any) -> GuardedNode:
@@ -87,9 +87,9 @@ class Spinner:
     def spin_until(self, condition: Callable[[], bool], timeout_s: float) -> bool:
         """Handle events until a condition holds; return whether it did in time.
 
-        The time is longer on a busy machine, see `Patience`.
+        The time is longer on a busy machine, see `BusyTimeout`.
         """
-        patience = Patience(timeout_s)
+        patience = BusyTimeout(timeout_s)
         while not self.stopped:
             if condition():
                 return True
@@ -139,11 +139,11 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
     Args:
         start: creates nodes and adds them to the spinner's executor. It may return a main loop to
             run instead of handling one event after the other.
-        arguments: the command line, with ROS arguments; None: that of the process.
+        arguments: the command line, with ROS arguments; None for that of the process.
 
     Returns:
-        The exit code: 1 after an error that a user can fix, which is printed in one line; `FINAL`
-        if a restart would not help.
+        The exit code: 1 after an error that a user can fix, which is printed in one line;
+        `DO_NOT_RESTART` if a restart would not help.
     """
     began = time.monotonic()
     try:
@@ -153,7 +153,7 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
     except FinalError as error:
         print(f"error: {error}", file=sys.stderr, flush=True)
         _stay_until(began + float(os.environ.get(FINAL_AFTER, "0")))
-        return FINAL
+        return DO_NOT_RESTART
     except HitabError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

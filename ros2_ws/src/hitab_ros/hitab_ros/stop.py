@@ -1,4 +1,4 @@
-"""The stop of one robot as others see it: what it says of itself, and how it is re-armed."""
+"""The stop of one robot as others see it: its reports, and how to re-arm it."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from hitab_ros.stamps import as_time
 from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import JUST_STARTED, StopMachine, StopState
 
-PERIOD_S = 0.1
-"""Between two reports, s, by the machine's clock. They are signs of life as well."""
+STOP_REPORT_PERIOD_S = 0.1
+"""Period of reports, s, by the machine's clock. Reports are heartbeats, too."""
 
 
 class Stop:
@@ -63,11 +63,11 @@ class Stop:
         self.switch = EmergencySwitch(node, self._emergency, hands_on=True, known=known)
         self._emergency(self.switch.known)
         node.create_service(srv.Arm, names.ARM, self._arm)
-        steady_timer(node, PERIOD_S, self._look)
+        steady_timer(node, STOP_REPORT_PERIOD_S, self._look)
 
     @property
     def why(self) -> str:
-        """Why the robot may not act; empty: it may."""
+        """Reason why the robot may not act; empty if it may."""
         machine = self.machine
         return why_stopped(machine.why, machine.causes.values())
 
@@ -123,7 +123,7 @@ def stop_report(
         state: of the robot or the world.
         causes: why it has to stand still as yet.
         why: it was stopped.
-        switch: that the node obeys; None: it obeys another node.
+        switch: that the node obeys; None if it obeys another node.
     """
     report = msg.StopState(
         stamp=as_time(time.time_ns()),
@@ -139,7 +139,7 @@ def stop_report(
 
 
 def why_stopped(why: str, causes: Iterable[str]) -> str:
-    """Return why a robot may not act; empty: it may.
+    """Return why a robot may not act; empty if it may.
 
     Args:
         why: it was stopped.

@@ -1,4 +1,4 @@
-"""When something that acts has to stand still, and when it may act again.
+"""Stop machine of a robot or world: when it must stand still, and when it may act again.
 
 No ROS here. A robot's relay has such a machine, or its agent, if its link has no relay. These are
 all of its states and events::
@@ -9,11 +9,11 @@ all of its states and events::
     stopping   it stands still                                stopped
     stopped    it moves                                       stopping
     stopped    the last cause is gone                         stopped; armed if it re-arms itself
-    stopped    somebody re-arms it, no cause is left          armed
-    any other  somebody re-arms it                            the same; refused, with the reason
+    stopped    a person re-arms it, no cause is left          armed
+    any other  a person re-arms it                            the same; refused, with the reason
 
-So nothing moves again by itself: what has stopped waits for a person, whatever stopped it and
-however often its process was killed meanwhile.
+So nothing moves again by itself: a stopped robot waits for a person, after any cause and after
+any restart of its process.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from collections.abc import Callable
 from enum import StrEnum
 
 JUST_STARTED = "it has just started"
-"""Why a robot does not act that never did: causes that pass meanwhile are not why it waits."""
+"""Reason of a robot that has not acted since its start, in place of causes that have passed."""
 
 
 class StopState(StrEnum):
@@ -39,7 +39,7 @@ class StopMachine:
 
     Attributes:
         causes: why it has to stand still as yet, by name.
-        why: why it was stopped, or `JUST_STARTED`; empty: it is armed.
+        why: why it was stopped, or `JUST_STARTED`; empty if it is armed.
         stop: number of this stop, later than those of earlier stops, also of other processes.
         stands: whether it was last seen to stand still.
     """
@@ -101,7 +101,7 @@ class StopMachine:
         """Let it act again; return why not, or an empty text if it may.
 
         Args:
-            stop: the number of the stop that is to end; 0: any.
+            stop: the number of the stop that is to end; 0 for any.
         """
         if not self.why:
             return ""

@@ -1,7 +1,7 @@
 """Notices that this process stood still for so long that others may have forgotten it.
 
-Whoever was forgotten by one side only is not found again as a whole: if a heartbeat comes before
-the first request for what was said already, Fast DDS 2.14 takes all of it for received.
+A participant that only one side has forgotten is not fully rediscovered: if a heartbeat comes
+before the first request for earlier samples, Fast DDS 2.14 takes all of them for received.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""For tests of nodes: an isolated ROS domain, and waiting for what nodes do."""
+"""Tools for tests of nodes: an isolated ROS domain, and waiting for conditions."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class NumberBody:
 
 
 SECONDS = 60.0
-"""More than anything takes that is waited for, on a busy machine too."""
+"""Timeout of tests, s: longer than any wait, on a busy machine too."""
 
 
 def wait_until(condition: Callable[[], Any]) -> None:

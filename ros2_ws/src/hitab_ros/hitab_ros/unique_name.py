@@ -13,15 +13,15 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from hitab_core import HitabError
 from hitab_ros import names, qos
-from hitab_ros.definitions import refuse_other_definitions
+from hitab_ros.definitions import check_same_message_version
 from hitab_ros.guarded_node import GuardedNode
 from hitab_ros.spinning import FinalError, Spinner
 
 DISCOVERY_S = 0.7
-"""How long to look for others; nodes on one machine discover each other well within this."""
+"""Discovery time, s; nodes on one machine discover each other well within it."""
 
 DEAD_AFTER_S = 2.5
-"""How long to wait for a discovered node to publish; killed ones stay discovered for longer."""
+"""Timeout for a discovered node to publish, s; killed ones stay discovered for longer."""
 
 _PARTICIPANT = 12  # bytes of an endpoint's identifier that identify the process
 _LONGEST_LIFESPAN_S = 2**31 - 2  # of what DDS can announce
@@ -31,9 +31,7 @@ class NameTakenError(FinalError):
     """Another node with the same name is up; restarting does not help."""
 
 
-def refuse_second_of_name(
-    spinning: Spinner, nodes: Sequence[GuardedNode], status: type[Any]
-) -> None:
+def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: type[Any]) -> None:
     """Look for other nodes for a while, and raise if another process has one of these names.
 
     Args:
@@ -55,7 +53,7 @@ def refuse_second_of_name(
     profile = QoSProfile(depth=1, lifespan=lifespan)
     marked = nodes[0].create_publisher(Alive, topic, profile, temporary=True)
     spinning.spin_until(lambda: False, DISCOVERY_S)
-    refuse_other_definitions(nodes[0])
+    check_same_message_version(nodes[0])
     ours = {
         _participant(end)
         for end in nodes[0].get_publishers_info_by_topic(marked.topic_name)

@@ -28,15 +28,15 @@ def two():
 
 def test_nodes_with_the_same_definitions_talk(two):
     first, second = two
-    definitions.refuse_other_definitions(first)
-    definitions.refuse_other_definitions(second)
+    definitions.check_same_message_version(first)
+    definitions.check_same_message_version(second)
 
 
 def test_a_node_that_defines_a_message_differently_is_named(two, monkeypatch):
     other = "RIHS01_" + "0" * 64  # as another version's would be
     monkeypatch.setattr(definitions, "own_hash", lambda kind: other)
     with pytest.raises(HitabError, match="another version of HiTAB") as refused:
-        definitions.refuse_other_definitions(two[1])
+        definitions.check_same_message_version(two[1])
     assert str(refused.value).startswith(f"/first defines {STATUS} differently")
 
 
@@ -45,11 +45,11 @@ def test_a_node_that_defines_a_service_differently_is_named(two, monkeypatch, pa
     first, second = two
     first.create_service(SetMode, "lone/set_mode", lambda request, response: response)
     wait_until(lambda: "/lone/set_mode" in dict(second.get_service_names_and_types()))
-    definitions.refuse_other_definitions(second)
+    definitions.check_same_message_version(second)
 
     own, other = definitions.own_hash, "RIHS01_" + "0" * 64
     changed = f"hitab_msgs/srv/SetMode_{part}"
     monkeypatch.setattr(definitions, "own_hash", lambda k: other if k == changed else own(k))
     with pytest.raises(HitabError) as refused:
-        definitions.refuse_other_definitions(second)
+        definitions.check_same_message_version(second)
     assert str(refused.value).startswith(f"/first defines {changed} differently")

@@ -28,12 +28,12 @@ def test_a_request_is_recognized_by_its_client_and_number_for_a_while():
     assert recent.came_of("ann", 1) == "first"
     assert recent.came_of("ben", 1) is None  # two clients count for themselves
     assert recent.came_of("ann", 2) is None
-    clock.now += recent_requests.MEMORY_S + 1
+    clock.now += recent_requests.ANSWER_MEMORY_S + 1
     assert recent.came_of("ann", 1) is None
 
 
 def test_memory_does_not_grow_without_end(monkeypatch):
-    monkeypatch.setattr(recent_requests, "MOST", 3)
+    monkeypatch.setattr(recent_requests, "ANSWERS_MAX", 3)
     recent = RecentRequests()
     for number in range(1, 10):
         recent.keep("ann", number, str(number))

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.command_options import SwarmName
+from hitab_client.cli_options import SwarmName
 
 
 def register(app: typer.Typer) -> None:

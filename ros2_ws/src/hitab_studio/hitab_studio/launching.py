@@ -13,7 +13,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from hitab_client import SwarmError
-from hitab_client.commands import called
+from hitab_client.cli_remedies import called
 from hitab_client.shipped import shipped_folders, shipped_names
 from hitab_core import has
 

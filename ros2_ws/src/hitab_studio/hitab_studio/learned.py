@@ -9,7 +9,15 @@ from types import MappingProxyType
 from typing import Any
 
 from hitab_client import Learned
-from hitab_core import OWN_FEATURES, START, Example, Number, Use, contradictions, with_numbers
+from hitab_core import (
+    OWN_FEATURES,
+    START,
+    BoundedNumber,
+    Example,
+    Use,
+    contradictions,
+    with_numbers,
+)
 from hitab_ros.conversions import numbers_of_behaviors
 
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
@@ -33,7 +41,7 @@ class Vocabulary:
     behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     trained: frozenset[str] = frozenset()
     one_shot: frozenset[str] = frozenset()
-    numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=lambda: NOTHING)
+    numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=lambda: NOTHING)
     features: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=lambda: NOTHING)
     kinds: Mapping[str, str] = field(default_factory=lambda: NOTHING)
@@ -57,7 +65,7 @@ class Vocabulary:
             targets=tuple(answer.targets),
         )
 
-    def numbers_of(self, behavior: str) -> tuple[Number, ...]:
+    def numbers_of(self, behavior: str) -> tuple[BoundedNumber, ...]:
         """Return the numbers that a behavior takes."""
         return self.numbers.get(Use.parse(behavior).name, ())
 

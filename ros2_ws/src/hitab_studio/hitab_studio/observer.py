@@ -13,7 +13,7 @@ from typing import Any
 from hitab_msgs.msg import TransitionEvent
 
 from hitab_client import (
-    CommandView,
+    CommanderView,
     RosLink,
     SignsOfLife,
     Stops,
@@ -21,7 +21,7 @@ from hitab_client import (
     SwarmError,
     WorldClient,
 )
-from hitab_client.identity import BY_HAND
+from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
 from hitab_studio.agent_watch import AgentWatch
@@ -114,7 +114,7 @@ class Observer:
         self._remembered = RememberedScenes()
         self.watches: dict[str, AgentWatch] = {}
         self._events: dict[str, deque[TransitionEvent]] = {}
-        self._commanders = CommandView(link, agents.prefix, target.identity)
+        self._commanders = CommanderView(link, agents.prefix, target.identity)
         self._recorder: Recorder | None = None
         self._recording_page = ""
         self._markers = Markers(link)
@@ -271,7 +271,7 @@ class Observer:
         known = self.known
         if self._world.stranger is not None and known.scene is not None:
             self._know(scene=None)
-        if known.target is not None and known.target.identity == BY_HAND:
+        if known.target is not None and known.target.identity == STARTED_BY_HAND:
             heard = {*self._agents.strangers.values(), self._world.stranger or ""} - {""}
             if (elsewhere := tuple(sorted(heard))) != known.elsewhere:
                 self._know(elsewhere=elsewhere)

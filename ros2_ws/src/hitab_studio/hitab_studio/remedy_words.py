@@ -4,27 +4,27 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core import Do, HitabError, Remedy
+from hitab_core import Fix, HitabError, Remedy
 from hitab_ros.conversions import remedies_of
 
 BUTTONS = {
-    Do.TRAIN: "Train… in Teach",
-    Do.TRAIN_FURTHER: "Train further… in Library",
-    Do.RESUME: "Back to training (T)",
-    Do.DEMONSTRATE: "the buttons below the field",
-    Do.CORRECT: "Take over (T), and its button below the field",
-    Do.CHOOSE_FEATURES: "Features… in Teach",
-    Do.RELABEL: "Relabel in Examples",
-    Do.QUESTIONS: "Teach",
-    Do.SAVE: "Save… in Teach",
-    Do.DISCARD: "Discard… in Teach",
-    Do.IDLE: "Go idle in Teach",
-    Do.RESTORE: "the versions in Library",
-    Do.SEND: "Distribute… in Library",
-    Do.NEXT_GENERATION: "Generations… in Teach",
-    Do.GO: "Release…",
-    Do.ARM: "Re-arm",
-    Do.DOWN: "Stop in Swarm",
+    Fix.TRAIN: "Train… in Teach",
+    Fix.TRAIN_FURTHER: "Train further… in Library",
+    Fix.RESUME: "Back to training (T)",
+    Fix.DEMONSTRATE: "the buttons below the field",
+    Fix.CORRECT: "Take over (T), and its button below the field",
+    Fix.CHOOSE_FEATURES: "Features… in Teach",
+    Fix.RELABEL: "Relabel in Examples",
+    Fix.QUESTIONS: "Teach",
+    Fix.SAVE: "Save… in Teach",
+    Fix.DISCARD: "Discard… in Teach",
+    Fix.IDLE: "Go idle in Teach",
+    Fix.RESTORE: "the versions in Library",
+    Fix.SEND: "Distribute… in Library",
+    Fix.NEXT_GENERATION: "Generations… in Teach",
+    Fix.GO: "Release…",
+    Fix.ARM: "Re-arm",
+    Fix.DOWN: "Stop in Swarm",
 }
 """The button, key or tab; without one, a remedy is put in plain words."""
 

@@ -12,8 +12,8 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
 
 from hitab_client import SwarmError
-from hitab_client.recording import Messages, Received, type_name
-from hitab_core.showing import Strip
+from hitab_client.recording import Received, RecordedMessages, type_name
+from hitab_core.labeling import Strip
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9
@@ -73,7 +73,7 @@ class Recording:
         self._statuses: dict[str, _Line] = {}
         self._events = _Line()
         self.episodes: list[tuple[float, str]] = []
-        messages = Messages(path)
+        messages = RecordedMessages(path)
         self._read(messages)
         self.missing = messages.missing
         if not self._states.times:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from hitab_client import RunFolder
-from hitab_client.commands import called
+from hitab_client.cli_remedies import called
 from hitab_client.domain_ids import chosen_by_user
-from hitab_client.identity import BY_HAND, is_identity
+from hitab_client.identity import STARTED_BY_HAND, is_identity
 from hitab_client.run_folder import Found, running_swarms
 from hitab_client.swarm_choice import is_namespace, meant
 
@@ -22,8 +22,8 @@ class Target:
     Attributes:
         domain_id: its ROS domain.
         swarm: its name; empty if unknown.
-        identity: of its present start, or `BY_HAND`: only of nodes that no `hitab up` has started
-            may anything be asked; empty: of any.
+        identity: of its present start, or `STARTED_BY_HAND`: then only nodes that no `hitab up`
+            has started are asked; empty: any node.
         world: whether it has started a world.
         namespace: of all its nodes; empty: none.
         folder: its run folder; "" if unknown, as that of a swarm that was started elsewhere.
@@ -86,7 +86,7 @@ class Finder:
         self._kept = ""
         if self._swarm is None or is_namespace(self._swarm):
             space = (self._swarm or "").rstrip("/")
-            return Target(own or 0, identity=BY_HAND, namespace=space)
+            return Target(own or 0, identity=STARTED_BY_HAND, namespace=space)
         if is_identity(self._swarm):
             return Target(own or 0, self._swarm, identity=self._swarm)
         return Target(own or 0, self._swarm, problem=f'Swarm "{self._swarm}" is not up.')

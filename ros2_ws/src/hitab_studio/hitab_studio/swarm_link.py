@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from hitab_client import RosLink, SwarmClient, SwarmError, Training, WorldClient
-from hitab_client.identity import BY_HAND
+from hitab_client.identity import STARTED_BY_HAND
 from hitab_core import HitabError
 from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
@@ -368,7 +368,7 @@ class SwarmLink:
         observer = self._observer
         if observer is None:
             return now == target and now.choices == target.choices
-        by_hand = target.identity == BY_HAND and not self._chosen
+        by_hand = target.identity == STARTED_BY_HAND and not self._chosen
         if now != target and not (by_hand and observer.known.is_anyone_there):
             return False
         observer.may_show(now.choices)

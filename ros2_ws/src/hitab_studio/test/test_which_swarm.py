@@ -11,7 +11,7 @@ import pytest
 
 from hitab_client import domain_ids
 from hitab_client.errors import SwarmError
-from hitab_client.identity import BY_HAND
+from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import swarm_finder
 from hitab_studio.page import perform
@@ -51,7 +51,7 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
 def test_a_studio_that_was_suspended_until_it_was_forgotten_connects_anew():
     async def reconnected() -> bool:
         with domain_ids.reserved() as number:
-            target = Target(number, identity=BY_HAND)
+            target = Target(number, identity=STARTED_BY_HAND)
             link = SwarmLink(lambda: target, lambda _: None, lambda text, **_: None)
             link.start()
             try:
@@ -76,7 +76,7 @@ def test_a_swarm_that_is_not_up_is_a_problem_and_not_whatever_is_there(tmp_path)
 
 
 def test_without_a_swarm_from_here_nodes_that_no_command_has_started_are_meant():
-    assert Finder()() == Target(0, identity=BY_HAND)
+    assert Finder()() == Target(0, identity=STARTED_BY_HAND)
 
 
 def test_a_swarm_that_was_started_elsewhere_is_meant_if_its_identity_is_given():
@@ -84,7 +84,7 @@ def test_a_swarm_that_was_started_elsewhere_is_meant_if_its_identity_is_given():
 
 
 def test_nodes_that_no_command_has_started_are_meant_in_the_namespace_that_is_given():
-    assert Finder("/red")() == Target(0, identity=BY_HAND, namespace="/red")
+    assert Finder("/red")() == Target(0, identity=STARTED_BY_HAND, namespace="/red")
 
 
 @pytest.fixture
@@ -114,7 +114,7 @@ def test_a_studio_stays_with_its_swarm_whatever_else_starts(ups):
     ups("blue", "red")
     assert find().swarm == "red"
     ups()
-    assert find() == Target(0, identity=BY_HAND)
+    assert find() == Target(0, identity=STARTED_BY_HAND)
     ups("blue")
     assert find().swarm == "blue"
 
@@ -134,7 +134,7 @@ def test_among_several_swarms_the_one_that_was_chosen_is_remembered(ups, tmp_pat
 def test_swarms_in_other_domains_are_not_offered_if_a_domain_is_given(ups, monkeypatch):
     ups("blue", "red")
     monkeypatch.setenv("ROS_DOMAIN_ID", "8")
-    assert Finder()() == Target(8, identity=BY_HAND)
+    assert Finder()() == Target(8, identity=STARTED_BY_HAND)
 
 
 def in_a_studio(
@@ -162,7 +162,7 @@ async def until(true: Callable[[], Any], what: str) -> None:
 
 @pytest.fixture
 def nodes(stand_in) -> Target:
-    return replace(stand_in.target, swarm="", agents=(), start=0, identity=BY_HAND)
+    return replace(stand_in.target, swarm="", agents=(), start=0, identity=STARTED_BY_HAND)
 
 
 def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_said(
@@ -195,7 +195,7 @@ def test_whom_no_command_has_started_or_who_was_named_is_shown(stand_in, nodes, 
         await until(lambda: studio.store.known.scene, "its world")
         assert studio.store.known.elsewhere == ()
 
-    in_a_studio(lambda: replace(nodes, identity=identity or BY_HAND), use)
+    in_a_studio(lambda: replace(nodes, identity=identity or STARTED_BY_HAND), use)
 
 
 def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_chosen(
@@ -203,7 +203,7 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
 ):
     stand_in.belong_to("")
     choice = Target(0, "red", ("keeper_1",), folder="/red")
-    targets = [replace(nodes, identity=BY_HAND)]
+    targets = [replace(nodes, identity=STARTED_BY_HAND)]
     chosen = []
 
     async def use(studio: Studio) -> None:

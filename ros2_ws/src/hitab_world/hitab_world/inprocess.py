@@ -22,7 +22,7 @@ from random import Random
 from typing import Any, Protocol
 
 from hitab_core import Repertoire, Use, agent_seed
-from hitab_core.running import RunContext, Senses
+from hitab_core.running import FeatureCache, RunContext
 from hitab_world.world import EpisodeResult, World
 
 Policy = Callable[[Any], None]
@@ -79,8 +79,8 @@ class AutomatonPlayer:
         self.body = repertoire.domain.body(name)
         self._name = name
         self._random = Random()
-        self._senses = Senses(self.body, repertoire.domain)
-        context = RunContext(repertoire, self.body, self._senses, self._random.random)
+        self._feature_cache = FeatureCache(self.body, repertoire.domain)
+        context = RunContext(repertoire, self.body, self._feature_cache, self._random.random)
         self.running = context.perform(use)
         self._clock = context.clock
         self._time = time
@@ -95,7 +95,7 @@ class AutomatonPlayer:
     def tick(self) -> None:
         """Perform one timestep on the percept that the body has just sensed."""
         self._clock.now = self._time()
-        self._senses.forget()
+        self._feature_cache.forget()
         self.running.tick()
 
 

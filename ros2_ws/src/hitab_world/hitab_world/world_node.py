@@ -12,7 +12,7 @@ from typing import NoReturn
 from hitab_msgs import msg
 from rclpy.node import Node
 
-from hitab_core import Do, HitabError, some
+from hitab_core import Fix, HitabError, some
 from hitab_ros import (
     EmergencySwitch,
     GuardedNode,
@@ -20,10 +20,10 @@ from hitab_ros import (
     Loop,
     Spinner,
     StopState,
+    check_name_is_free,
     give_signs_of_life,
     names,
     qos,
-    refuse_second_of_name,
     run,
     steady_timer,
     stop_report,
@@ -110,7 +110,7 @@ class WorldNode(GuardedNode):
         self.control.held = stopped_by(known)
         self.course.disturbed = True
         held = self.control.held
-        self.guard.faults.set("stop", held and f"{STOPPED}: {held}", Do.GO())
+        self.guard.faults.set("stop", held and f"{STOPPED}: {held}", Fix.GO())
         self._tell_of_stop()
 
     def _tell_of_stop(self) -> None:
@@ -363,7 +363,7 @@ def _start(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:
     """
     node = WorldNode(make_world)
     spinning.executor.add_node(node)
-    refuse_second_of_name(spinning, [node], msg.WorldStatus)
+    check_name_is_free(spinning, [node], msg.WorldStatus)
     node.join()
     if not node.world.agents:
         raise HitabError("the world has no agents; set its parameters so that it has some")

@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_msgs import srv
 
-from hitab_core import Do, HitabError, has, quantity, unknown
+from hitab_core import Fix, HitabError, has, quantity, unknown
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
 from hitab_world.course import Course
@@ -110,14 +110,14 @@ class WorldServices:
 
     def _need_release(self) -> None:
         if held := self._course.control.held:
-            raise HitabError(held, Do.GO())
+            raise HitabError(held, Fix.GO())
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
         course = self._course
         self._need_release()
         self._look()
         if missing := course.round_answers.missing:
-            raise HitabError(f"nobody answers for {', '.join(missing)}", Do.STATUS())
+            raise HitabError(f"nobody answers for {', '.join(missing)}", Fix.STATUS())
         course.control.episodes_left = request.episodes
         course.begin_run(request.seed)
         response.run = course.control.run
@@ -149,7 +149,7 @@ class WorldServices:
         match request.action:
             case actions.SAVE:
                 if name not in kept and len(kept) >= SNAPSHOTS_MAX:
-                    raise HitabError(f"there are {len(kept)} snapshots", Do.DELETE_SNAPSHOT())
+                    raise HitabError(f"there are {len(kept)} snapshots", Fix.DELETE_SNAPSHOT())
                 memory.save(name, self._course.world.snapshot())
                 done = f'saved "{name}"'
             case actions.RESTORE:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from hitab_core import BasicBehavior, Domain, Feature, FeatureKind, Number, Target
+from hitab_core import BasicBehavior, BoundedNumber, Domain, Feature, FeatureKind, Target
 from keepaway_world.angles import wrapped
 from keepaway_world.behaviors import FAST, TURN_WHEN_OFF
 from keepaway_world.body import NOBODY, KeeperBody
@@ -16,8 +16,8 @@ from keepaway_world.features import NAN, direction_to
 from keepaway_world.hand_coded_team import DOMAIN as HAND_CODED
 from keepaway_world.percept import BALL, CYCLES_PER_SECOND
 
-DIRECTION = Number("direction", -180.0, 180.0, "deg", circular=True)
-POWER = Number("power", 0.0, 100.0)
+DIRECTION = BoundedNumber("direction", -180.0, 180.0, "deg", circular=True)
+POWER = BoundedNumber("power", 0.0, 100.0)
 
 
 def run_towards(body: KeeperBody, direction: float) -> None:

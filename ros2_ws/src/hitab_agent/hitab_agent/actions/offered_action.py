@@ -10,7 +10,7 @@ from hitab_msgs.action import Perform
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.task import Future
 
-from hitab_core import FLAGS, Agent, Do, Mode, TrainingError, Use
+from hitab_core import FLAGS, Agent, Fix, Mode, TrainingError, Use
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Answered, remedies_for, what_went_wrong
 from hitab_ros.checks import check
@@ -106,8 +106,8 @@ class OfferedAction:
         if agent.mode in (Mode.TRAINING, Mode.TESTING):
             raise TrainingError(
                 f'it is {agent.mode} "{agent.training}"',
-                Do.SAVE(agent=agent.name),
-                Do.IDLE(agent=agent.name),
+                Fix.SAVE(agent=agent.name),
+                Fix.IDLE(agent=agent.name),
             )
 
     def _cancel(self, handle: Any) -> CancelResponse:

@@ -7,16 +7,16 @@ from pathlib import Path
 
 from hitab_bringup.doctor.finding import WARNING, Finding, judged
 from hitab_client import RunRecord, SwarmError
-from hitab_client.commands import as_command
+from hitab_client.cli_remedies import as_command
 from hitab_client.run_folder import (
     RunFolder,
     marked_processes,
     registered_swarms,
     running_swarms,
 )
-from hitab_client.run_processes import ANSWER_SECONDS, is_suspended, process_states
+from hitab_client.run_processes import SUPERVISOR_TIMEOUT_SECONDS, is_suspended, process_states
 from hitab_client.swarm_choice import way_to_stop
-from hitab_core import Do, each_once, quantity, some
+from hitab_core import Fix, each_once, quantity, some
 
 SHOWN = 5  # processes by name
 MANY = 100  # agents; a larger swarm takes long to ask
@@ -26,7 +26,7 @@ ASK_SECONDS = 3.0
 def swarms() -> Iterator[Finding]:
     """Report the swarms that are up or have crashed."""
     found = [finding for run in registered_swarms() for finding in _run(*run)]
-    yield from found or [Finding("swarm", f"none is up; {as_command(Do.UP(swarm='keepaway'))}")]
+    yield from found or [Finding("swarm", f"none is up; {as_command(Fix.UP(swarm='keepaway'))}")]
 
 
 def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
@@ -36,7 +36,7 @@ def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
         yield Finding("swarm", told, WARNING, stop)
         return
     try:
-        states = process_states(record, ANSWER_SECONDS)
+        states = process_states(record, SUPERVISOR_TIMEOUT_SECONDS)
     except SwarmError as error:
         yield Finding("swarm", error.problem, WARNING, stop)
         return
@@ -46,7 +46,7 @@ def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
     where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
     told = f"{record.swarm} is up {where}: {pids}"
     told += f"; {', '.join(lost[:SHOWN])} does not run" if lost else ""
-    yield judged("swarm", told, not lost, as_command(Do.LOGS(node=lost[0] if lost else "")))
+    yield judged("swarm", told, not lost, as_command(Fix.LOGS(node=lost[0] if lost else "")))
     for state in running:
         if is_suspended(state["pid"]):
             told = f"{state['name']} of {record.swarm} is suspended (process {state['pid']})"
@@ -67,7 +67,7 @@ def leftovers() -> Iterator[Finding]:
         numbers = some([str(pid) for pid in sorted(pids)], SHOWN)
         unknown = "" if mark in known else ", which no command knows"
         told = f"processes {numbers} of a killed run in {mark}{unknown}"
-        yield Finding("leftovers", told, WARNING, as_command(Do.DOWN_FOLDER(folder=mark)))
+        yield Finding("leftovers", told, WARNING, as_command(Fix.DOWN_FOLDER(folder=mark)))
     if not lost:
         yield Finding("leftovers", "no processes of killed runs")
 
@@ -77,7 +77,7 @@ def faults() -> Iterator[Finding]:
     for _, record in running_swarms():
         if len(record.agents) > MANY:
             count = quantity(len(record.agents), "agent")
-            told = f"the {count} of {record.swarm} were not asked; {as_command(Do.STATUS())}"
+            told = f"the {count} of {record.swarm} were not asked; {as_command(Fix.STATUS())}"
             yield Finding("agents", told)
         else:
             yield from _faults_of(record)
@@ -95,8 +95,8 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
     mute = [name for name in record.agents if name not in statuses]
     if mute:
         told = f"{some(mute)} of {record.swarm} did not answer within {ASK_SECONDS:g} s"
-        yield Finding("agents", told, WARNING, as_command(Do.LOGS(node=mute[0])))
+        yield Finding("agents", told, WARNING, as_command(Fix.LOGS(node=mute[0])))
     found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
-    yield from (Finding("agents", fault, WARNING, as_command(Do.STATUS())) for fault in found)
+    yield from (Finding("agents", fault, WARNING, as_command(Fix.STATUS())) for fault in found)
     if not mute and not found:
         yield Finding("agents", f"{quantity(len(statuses), 'agent')} of {record.swarm}: no faults")

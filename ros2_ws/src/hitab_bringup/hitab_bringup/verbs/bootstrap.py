@@ -9,8 +9,8 @@ import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_client import SwarmError, console
-from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_core import Do, has
+from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_core import Fix, has
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder
@@ -125,7 +125,7 @@ def list_(
     if not there or (behavior and behavior not in there):
         what = f"{behavior} of {agent}" if behavior else agent
         raise SwarmError(
-            f"{what} has no generations {has(there, behavior)}", Do.NEXT_GENERATION(agent=agent)
+            f"{what} has no generations {has(there, behavior)}", Fix.NEXT_GENERATION(agent=agent)
         )
     known = {name: read_generations(folder, name) for name in ([behavior] if behavior else there)}
     best = {name: all_.best(by, least=least) for name, all_ in known.items()}

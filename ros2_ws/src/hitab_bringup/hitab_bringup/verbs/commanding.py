@@ -9,9 +9,9 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain, tell_faults
 from hitab_client import console
-from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_client.commands import called, with_commands
-from hitab_core import Do, FeatureKind, HitabError, Use, quantity
+from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.cli_remedies import called, with_commands
+from hitab_core import FeatureKind, Fix, HitabError, Use, quantity
 
 Targets = Annotated[
     list[str] | None,
@@ -70,7 +70,7 @@ def demonstrate(
     tell_faults(status)
     if status.questions:
         asked = quantity(status.questions, "question")
-        console.say(with_commands(asked, [Do.QUESTIONS(agent=agent)]))
+        console.say(with_commands(asked, [Fix.QUESTIONS(agent=agent)]))
 
 
 def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from hitab_client import console
-from hitab_client.commands import with_commands
+from hitab_client.cli_remedies import with_commands
 
 if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
@@ -90,13 +90,13 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
         console.note(with_commands(*none_is_up(domain_id)))
 
     from hitab_client import RosLink, SwarmClient, WorldClient
-    from hitab_client.identity import BY_HAND
+    from hitab_client.identity import STARTED_BY_HAND
     from hitab_client.run_processes import RunProcesses
 
     folder, record = found if found else (None, None)
     namespace = swarm if swarm and is_namespace(swarm) else ""
     named = record.identity if record else swarm if not namespace else None
-    identity = named or ("" if reads else BY_HAND)
+    identity = named or ("" if reads else STARTED_BY_HAND)
     processes = RunProcesses(record)
     with RosLink(record.domain_id if record else domain_id or 0, console.note) as link:
         prefix = record.namespace if record else look_elsewhere(link, namespace, identity)

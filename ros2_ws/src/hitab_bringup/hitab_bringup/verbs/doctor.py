@@ -9,7 +9,7 @@ import typer
 
 from hitab_bringup.doctor.finding import ERROR, Finding
 from hitab_client import console
-from hitab_client.command_options import JsonPath
+from hitab_client.cli_options import JsonPath
 from hitab_client.ros_environment import problems
 from hitab_core import HitabError, quantity
 

@@ -11,8 +11,8 @@ import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import SwarmError, completion, console
-from hitab_client.command_options import SwarmName
-from hitab_core import Do, HitabError, natural
+from hitab_client.cli_options import SwarmName
+from hitab_core import Fix, HitabError, natural
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -62,8 +62,8 @@ def drive(
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise SwarmError(
             "driving needs a terminal with a keyboard; a gamepad does without",
-            Do.DEMONSTRATE(),
-            Do.PERFORM(),
+            Fix.DEMONSTRATE(),
+            Fix.PERFORM(),
         )
     for name, value in (("--speed", speed), ("--turn", turn)):
         if not 0.0 < value <= 10.0:
@@ -125,7 +125,7 @@ def demonstrator_of(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstr
     else:
         there = agents.await_agents()
         if not there:
-            raise SwarmError("no agent answers", Do.STATUS())
+            raise SwarmError("no agent answers", Fix.STATUS())
         agent = min(there, key=natural)
     swarm_up.await_world()
     demonstrator = Demonstrator(

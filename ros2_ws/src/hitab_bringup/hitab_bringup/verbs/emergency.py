@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_client import SwarmError, console, user_name
-from hitab_client.command_options import SwarmName
-from hitab_client.commands import as_command, called, with_commands
-from hitab_core import Do, has, some
+from hitab_client.cli_options import SwarmName
+from hitab_client.cli_remedies import as_command, called, with_commands
+from hitab_core import Fix, has, some
 
 if TYPE_CHECKING:
     from hitab_client import Stops
@@ -48,7 +48,7 @@ def stop(
     if context.args:
         raise typer.BadParameter(
             "it takes no names: it stops all robots; to stop one, "
-            + as_command(Do.IDLE(agent=context.args[0]))
+            + as_command(Fix.IDLE(agent=context.args[0]))
         )
     unsure = "assume that they move, use their own switches, and try again"
     console.say(f"stand still: {_switch(True, reason, 'stand still', unsure, wait)}")
@@ -69,7 +69,7 @@ def go(context: typer.Context, reason: str = "") -> None:
     if context.args:
         raise typer.BadParameter(
             "it takes no names: it releases all robots, and none moves by that; to "
-            + as_command(Do.ARM(robot=context.args[0]))
+            + as_command(Fix.ARM(robot=context.args[0]))
         )
     unsure = "they may still be stopped; try again"
     heard = _switch(False, reason, "released", unsure, CONFIRM_S)
@@ -111,7 +111,7 @@ def arm(
             if name.startswith(prefix) and (not own or name in own)
         }
         for name, (why, is_held) in ({} if robots or all_robots else waiting).items():
-            ways = [Do.GO(), Do.ARM(robot=name)] if is_held else [Do.ARM(robot=name)]
+            ways = [Fix.GO(), Fix.ARM(robot=name)] if is_held else [Fix.ARM(robot=name)]
             console.say(with_commands(f"{name}: {why}", ways))
         if not (robots or waiting):
             console.say(f"no robot waits {where}")
@@ -170,7 +170,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
             f"nobody heard it: no robot and no simulated world answers in ROS domain {where}; "
             "use the robots' own switches, check ROS_DOMAIN_ID and "
             "ROS_AUTOMATIC_DISCOVERY_RANGE, and try again",
-            Do.DOCTOR(),
+            Fix.DOCTOR(),
         )
     confirmed = [name for name in there if name not in lacking]
     if lacking:

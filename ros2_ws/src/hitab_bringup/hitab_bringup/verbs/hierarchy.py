@@ -9,14 +9,14 @@ import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import SwarmError, completion, console
-from hitab_client.command_options import JsonPath, SwarmName
-from hitab_client.commands import with_commands
-from hitab_core import Do, Use, has, quantity
+from hitab_client.cli_options import JsonPath, SwarmName
+from hitab_client.cli_remedies import with_commands
+from hitab_core import Fix, Use, has, quantity
 
 if TYPE_CHECKING:
     from rich.tree import Tree
 
-    from hitab_client import Branch, CommandView
+    from hitab_client import Branch, CommanderView
 
 WAIT_SECONDS = 8.0
 STARTED_BY_HAND_SECONDS = 1.5  # for commanders of a swarm that has started none
@@ -44,10 +44,10 @@ def tree(
       hitab tree squad_3
       hitab tree --watch --commanders
     """
-    from hitab_client import CommandView
+    from hitab_client import CommanderView
 
     with connection(swarm, reads=True) as swarm_up:
-        view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
+        view = CommanderView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         lost = _await_commanders(swarm_up, view)
         swarm_up.note_whose(group.swarm for group in view.groups.values())
 
@@ -63,12 +63,12 @@ def tree(
         for branch in branches if json is None else ():
             if branch.order and branch.order == branch.behavior:
                 told = f"{branch.name} gives {branch.order} until it is told what else to perform"
-                console.note(with_commands(told, [Do.PERFORM(agent=branch.name)]))
+                console.note(with_commands(told, [Fix.PERFORM(agent=branch.name)]))
         for why in lost:
             console.error(why)
 
 
-def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
+def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
     """Wait for all commanders, and return why some will not answer."""
     started = swarm_up.record.commanders if swarm_up.record is not None else ()
     if not started:
@@ -85,7 +85,7 @@ def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
 
 
 def _meant(
-    swarm_up: Connection, view: CommandView, commander: str, lost: Sequence[str]
+    swarm_up: Connection, view: CommanderView, commander: str, lost: Sequence[str]
 ) -> list[Branch]:
     """Return the branch of a commander; all branches if none is named.
 
@@ -102,12 +102,12 @@ def _meant(
     if tops:
         raise SwarmError(f'no commander "{commander}" answers {has(all_, commander)}')
     if lost:
-        raise SwarmError("\n".join(lost), Do.STATUS())
+        raise SwarmError("\n".join(lost), Fix.STATUS())
     for name, swarm in view.strangers.items():
         raise other_swarm(name, swarm, swarm_up.agents.identity)
     raise SwarmError(
         "no commander answers; a swarm has commanders if its description has `commanders:`",
-        Do.STATUS(),
+        Fix.STATUS(),
     )
 
 
@@ -196,12 +196,12 @@ def order(
       hitab order captain Regroup
       hitab order captain Captain
     """
-    from hitab_client import CommandView
+    from hitab_client import CommanderView
 
     use = Use.parse(behavior)
     use = Use(use.name, (*use.arguments, *(targets or [])))
     with connection(swarm) as swarm_up:
-        view = CommandView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
+        view = CommanderView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         status = swarm_up.agents.await_agent(commander)
         started = swarm_up.record.commanders if swarm_up.record is not None else ()
         if commander in swarm_up.agents.expected:
@@ -218,7 +218,7 @@ def order(
         f"{obeying} of {len(group.subordinates)} perform it{_unable(group.subordinates)}"
     )
     if status.mode == "performing" and status.behavior != str(use):
-        again = Do.PERFORM(agent=commander, behavior=status.behavior)
+        again = Fix.PERFORM(agent=commander, behavior=status.behavior)
         console.note(with_commands(f"before, it performed {status.behavior}", [again]))
     if status.superior:
         console.note(f"{status.superior} commands {commander}; its next order replaces this one")
@@ -229,7 +229,7 @@ def _refuse_agent(name: str, behavior: str, commanders: Collection[str]) -> None
     if name not in commanders:
         raise SwarmError(
             f"{name} is not a commander {has(commanders, name)}",
-            Do.PERFORM(agent=name, behavior=behavior),
+            Fix.PERFORM(agent=name, behavior=behavior),
         )
 
 

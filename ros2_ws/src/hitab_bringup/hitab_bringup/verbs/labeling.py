@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hitab_client import console
-from hitab_client.command_options import JsonPath
+from hitab_client.cli_options import JsonPath
 from hitab_core import named_domain, quantity
 
 if TYPE_CHECKING:
     from rich.text import Text
 
-    from hitab_core.showing import Strip
+    from hitab_core.labeling import Strip
 
 _WAS = re.compile(r"([\d.]+)-([\d.]+)=(.+)")
 _COLORS = ("blue", "green", "yellow", "magenta", "cyan", "red", "white", "bright_black")
@@ -55,7 +55,7 @@ def label(
     """
     from hitab_client.recording import driving_of
     from hitab_core import BehaviorLibrary
-    from hitab_core.showing import Strip
+    from hitab_core.labeling import Strip
 
     corrections = [_correction(text) for text in was or ()]
     console.note(f"reading {recording}")

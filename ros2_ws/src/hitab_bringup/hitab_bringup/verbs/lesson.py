@@ -10,10 +10,10 @@ import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_client import LessonError, completion, console
-from hitab_client.command_options import JsonPath, SwarmName
-from hitab_client.commands import with_commands
+from hitab_client.cli_options import JsonPath, SwarmName
+from hitab_client.cli_remedies import with_commands
 from hitab_client.shipped import find_file, shipped_folders
-from hitab_core import Do, HitabError, Remedy, quantity
+from hitab_core import Fix, HitabError, Remedy, quantity
 
 if TYPE_CHECKING:
     from hitab_client.lessons import LessonPlayer, LessonReport
@@ -86,13 +86,13 @@ def _played(player: LessonPlayer) -> LessonReport:
         raise
     for agent, automaton in player.begun.items():
         told = f'{agent} is still training "{automaton}"; go on by hand and save it'
-        console.note(with_commands(told, [Do.DISCARD(agent=agent)]))
+        console.note(with_commands(told, [Fix.DISCARD(agent=agent)]))
     return report
 
 
 def _left(player: LessonPlayer) -> list[Remedy]:
     """Return what ends the trainings that a lesson has left."""
-    return [do(agent=agent) for agent in player.begun for do in (Do.SAVE, Do.DISCARD)]
+    return [do(agent=agent) for agent in player.begun for do in (Fix.SAVE, Fix.DISCARD)]
 
 
 @app.command("list")

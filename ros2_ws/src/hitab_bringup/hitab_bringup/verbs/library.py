@@ -11,8 +11,8 @@ import typer
 from hitab_bringup.verbs import labeling, library_changes
 from hitab_bringup.verbs.library_options import Agent, Library, Name, opened
 from hitab_client import console
-from hitab_client.command_options import JsonPath, SwarmName
-from hitab_core import Do, LibraryError, Remedy, has, load_domain, quantity, some
+from hitab_client.cli_options import JsonPath, SwarmName
+from hitab_core import Fix, LibraryError, Remedy, has, load_domain, quantity, some
 
 app = typer.Typer(help="Inspect and change libraries of trained behaviors.")
 
@@ -83,7 +83,7 @@ def list_behaviors(
     columns = ["behavior", "examples", "states", "features", "version", "created"]
     console.show(json, data, console.table([*columns, *["agents"] * several], rows))
     if problems:
-        raise LibraryError("\n".join(problems), Do.CHECK_LIBRARY())
+        raise LibraryError("\n".join(problems), Fix.CHECK_LIBRARY())
 
 
 def _row(name: str, file: Any) -> dict[str, Any]:
@@ -176,7 +176,7 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
         if len(folders) > 1 and not holds_behaviors(folder):
             continue
         there = open_library(folder)
-        losses = there.edition(strict=False).losses
+        losses = there.loaded(strict=False).losses
         bad, known = len(there.problems), len(there.problems) + len(sorted(there.files))
         if bad:
             behaviors = quantity(known, "behavior")
@@ -214,13 +214,13 @@ def diff(
 
     there = opened(library, agent, swarm, name)
     there.load(strict=False)
-    versions = there.shelf.versions(name)
+    versions = there.on_disk.versions(name)
     if not versions:
         _known(name, sorted(there.files), {})
     if len(versions) < 2 and before is None:
         raise LibraryError(f'{there.folder}: "{name}" has no earlier version to compare with')
-    old = there.shelf.version(name, before if before is not None else versions[-2])
-    new = there.shelf.version(name, after if after is not None else versions[-1])
+    old = there.on_disk.version(name, before if before is not None else versions[-2])
+    new = there.on_disk.version(name, after if after is not None else versions[-1])
     console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
     console.say(difference(old, new, there.domain))
 

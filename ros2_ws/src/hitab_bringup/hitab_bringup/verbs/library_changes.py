@@ -11,9 +11,9 @@ import typer
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.library_options import Agent, Library, Name, opened, write_new
 from hitab_client import SwarmError, console
-from hitab_client.command_options import SwarmName
-from hitab_client.commands import as_command, called
-from hitab_core import Do, LibraryError, each_once, has, named_domain, quantity
+from hitab_client.cli_options import SwarmName
+from hitab_client.cli_remedies import as_command, called
+from hitab_core import Fix, LibraryError, each_once, has, named_domain, quantity
 
 if TYPE_CHECKING:
     from hitab_core import BehaviorLibrary
@@ -37,7 +37,7 @@ def restore(
     there = opened(library, agent, swarm)
     if version is None:
         there.load(strict=False)
-        versions = there.shelf.versions(name)
+        versions = there.on_disk.versions(name)
         if not versions:
             kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
             raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
@@ -63,14 +63,14 @@ def accept(
       hitab library accept my_library
     """
     from hitab_bringup.opened_library import open_library
-    from hitab_core.library import SUFFIX
+    from hitab_core.library import BEHAVIOR_SUFFIX
 
     for path in paths:
         folder, names = (path, ()) if path.is_dir() else (path.parent, (path.name,))
         library = open_library(folder)
-        accepted = library.accept_edits(*(name.removesuffix(SUFFIX) for name in names))
+        accepted = library.accept_edits(*(name.removesuffix(BEHAVIOR_SUFFIX) for name in names))
         for name in accepted:
-            console.say(f"accepted {library.shelf.file(name)}")
+            console.say(f"accepted {library.on_disk.file(name)}")
             tell_broken(library, name)
         if accepted:
             _read_again(folder)
@@ -98,9 +98,9 @@ def delete(
     console.say(f"deleted {name} from {there.folder}")
     if users:
         console.say(f"{', '.join(users)} cannot be used until there is a {name} again")
-    number = there.shelf.sound_version(name)
+    number = there.on_disk.sound_version(name)
     if number is not None:
-        console.say(as_command(Do.RESTORE(behavior=name, version=number, folder=there.folder)))
+        console.say(as_command(Fix.RESTORE(behavior=name, version=number, folder=there.folder)))
     else:
         console.say(f"kept the damaged file in {there.folder / '.versions' / name}")
     _read_again(there.folder)
@@ -200,7 +200,7 @@ def import_(
         if not folder.is_dir() or domain_in(folder) is None
         else open_library(folder)
     )
-    there.editions.read_all(bundle.texts)
+    there.reader.read_all(bundle.texts)
     with there.change() as change:
         changed = change.install(bundle.texts)
         replaced = {name: change.before_it(name) for name in changed}

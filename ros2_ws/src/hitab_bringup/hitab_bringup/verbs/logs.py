@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from hitab_client import SwarmError, completion, console
-from hitab_client.command_options import SwarmName
-from hitab_core import Do, has
+from hitab_client.cli_options import SwarmName
+from hitab_core import Fix, has
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -88,7 +88,7 @@ def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
         return found
     ended = [path.parent for path in state_home().glob("*/logs") if path.is_dir()]
     if not ended:
-        raise SwarmError(f"no swarm has run under {state_home()}", Do.UP(swarm="keepaway"))
+        raise SwarmError(f"no swarm has run under {state_home()}", Fix.UP(swarm="keepaway"))
     newest = max(ended, key=lambda path: (path / "logs").stat().st_mtime)
     console.note(f"{newest.name} is down; these are the logs of its last run")
     folder = RunFolder(newest)

@@ -11,7 +11,7 @@ import typer
 
 from hitab_bringup.verbs.connection import WATCH_SECONDS, Connection, connection
 from hitab_client import console
-from hitab_client.command_options import AgentName, JsonPath, SwarmName
+from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import FLAGS, OWN_NAMES, FeatureKind, Use, shown_unit, shown_value
 
 

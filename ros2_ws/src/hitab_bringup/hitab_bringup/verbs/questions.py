@@ -10,8 +10,8 @@ import typer
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.showing import plain
 from hitab_client import console
-from hitab_client.command_options import AgentName, JsonPath, SwarmName
-from hitab_client.commands import called, with_commands
+from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.cli_remedies import called, with_commands
 
 
 def questions(

@@ -10,10 +10,10 @@ import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_client import SwarmError, console
-from hitab_client.command_options import SwarmName
-from hitab_client.commands import with_commands
+from hitab_client.cli_options import SwarmName
+from hitab_client.cli_remedies import with_commands
 from hitab_client.interruptions import not_interrupted
-from hitab_core import Do, quantity
+from hitab_core import Fix, quantity
 
 if TYPE_CHECKING:
     from hitab_client import RosLink
@@ -60,7 +60,7 @@ def record(
             there.link.spin_until(lambda: there.world.status is not None, STATUS_S)
         if there.world.is_paused:
             console.note(
-                with_commands("the world is paused: nothing changes", [Do.RESUME_WORLD()])
+                with_commands("the world is paused: nothing changes", [Fix.RESUME_WORLD()])
             )
         began = time.monotonic()
         try:
@@ -86,11 +86,15 @@ def record(
 
 def _path(output: Path | None, swarm: str) -> Path:
     """Return the file to write."""
-    from hitab_client.recording.recordings import SUFFIX, new_recording
+    from hitab_client.recording.recordings import RECORDING_SUFFIX, new_recording
 
     if output is None:
         return new_recording(swarm)
-    return output if output.suffix == SUFFIX else output.with_name(f"{output.name}{SUFFIX}")
+    return (
+        output
+        if output.suffix == RECORDING_SUFFIX
+        else output.with_name(f"{output.name}{RECORDING_SUFFIX}")
+    )
 
 
 def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from hitab_client import console
-from hitab_client.commands import with_commands
+from hitab_client.cli_remedies import with_commands
 
 if TYPE_CHECKING:
     from hitab_client import Learned

@@ -12,9 +12,9 @@ import typer
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_bringup.verbs.showing import plain
 from hitab_client import SwarmError, console
-from hitab_client.command_options import JsonPath, SwarmName
-from hitab_client.commands import as_command
-from hitab_core import Do, each_once, natural, quantity, some
+from hitab_client.cli_options import JsonPath, SwarmName
+from hitab_client.cli_remedies import as_command
+from hitab_core import Fix, each_once, natural, quantity, some
 
 if TYPE_CHECKING:
     from hitab_client import SignsOfLife
@@ -64,7 +64,7 @@ def status(
             raise SwarmError(
                 f"nobody answers in ROS domain {number}; a swarm that starts or ends needs a "
                 "moment: try again",
-                Do.UP(swarm="keepaway"),
+                Fix.UP(swarm="keepaway"),
             )
         console.show(json, data, *_rendered(data, silent))
         told = [*data["agents"], *filter(None, [data["world"]])]
@@ -194,7 +194,7 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
     lines += [console.line(text, "red") for text in wrong]
     ways = dict.fromkeys(way for one in [data, *data["agents"]] for way in one["remedies"])
     mute = dict.fromkeys(why.process for why in silent.values() if why is not None)
-    ways |= dict.fromkeys(as_command(Do.LOGS(node=process)) for process in mute)
+    ways |= dict.fromkeys(as_command(Fix.LOGS(node=process)) for process in mute)
     lines += [console.line(way) for way in [*ways][:WAYS_MAX]]
     halt = [a["agent"] for a in data["agents"] if a["when_out_of_reach"] == "halt"]
     lines += [console.line(f"halt when out of reach: {some(halt)}")] if halt else []
@@ -211,7 +211,7 @@ def _kept(agent: Mapping[str, Any]) -> str:
         return ""
     name, examples = agent["agent"], quantity(agent["examples"], "example")
     kept = f'{name}: the training of "{agent["training"]}" ({examples}) is kept'
-    return f"{kept}; {as_command(Do.RESUME(agent=name))}"
+    return f"{kept}; {as_command(Fix.RESUME(agent=name))}"
 
 
 def _wrong(status: dict[str, Any]) -> list[str]:
@@ -227,6 +227,6 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     if status.get("questions"):
         told.append(f"asks {quantity(status['questions'], 'question')}")
     if status.get("remarks"):
-        see = as_command(Do.QUESTIONS(agent=status["agent"]))
+        see = as_command(Fix.QUESTIONS(agent=status["agent"]))
         told.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
     return told

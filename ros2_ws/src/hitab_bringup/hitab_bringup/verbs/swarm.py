@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from hitab_client import completion, console
-from hitab_client.command_options import SwarmName
-from hitab_client.commands import called, with_commands
-from hitab_core import Do, quantity
+from hitab_client.cli_options import SwarmName
+from hitab_client.cli_remedies import called, with_commands
+from hitab_core import Fix, quantity
 
 if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
@@ -156,7 +156,7 @@ def _take_down(folder: RunFolder, record: RunRecord | None) -> None:
         with console.err().status("stopping"), registry_held():
             killed = stop(folder)
     except KeyboardInterrupt:
-        again = [Do.DOWN_FOLDER(folder=folder.path)]
+        again = [Fix.DOWN_FOLDER(folder=folder.path)]
         console.note(with_commands(f"{name} may be ending all the same", again))
         raise
     console.say(f"{name} is down")

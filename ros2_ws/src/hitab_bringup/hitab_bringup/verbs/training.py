@@ -11,8 +11,8 @@ from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.examples import edit
 from hitab_bringup.verbs.showing import tell_faults
 from hitab_client import console
-from hitab_client.command_options import AgentName, SwarmName
-from hitab_client.commands import called
+from hitab_client.cli_options import AgentName, SwarmName
+from hitab_client.cli_remedies import called
 from hitab_core import has, quantity
 
 UNASKED_MAX = 3

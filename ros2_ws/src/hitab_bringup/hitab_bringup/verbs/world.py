@@ -12,9 +12,9 @@ import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
 from hitab_client import SwarmError, console
-from hitab_client.command_options import SwarmName
-from hitab_client.commands import with_commands
-from hitab_core import Do, quantity
+from hitab_client.cli_options import SwarmName
+from hitab_client.cli_remedies import with_commands
+from hitab_core import Fix, quantity
 
 if TYPE_CHECKING:
     from hitab_msgs.msg import WorldState
@@ -100,7 +100,7 @@ def _silent(swarm_up: Connection) -> list[SwarmError]:
     """Return why the agents without which the world has gone on do not answer."""
     return [
         swarm_up.processes.reason(agent)
-        or SwarmError(f"{agent} has not answered in time", Do.LOGS(node=agent))
+        or SwarmError(f"{agent} has not answered in time", Fix.LOGS(node=agent))
         for agent in swarm_up.world.missing
     ]
 

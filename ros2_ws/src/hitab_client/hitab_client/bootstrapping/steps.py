@@ -32,7 +32,7 @@ from hitab_client.lessons.conditions import Condition
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_as_it_was import standing_still
 from hitab_client.world_client import WorldClient
-from hitab_core import Do, quantity, some
+from hitab_core import Fix, quantity, some
 from hitab_core.library import time_now
 from hitab_core.library.yaml_models import Record, open_record
 from hitab_core.library.yaml_places import read_yaml
@@ -106,7 +106,7 @@ class Bootstrapping:
                     known.keep(made)
                     number, many = made.version, quantity(made.examples, "example")
                     self.say(f"generation {number} of {name}: saved with {many}")
-                    again = Do.NEXT_GENERATION(agent=agent)
+                    again = Fix.NEXT_GENERATION(agent=agent)
                     kept = f"generation {number} of {name} is kept without a score"
                     self.left = f"{kept}, and perhaps not all of the team have it; {again}"
                 if lacking := self._given(agent, training, mates):
@@ -144,7 +144,7 @@ class Bootstrapping:
             raise SwarmError(
                 f"{agent} has {quantity(len(under_way.done), 'change')} to its training of "
                 f"{under_way.name} that no generation has; give it up with --discard",
-                Do.NEXT_GENERATION(agent=agent),
+                Fix.NEXT_GENERATION(agent=agent),
             )
         bound = next((g.arguments for g in known.all if g.version == version), ())
         with not_interrupted():
@@ -165,8 +165,8 @@ class Bootstrapping:
             if self.swarm.statuses[mate].mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
                 raise SwarmError(
                     f"{mate} is in training itself; name the others with --to",
-                    Do.SAVE(agent=mate),
-                    Do.DISCARD(agent=mate),
+                    Fix.SAVE(agent=mate),
+                    Fix.DISCARD(agent=mate),
                 )
         return condition, list(dict.fromkeys(mates))
 
@@ -194,7 +194,7 @@ class Bootstrapping:
         except SwarmError as error:
             raise SwarmError(
                 f"the training could not go on by itself: {error.problem}",
-                Do.TRAIN_FURTHER(agent=agent, behavior=training.name),
+                Fix.TRAIN_FURTHER(agent=agent, behavior=training.name),
                 *error.remedies,
             ) from None
 
@@ -272,7 +272,7 @@ class Bootstrapping:
             raise SwarmError(
                 f"waited {self.within:g} s in vain until {last}; {agent} is in training mode, "
                 "where it is now; bring the situation about by hand",
-                Do.TEST(agent=agent),
+                Fix.TEST(agent=agent),
             )
 
 

@@ -1,4 +1,4 @@
-"""Which key commands which behavior: a key stays with its behavior, whatever else appears.
+"""Keys of behaviors: a key stays with its behavior when others appear.
 
 The keys are kept on this machine, so that `hitab drive`, `hitab joystick` and the studio agree on
 them, today and tomorrow.
@@ -49,7 +49,7 @@ class Keys:
     """The keys of the behaviors of each domain.
 
     Args:
-        path: of the file that keeps them for all processes; None: they are this process's own. If
+        path: of the file that keeps them for all processes; None if they are this process's. If
             it cannot be read or written, the keys last as long as the process.
     """
 
@@ -94,7 +94,7 @@ class Keys:
             behaviors: of the agent, with parameters.
             trained: names of those that were trained.
             training: name of the automaton that is being trained; "": none.
-            chosen: the behaviors chosen for it; empty: all.
+            chosen: the behaviors chosen for it; empty for all.
             states: its behaviors until now, such as ``GoTo(goal)``.
         """
         there = in_order(behaviors, trained)

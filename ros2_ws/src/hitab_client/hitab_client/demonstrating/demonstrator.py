@@ -1,7 +1,7 @@
 """A person who trains agents by keys or buttons: whom they command, and what comes of it.
 
 Keys and buttons arrive in callbacks of the node, which must not wait; `Demonstrator.work` carries
-out what was pressed, outside of them. The emergency stop and driving by hand wait for nobody: they
+out what was pressed, outside of them. The emergency stop and driving by hand never wait: they
 take effect in the callback, also while an agent is waited for.
 """
 
@@ -16,11 +16,11 @@ from dataclasses import replace
 from hitab_msgs.msg import AgentStatus, WorldState
 from hitab_msgs.srv import Control
 
+from hitab_client.demonstrating.agent_vocabulary import AgentVocabulary, WordsOfAgents
 from hitab_client.demonstrating.behavior_keys import Keys
-from hitab_client.demonstrating.commanding import command, other_mode, put_earlier
-from hitab_client.demonstrating.pressed import Asked, Pressed, UnseenOutcomes
+from hitab_client.demonstrating.key_actions import command, other_mode, put_earlier
+from hitab_client.demonstrating.pressed import Pressed, Prompt, UnseenOutcomes
 from hitab_client.demonstrating.steering import Steering
-from hitab_client.demonstrating.words_of_agent import Words, WordsOfAgents
 from hitab_client.errors import SwarmError
 from hitab_client.stops import Stops
 from hitab_client.swarm_client import SwarmClient
@@ -28,32 +28,32 @@ from hitab_client.world_client import WorldClient
 from hitab_core import START, HitabError, Use, natural, numbers_of, some
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names
 
-PATIENCE_S = 1.0
-"""What was pressed longer ago, s, before it could be carried out, was meant for another moment."""
+KEY_AGE_MAX_S = 1.0
+"""Maximum age of a key, s: an older one was meant for another moment."""
 
 PENDING_MAX = 8
-"""Keys that may wait until an agent has answered; nobody means more of them."""
+"""Keys that may wait until an agent has answered; more are not meant."""
 
 TAKEN_S = 2.0
-"""How long to wait for an agent to take a command, s."""
+"""Timeout for an agent to take a command, s."""
 
-FOUND_S = 3.0
-"""How long a robot's relay may take to be found, s."""
+RELAY_TIMEOUT_S = 3.0
+"""Timeout for finding a robot's relay, s."""
 
-BY_HAND = "driving by hand"
+DRIVING_BY_HAND = "driving by hand"
 
 PARTS, BACKSPACES, ENTERS = "0123456789.-", "\x7f\b", "\r\n"
 """Keys with which a number is typed."""
 
 
 class Demonstrator:
-    """What one person commands with keys or buttons.
+    """Demonstrator: a person who commands with keys or buttons.
 
     Args:
         agents: of the swarm.
         world: of the swarm, or an absent one.
         asks: whether the person can be asked for targets and numbers.
-        keys: of behaviors, kept for all processes; None: those of this one alone.
+        keys: of behaviors, kept for all processes; None for those of this one alone.
         clock: s; any steady clock.
 
     Attributes:
@@ -63,7 +63,7 @@ class Demonstrator:
         told: how often something was said.
         switch: of the emergency stop.
         steering: drives the robot by hand.
-        asked: what the person is asked for; None: nothing.
+        prompt: what the person is asked for, or None.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Demonstrator:
         self.said = ""
         self.failed = False
         self.told = 0
-        self.asked: Asked | None = None
+        self.prompt: Prompt | None = None
         # Hands on: the topic is open before it is needed, so that a stop arrives at once.
         self.switch = EmergencySwitch(agents.link.node, hands_on=True)
         give_signs_of_operator(agents.link.node, agents.prefix, lambda: True)
@@ -112,8 +112,8 @@ class Demonstrator:
         return self._agents.statuses.get(self.agent)
 
     @property
-    def words(self) -> Words:
-        """What the agent can be commanded, as far as it is known."""
+    def words(self) -> AgentVocabulary:
+        """Vocabulary of the agent, as far as known."""
         return self._words.known(self.agent)
 
     def tell(self, text: str, *, failed: bool = False) -> None:
@@ -132,7 +132,7 @@ class Demonstrator:
     def choose(self, agent: str) -> None:
         """Command another agent from now on."""
         self.agent = agent
-        self.asked = None
+        self.prompt = None
         self.let_go()
         self.steering.choose(agent)
         self._chosen_at = self._clock()
@@ -158,7 +158,7 @@ class Demonstrator:
 
         Args:
             behavior: with its targets and numbers.
-            first: the key that was pressed before these were given; None: it is this one.
+            first: the key that was pressed before these were given; None for this one.
         """
         now = self.pressed(behavior)
         pressed = now if first is None else replace(first, behavior=behavior, at=now.at)
@@ -173,35 +173,35 @@ class Demonstrator:
         Args:
             key: the number of a target, from 1; or a part of a number, Backspace, or Enter.
         """
-        asked, self.asked = self.asked, None
-        if asked is None:
+        prompt, self.prompt = self.prompt, None
+        if prompt is None:
             return
         self.tell("")
-        number = asked.number
+        number = prompt.number
         if number is None:
-            target = dict(zip("123456789", asked.targets, strict=False)).get(key)
+            target = dict(zip("123456789", prompt.targets, strict=False)).get(key)
             if target is not None:
-                self.press_behavior(str(asked.with_target(target)), asked.pressed)
+                self.press_behavior(str(prompt.with_target(target)), prompt.pressed)
         elif key in PARTS:
-            self.asked = replace(asked, typed=asked.typed + key)
+            self.prompt = replace(prompt, typed=prompt.typed + key)
         elif key in BACKSPACES:
-            self.asked = replace(asked, typed=asked.typed[:-1])
+            self.prompt = replace(prompt, typed=prompt.typed[:-1])
         elif key in ENTERS:
-            given = f"{number.name}={asked.typed}"
+            given = f"{number.name}={prompt.typed}"
             try:
-                numbers_of(Use(asked.use.name, (given,)), [number])
+                numbers_of(Use(prompt.use.name, (given,)), [number])
             except HitabError as error:
                 self.tell(str(error), failed=True)
-                self.asked = replace(asked, typed="")
+                self.prompt = replace(prompt, typed="")
                 return
-            use = Use(asked.use.name, (*asked.use.arguments, given))
-            self.press_behavior(str(use), asked.pressed)
+            use = Use(prompt.use.name, (*prompt.use.arguments, given))
+            self.press_behavior(str(use), prompt.pressed)
 
     def steer(self, velocity: Sequence[float], seconds: float) -> None:
         """Drive the robot by hand for so long, unless it is said again; zeros: not any more.
 
-        The agent first gives up what it performs, so that nothing drives the robot on afterwards.
-        What it is commanded meanwhile ends the driving until the person lets go.
+        The agent first gives up its behavior, so that nothing drives the robot on afterwards.
+        A command to the agent meanwhile ends the driving until the person lets go.
         """
         if not any(velocity) or not all(map(math.isfinite, velocity)):
             self.let_go()
@@ -216,7 +216,7 @@ class Demonstrator:
         self.steering.hold(velocity, seconds)
         if self.switch.engaged:
             self._refuse_steering("the emergency stop holds the robots")
-        elif not self.steering.reaches_relay and now <= self._chosen_at + FOUND_S:
+        elif not self.steering.reaches_relay and now <= self._chosen_at + RELAY_TIMEOUT_S:
             self.steering.release()  # it may still be found
         elif not self.steering.reaches_relay:
             self._refuse_steering(
@@ -226,7 +226,7 @@ class Demonstrator:
         elif not self._is_at_rest() and self._is_driven:
             self._refuse_steering(f"{self.agent} acts again: let go, then drive it again")
         elif not self._is_at_rest() and begins:
-            self._wait(self.pressed("", BY_HAND))
+            self._wait(self.pressed("", DRIVING_BY_HAND))
 
     def _refuse_steering(self, why: str) -> None:
         self.let_go()
@@ -300,7 +300,7 @@ class Demonstrator:
 
     def _carry_out(self, pressed: Pressed) -> None:
         late = self._clock() - pressed.at
-        if late > PATIENCE_S:
+        if late > KEY_AGE_MAX_S:
             raise SwarmError(
                 f"{pressed.what} is left out: it was pressed {late:.1f} s ago, while an agent did "
                 "not answer"
@@ -325,13 +325,13 @@ class Demonstrator:
         words.check_bound(use, agent)
         return command(agents, self._world, agent, str(use), seen=pressed.seen, seconds=TAKEN_S)
 
-    def _ask(self, pressed: Pressed, words: Words) -> bool:
+    def _ask(self, pressed: Pressed, words: AgentVocabulary) -> bool:
         """Ask for a target or a number that is still to be given; return whether one is."""
-        asked = words.open_part(pressed) if self._asks else None
-        if asked is None:
+        prompt = words.open_part(pressed) if self._asks else None
+        if prompt is None:
             return False
         self.let_go()
-        self.asked = asked
+        self.prompt = prompt
         self.tell("")
         return True
 

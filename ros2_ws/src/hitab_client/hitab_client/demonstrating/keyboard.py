@@ -9,8 +9,8 @@ from hitab_client.demonstrating.demonstrator import Demonstrator
 from hitab_client.demonstrating.steering import Velocity
 
 HOLD_S = 0.4
-"""How long one press of an arrow key drives, s. Terminals do not tell when a key is let go; one
-that is held comes again and again, about 30 times a second after a first pause."""
+"""Time for which one press of an arrow key drives, s. Terminals do not tell when a key is let go;
+one that is held comes again and again, about 30 times a second after a first pause."""
 
 ACTION_KEYS = {
     "t": "test",
@@ -25,10 +25,10 @@ ACTION_KEYS = {
     "G": "go",
     "R": "arm",
 }
-"""Those that the studio has too are the same there."""
+"""Keys of actions; the studio uses the same ones."""
 
 AHEAD, LEFT, TURN = range(3)
-ARROWS = {
+ARROW_AXES = {
     "up": (AHEAD, 1.0),
     "down": (AHEAD, -1.0),
     "left": (TURN, 1.0),
@@ -36,7 +36,7 @@ ARROWS = {
     "shift-left": (LEFT, 1.0),
     "shift-right": (LEFT, -1.0),
 }
-"""Which number of the velocity an arrow key drives, and which way."""
+"""Component of the velocity, and its sign, by arrow key."""
 
 
 class KeyboardInput:
@@ -66,10 +66,10 @@ class KeyboardInput:
         demonstrator = self._demonstrator
         if ACTION_KEYS.get(key) == "stop":
             demonstrator.press("stop")  # whatever else is going on
-        elif demonstrator.asked is not None:
+        elif demonstrator.prompt is not None:
             demonstrator.answer(key)
-        elif key in ARROWS:
-            self._drive(*ARROWS[key])
+        elif key in ARROW_AXES:
+            self._drive(*ARROW_AXES[key])
         elif key in ACTION_KEYS:
             demonstrator.press(ACTION_KEYS[key])
         elif behavior := demonstrator.words.on_key(key):

@@ -1,4 +1,4 @@
-"""What a person who trains agents can press, and has pressed."""
+"""Keys that a person who trains agents can press, and has pressed."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections import defaultdict
 from dataclasses import dataclass
 
 from hitab_client.errors import SwarmError
-from hitab_core import Number, Use
+from hitab_core import BoundedNumber, Use
 
-ACTIONS = {
+KEY_ACTIONS = {
     "test": "test what was learned; again: take over",
     "undo": "undo the last command",
     "redo": "redo what was undone",
@@ -21,19 +21,19 @@ ACTIONS = {
     "go": "release them; robots wait",
     "arm": "let the robot act again",
 }
-"""What can be pressed besides behaviors."""
+"""Key actions besides behaviors."""
 
 
 @dataclass(frozen=True)
 class Pressed:
-    """What a person has pressed.
+    """A pressed key or button.
 
     Attributes:
         what: for people.
         agent: whom it is for.
-        behavior: that is commanded; empty: none.
+        behavior: that is commanded, or empty.
         at: when, s, by the demonstrator's clock.
-        seen: the world's cycle that the person saw; 0: unknown.
+        seen: the world's cycle that the person saw; 0 if unknown.
     """
 
     what: str
@@ -44,7 +44,7 @@ class Pressed:
 
 
 @dataclass(frozen=True)
-class Asked:
+class Prompt:
     """A behavior of which a target or a number is still to be given.
 
     Attributes:
@@ -52,7 +52,7 @@ class Asked:
         pressed: the key that commanded it.
         place: of the parameter in question.
         targets: among which to choose.
-        number: in question, instead of a parameter; None: none.
+        number: in question, instead of a parameter, or None.
         typed: of the number so far.
     """
 
@@ -60,7 +60,7 @@ class Asked:
     pressed: Pressed
     place: int = 0
     targets: tuple[str, ...] = ()
-    number: Number | None = None
+    number: BoundedNumber | None = None
     typed: str = ""
 
     def with_target(self, target: str) -> Use:
@@ -73,8 +73,8 @@ class Asked:
 class UnseenOutcomes:
     """Whether agents have taken the commands whose outcomes the person cannot have seen yet.
 
-    Who presses undo before is told that the last command was not taken does not mean the one
-    before it.
+    A person who presses undo before seeing that the last command was refused does not mean the
+    command before.
     """
 
     def __init__(self) -> None:

@@ -17,7 +17,7 @@ from rclpy.qos import QoSProfile
 from hitab_ros import GuardedNode, names, steady_timer
 
 RATE_HZ = 20.0
-"""How often the velocity is sent; the relay stops the robot after 0.3 s without one."""
+"""Rate at which the velocity is sent; the relay stops the robot after 0.3 s without one."""
 
 Velocity = tuple[float, float, float]
 """m/s ahead, m/s to the left, rad/s (REP 103)."""
@@ -71,7 +71,7 @@ class Steering:
 
     @property
     def velocity(self) -> Velocity:
-        """What was sent last."""
+        """The velocity sent last."""
         return self._sent
 
     @property
@@ -86,7 +86,7 @@ class Steering:
 
     @property
     def topic_name(self) -> str:
-        """Where velocities are sent; empty: nowhere yet."""
+        """Topic of the velocities, empty before the first."""
         return "" if self._topic is None else self._topic.topic_name
 
     def hold(self, velocity: Sequence[float], seconds: float) -> None:

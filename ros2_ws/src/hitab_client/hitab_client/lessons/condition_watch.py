@@ -1,8 +1,8 @@
 """Sees what conditions ask for, moment by moment: in a world that is stepped, or without a world.
 
 A simulated world is stepped cycle by cycle, and every condition is checked in every cycle. Robots
-without a world are watched as time passes; nobody knows where they are, so that only what the
-agents themselves report and perceive can be asked for.
+without a world are watched as time passes; their places are unknown, so conditions are
+limited to reports and percepts of the agents.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from hitab_client.world_view import WorldView, speakers
 from hitab_ros import names, qos
 from hitab_ros.stamps import seconds_of
 
-LOOK_SECONDS = 0.1
-"""Between two looks at robots without a world."""
+CONDITION_CHECK_SECONDS = 0.1
+"""Period of checks of robots without a world, s."""
 
 
 class ConditionWatch:
@@ -32,8 +32,8 @@ class ConditionWatch:
 
     Args:
         swarm: the agents.
-        world: their world, which is paused and stepped here; None: they have none.
-        factor: multiple of real time, for people who look on; 0: as fast as possible.
+        world: their world, which is paused and stepped here; None if they have none.
+        factor: multiple of real time, for people who look on; 0 for full speed.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class ConditionWatch:
         self._passed.setdefault(event.agent, []).append(event.to_state)
 
     def begin(self) -> None:
-        """Forget what has been said, entered and ended; count the time from now."""
+        """Forget past messages, entries and ends; count the time from now."""
         self._entered: dict[str, list[str]] = {}
         self._said: frozenset[str] = frozenset()
         self._ended: tuple[str, ...] = ()
@@ -85,7 +85,7 @@ class ConditionWatch:
         """Let some time pass, or one cycle of the world, and see what happens meanwhile."""
         self._passed = {}
         if self._world is None:
-            self._swarm.link.spin_until(lambda: False, LOOK_SECONDS)
+            self._swarm.link.spin_until(lambda: False, CONDITION_CHECK_SECONDS)
             self._entered = self._passed
             return
         earlier, before = self._world.state, self.now()
@@ -116,7 +116,7 @@ class ConditionWatch:
         )
 
     def _reading(self, agent: str, feature: str) -> float:
-        """Return the value that an agent perceives; NaN: none.
+        """Return the value that an agent perceives; NaN without a value.
 
         A flag is one of the automaton that uses it as a feature: the outermost one counts.
         """

@@ -61,7 +61,7 @@ class Limited(Condition):
 
     @property
     def named(self) -> str:
-        """What is compared, such as ``speed of ball``."""
+        """Text of the compared value, such as ``speed of ball``."""
         raise NotImplementedError
 
     def value(self, view: WorldView) -> float:
@@ -102,7 +102,7 @@ class Distance(Limited):
 
     @property
     def named(self) -> str:
-        """What is compared."""
+        """Text of the compared value."""
         return f"{self.what} of {' and '.join(self.things)}"
 
     def value(self, view: WorldView) -> float:
@@ -125,7 +125,7 @@ class Speed(Distance):
     things: Annotated[Texts, Field(min_length=1, max_length=1)] = Field(alias="speed")
 
 
-class Perceived(Limited):
+class FeatureValue(Limited):
     """A feature of an agent."""
 
     feature: str
@@ -133,15 +133,15 @@ class Perceived(Limited):
 
     @property
     def named(self) -> str:
-        """What is compared."""
+        """Text of the compared value."""
         return f"{self.feature} of {self.agent}"
 
     def value(self, view: WorldView) -> float:
-        """Return the value that it perceives; NaN: none."""
+        """Return the perceived value, or NaN."""
         return view.reading(self.agent, self.feature)
 
 
-class Active(Condition):
+class ActiveState(Condition):
     """A state among an agent's active states, with or without its targets."""
 
     state: str = Field(alias="active")
@@ -257,8 +257,8 @@ _KINDS: dict[str, type[Condition]] = {
     "distance": Distance,
     "bearing": Bearing,
     "speed": Speed,
-    "feature": Perceived,
-    "active": Active,
+    "feature": FeatureValue,
+    "active": ActiveState,
     "said": Said,
     "ended": Ended,
     "seconds": Passed,

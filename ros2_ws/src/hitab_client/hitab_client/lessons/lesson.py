@@ -46,7 +46,7 @@ from hitab_core.library.yaml_models import (
 )
 from hitab_core.library.yaml_places import read_text, read_yaml
 
-FORMAT = 2
+LESSON_FORMAT = 2
 """The newest format version that is read; 2 has the condition `feature`."""
 
 WITHIN = 20.0
@@ -60,8 +60,8 @@ def _use_or_none(text: Any) -> Use | None:
 Behavior = Annotated[Use, PlainValidator(lambda text: read_use(str(text)))]
 
 
-class Thing(Record):
-    """Where a thing is put; its heading is in degrees."""
+class ThingPlacement(Record):
+    """Placement of a thing; the heading is in degrees."""
 
     x: float | None = None
     y: float | None = None
@@ -70,10 +70,10 @@ class Thing(Record):
     vy: float | None = None
 
 
-Things = Annotated[dict[str, Thing], NONE_IS_EMPTY]
+Things = Annotated[dict[str, ThingPlacement], NONE_IS_EMPTY]
 
 
-def placed(things: Mapping[str, Thing]) -> dict[str, dict[str, float]]:
+def placed(things: Mapping[str, ThingPlacement]) -> dict[str, dict[str, float]]:
     """Return where things are put in the world's units, with what is said of each."""
     said = {name: thing.model_dump(exclude_none=True) for name, thing in things.items()}
     for place in said.values():
@@ -110,7 +110,7 @@ class Place(Step):
 
     @property
     def things(self) -> dict[str, dict[str, float]]:
-        """Where to put what, in the world's units."""
+        """Placements of things by name, in the world's units."""
         return placed(self.where)
 
 
@@ -151,7 +151,7 @@ class Never(Until):
 
 
 class Wait(Step):
-    """Short for ``until: {seconds: 2}``, which is what it becomes."""
+    """Short for ``until: {seconds: 2}``, and replaced by it."""
 
     seconds: float = Field(alias="wait", gt=0.0)
 
@@ -212,9 +212,9 @@ class Lesson:
     """A whole lesson.
 
     Attributes:
-        name: the automaton that it teaches.
+        name: of the automaton to teach.
         agent: to teach.
-        budget: maximum number of examples, including default ones; None: no limit.
+        budget: maximum number of examples, including default ones, or None for no limit.
     """
 
     name: str
@@ -246,7 +246,7 @@ def read_lesson(path: Path) -> Lesson:
 def parse_lesson(text: str, path: Path) -> Lesson:
     """Read a lesson from its text; ``path`` is its name for errors."""
     document = read_yaml(text, str(path), error=LessonError)
-    read = open_record(_File, document, FORMAT)
+    read = open_record(_File, document, LESSON_FORMAT)
     steps = tuple(
         _completed(step, document.line(("steps", index)), step.agent or read.agent)
         for index, step in enumerate(read.steps)
@@ -255,7 +255,7 @@ def parse_lesson(text: str, path: Path) -> Lesson:
 
 
 def _completed(step: Step, line: int, agent: str) -> Step:
-    """Return a step with its line, and the agent that it is about where it names none."""
+    """Return a step with its line, and with the default agent where it names none."""
     more: dict[str, Any] = {"line": line, "agent": agent}
     match step:
         case Wait():

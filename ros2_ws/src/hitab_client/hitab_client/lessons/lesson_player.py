@@ -78,8 +78,8 @@ class LessonPlayer:
     Args:
         lesson: the lesson.
         swarm: the agents.
-        world: the world, which the lesson drives; None: there is none, as with real robots.
-        factor: multiple of real time, for watching a world; 0: as fast as possible.
+        world: the world, which the lesson drives; None if there is none, as with real robots.
+        factor: multiple of real time, for watching a world; 0 for full speed.
         discard: whether to give up an unsaved training that an agent has before the lesson.
 
     Attributes:
@@ -177,7 +177,7 @@ class LessonPlayer:
         world.shown(world.control(Control.Request.RESET))
 
     def _begin(self, step: Begin) -> None:
-        # Whoever interrupts this must know whether it has begun.
+        # After an interruption it must be known whether the training has begun.
         with not_interrupted():
             self.swarm.begin(
                 step.agent,

@@ -1,11 +1,11 @@
 from . import recordings as recordings
-from .bag_file import FORMAT as FORMAT
+from .bag_file import BAG_FORMAT as BAG_FORMAT
 from .bag_file import METADATA as METADATA
-from .definitions import definition as definition
-from .definitions import message_class as message_class
-from .definitions import type_name as type_name
 from .driving import Driven as Driven
 from .driving import driving_of as driving_of
-from .reading import Messages as Messages
+from .message_definitions import definition as definition
+from .message_definitions import message_class as message_class
+from .message_definitions import type_name as type_name
 from .reading import Received as Received
+from .reading import RecordedMessages as RecordedMessages
 from .recorder import Recorder as Recorder

@@ -15,12 +15,12 @@ from mcap.writer import Writer
 from rclpy.qos import QoSProfile
 
 from hitab_client.errors import SwarmError
-from hitab_client.recording.definitions import definition
+from hitab_client.recording.message_definitions import definition
 
 METADATA = "hitab"
 """Name of the metadata record; recordings without one have the first format."""
 
-FORMAT = 1
+BAG_FORMAT = 1
 """The format version that is written."""
 
 NANOSECONDS = 10**9
@@ -52,7 +52,7 @@ class BagFile:
             raise SwarmError(f"cannot record to {path}: {error.strerror}") from None
         self._writer = Writer(self._file, enable_data_crcs=True)
         self._writer.start(profile="ros2", library="hitab_client")
-        self._writer.add_metadata(METADATA, {"format": str(FORMAT)})
+        self._writer.add_metadata(METADATA, {"format": str(BAG_FORMAT)})
 
     def add_topic(
         self, topic: str, kind: str, offered: Sequence[QoSProfile], type_hash: str
@@ -100,7 +100,7 @@ class BagFile:
         self.count += 1
 
     def flush(self) -> None:
-        """Give everything to the system, so that it survives this process.
+        """Give everything to the system, where it survives this process.
 
         Raises:
             OSError: if it cannot be written.

@@ -1,4 +1,4 @@
-"""What somebody did with an agent in a recording, moment by moment, without commands."""
+"""The actions of an agent in a recording, moment by moment, without commands."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from hitab_client.errors import SwarmError
-from hitab_client.recording.reading import Messages, agent_meant
-from hitab_core import Do, quantity
-from hitab_core.showing import Moment
+from hitab_client.recording.reading import RecordedMessages, agent_meant
+from hitab_core import Fix, quantity
+from hitab_core.labeling import ShownAction
 from hitab_ros import names
 from hitab_ros.stamps import seconds_of
 
-VELOCITY = "cmd_vel"
+VELOCITY_TOPIC = "cmd_vel"
 """Topic of the velocity that a robot was driven with, in the agent's namespace."""
 
 NANOSECONDS = 1e9
@@ -22,7 +22,7 @@ _PERCEPTS = (names.PERCEIVED, names.PERCEPT)
 
 @dataclass(frozen=True)
 class Driven:
-    """What was done with one agent.
+    """Actions of one agent.
 
     Attributes:
         agent: its name.
@@ -35,33 +35,33 @@ class Driven:
     agent: str
     domain: str
     start: float
-    moments: list[Moment]
+    moments: list[ShownAction]
     missing: str
 
 
 def driving_of(path: Path, agent: str = "") -> Driven:
-    """Return what was done with an agent, whoever drove it.
+    """Return the actions of an agent, from any driver.
 
-    An agent, and whoever answers percepts in its place, publishes actions. A robot's are the
+    An agent, or a program that answers percepts in its place, publishes actions. A robot's are the
     velocities that its relay passed on, so that a person who drives by hand counts.
 
     Args:
         path: of the recording.
-        agent: its name, with its namespace if there are several; empty: the only one.
+        agent: its name, with its namespace if there are several; empty for the only one.
 
     Raises:
-        SwarmError: if it has no percepts of the agent, or nothing of what was done.
+        SwarmError: if the recording lacks percepts or actions of the agent.
     """
-    messages = Messages(path)
+    messages = RecordedMessages(path)
     parts = {message.topic.rpartition("/") for message in messages}
     there = sorted({namespace for namespace, _, name in parts if name in _PERCEPTS})
     if not there:
-        raise SwarmError(f"{path.name} has no percepts of any agent", Do.RECORD())
+        raise SwarmError(f"{path.name} has no percepts of any agent", Fix.RECORD())
     namespace = agent_meant(path, there, agent)
     swarm, _, name = namespace.rpartition("/")
     world = f"{swarm}/{names.WORLD}"
     seen_on = next(topic for topic in _PERCEPTS if (namespace, "/", topic) in parts)
-    told = [f"{namespace}/{topic}" for topic in (seen_on, VELOCITY, names.STATUS)]
+    told = [f"{namespace}/{topic}" for topic in (seen_on, VELOCITY_TOPIC, names.STATUS)]
     told += [f"{world}/{names.ACTIONS}", f"{world}/{names.STATUS}"]
     seen: list[tuple[float, Any]] = []
     did: list[Any] = []
@@ -80,12 +80,12 @@ def driving_of(path: Path, agent: str = "") -> Driven:
             did.append(velocity or early.pop(content.sequence, None))
         elif topic == names.ACTIONS and content.agent == name:
             if velocity is not None:
-                continue  # a robot did what it was driven with, whoever drove
+                continue  # a robot did as the velocity says, from any driver
             if content.sequence in latest:
                 did[latest[content.sequence]] = content.values
             else:
                 early[content.sequence] = content.values
-        elif topic == VELOCITY:
+        elif topic == VELOCITY_TOPIC:
             twist = getattr(content, "twist", content)
             velocity = twist.linear.x, twist.linear.y, twist.angular.z
             if did:
@@ -97,18 +97,18 @@ def driving_of(path: Path, agent: str = "") -> Driven:
     if not seen:
         raise SwarmError(
             f"{path.name} has no cycle of {name}: the world was paused while it was recorded",
-            Do.RESUME_WORLD(),
-            Do.RECORD(),
+            Fix.RESUME_WORLD(),
+            Fix.RECORD(),
         )
     if not any(action is not None for action in did):
         raise SwarmError(
             f"{path.name} has {quantity(len(seen), 'percept')} of {name}, but not what was done: "
             f"it lacks its actions on {world}/{names.ACTIONS}, or of a robot {told[1]}",
-            Do.RECORD(),
+            Fix.RECORD(),
         )
     moments, episode = [], 0
     for (when, p), action in zip(seen, did, strict=True):
         episode += p.restart
         time, after = seconds_of(p.stamp), when - seen[0][0]
-        moments.append(Moment(after, time, p.cycle, episode, p.values, p.heard, action))
+        moments.append(ShownAction(after, time, p.cycle, episode, p.values, p.heard, action))
     return Driven(name, domain, seen[0][0], moments, messages.missing)

@@ -18,9 +18,9 @@ from mcap.stream_reader import StreamReader, breakup_chunk, get_chunk_data_strea
 from rclpy.serialization import deserialize_message
 
 from hitab_client.errors import SwarmError
-from hitab_client.recording.bag_file import FORMAT, METADATA
-from hitab_client.recording.definitions import message_class, same_definition
-from hitab_client.recording.recordings import SUFFIX
+from hitab_client.recording.bag_file import BAG_FORMAT, METADATA
+from hitab_client.recording.message_definitions import message_class, same_definition
+from hitab_client.recording.recordings import RECORDING_SUFFIX
 from hitab_core import has, natural, newer_format, quantity
 from hitab_ros import own_hash
 
@@ -84,7 +84,7 @@ class Received:
             ) from None
 
 
-class Messages:
+class RecordedMessages:
     """The messages of a recording in the order in which they were written; can be iterated again.
 
     Attributes:
@@ -104,7 +104,9 @@ class Messages:
         self._files = [path]
         self._shift = self._last = 0
         if path.is_dir():
-            self._files = sorted(path.glob(f"*{SUFFIX}"), key=lambda file: natural(file.name))
+            self._files = sorted(
+                path.glob(f"*{RECORDING_SUFFIX}"), key=lambda file: natural(file.name)
+            )
             if not self._files:
                 raise SwarmError(f"{path} is a folder without an MCAP file{OTHER}")
 
@@ -149,9 +151,8 @@ class Messages:
             raise SwarmError(f"{path} cannot be read: {error.strerror}") from None
         except Exception:  # wrong bytes make all kinds of errors in mcap, struct, zstd and lz4
             if is_finished:
-                before = (
-                    f", or read what is before: `head -c {at} {quote(str(path))} > part{SUFFIX}`"
-                )
+                part = f"part{RECORDING_SUFFIX}"
+                before = f", or read what is before: `head -c {at} {quote(str(path))} > {part}`"
                 raise SwarmError(
                     f"{path} is damaged after byte {at} of {size}; copy it again from where it "
                     f"was recorded{before if count else ''}"
@@ -213,8 +214,8 @@ def _unpacked(data: bytes) -> bytes:
 
 def _check_format(path: Path, metadata: Metadata) -> None:
     found = metadata.metadata.get("format", "1") if metadata.name == METADATA else "1"
-    if not found.isdecimal() or int(found) > FORMAT:
-        raise SwarmError(f"{path.name} {newer_format(found, FORMAT)}")
+    if not found.isdecimal() or int(found) > BAG_FORMAT:
+        raise SwarmError(f"{path.name} {newer_format(found, BAG_FORMAT)}")
 
 
 def agent_meant(path: Path, there: Sequence[str], agent: str) -> str:
@@ -223,7 +224,7 @@ def agent_meant(path: Path, there: Sequence[str], agent: str) -> str:
     Args:
         path: of the recording.
         there: the agents, with their namespaces.
-        agent: its name, with its namespace if there are several of that name; empty: the only one.
+        agent: its name, with its namespace if several have that name; empty for the only one.
 
     Raises:
         SwarmError: if it is not there, or there are several.

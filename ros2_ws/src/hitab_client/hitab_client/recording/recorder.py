@@ -26,11 +26,11 @@ from visualization_msgs.msg import MarkerArray
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording.bag_file import BagFile
-from hitab_client.recording.definitions import definition, message_class, type_name
+from hitab_client.recording.message_definitions import definition, message_class, type_name
 from hitab_client.ros_link import RosLink
 from hitab_ros import names, own_hash, qos
 
-KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
+RECORDED_TOPICS: Mapping[str, tuple[Any, QoSProfile]] = {
     "state": (WorldState, qos.LATCHED),
     "actions": (Action, qos.ROLL_CALL),
     "episodes": (Episode, qos.EVENTS),
@@ -42,7 +42,7 @@ KINDS: Mapping[str, tuple[Any, QoSProfile]] = {
     "distribution_ack": (DistributionAck, qos.EVENTS),
     "markers": (MarkerArray, qos.LATCHED),
 }
-"""What is recorded besides all statuses, by the last part of the topic's name."""
+"""Recorded topics besides all statuses, by the last part of their names."""
 
 STATUSES = (WorldStatus, AgentStatus)
 
@@ -50,13 +50,13 @@ DEPTH = 1000
 """Messages of one topic that may wait while this process is busy."""
 
 NO_HASH = "INVALID"
-"""What rclpy says of a definition whose hash is not announced, as by other versions of ROS 2."""
+"""Hash that rclpy reports for an unannounced definition, as by other versions of ROS 2."""
 
 ROBOT_PACKAGES = frozenset({"geometry_msgs", "nav_msgs", "sensor_msgs", "tf2_msgs"})
 """Packages of the messages that robots have in common."""
 
 PERCEIVING_MAX = 64
-"""Of how many agents at most the percepts are recorded."""
+"""Maximum number of agents whose percepts are recorded."""
 
 
 class Recorder:
@@ -109,7 +109,7 @@ class Recorder:
 
     @property
     def missing(self) -> list[str]:
-        """The chosen topics that nobody publishes yet."""
+        """The chosen topics without a publisher yet."""
         return sorted(self._also - set(self._subscriptions))
 
     @property
@@ -159,7 +159,7 @@ class Recorder:
         name = topic.rsplit("/", 1)[-1]
         if name == "status":
             return [(kind, qos.LATCHED) for kind in STATUSES]
-        return [KINDS[name]] if name in KINDS else []
+        return [RECORDED_TOPICS[name]] if name in RECORDED_TOPICS else []
 
     def _alone(self) -> Iterator[str]:
         """Yield the namespaces of agents in processes of their own; those have parameters."""

@@ -10,9 +10,11 @@ from pathlib import Path
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import state_home
 
-SUFFIX = ".mcap"
-NAME = re.compile(r"\w[\w .+()-]{0,99}", re.ASCII)
-NAME_RULE = "letters, digits, spaces, and . _ + - ( ); the first one is a letter or a digit"
+RECORDING_SUFFIX = ".mcap"
+RECORDING_NAME = re.compile(r"\w[\w .+()-]{0,99}", re.ASCII)
+RECORDING_NAME_RULE = (
+    "letters, digits, spaces, and . _ + - ( ); the first one is a letter or a digit"
+)
 
 
 @dataclass(frozen=True)
@@ -37,13 +39,13 @@ def recordings_folder() -> Path:
 def new_recording(swarm: str) -> Path:
     """Return the path of the next recording."""
     stamp = time.strftime("%Y-%m-%d_%H-%M-%S")
-    return recordings_folder() / f"{swarm or 'swarm'}_{stamp}{SUFFIX}"
+    return recordings_folder() / f"{swarm or 'swarm'}_{stamp}{RECORDING_SUFFIX}"
 
 
 def recordings() -> list[Recorded]:
     """Return what was recorded, newest first."""
     found = []
-    for path in recordings_folder().glob(f"*{SUFFIX}"):
+    for path in recordings_folder().glob(f"*{RECORDING_SUFFIX}"):
         try:
             stat = path.stat()
         except OSError:
@@ -59,7 +61,7 @@ def recording(name: str) -> Path:
         SwarmError: if there is none of this name.
     """
     path = recordings_folder() / name
-    if path.parent != recordings_folder() or path.suffix != SUFFIX or not path.is_file():
+    if path.parent != recordings_folder() or path.suffix != RECORDING_SUFFIX or not path.is_file():
         raise SwarmError(f'There is no recording "{name}" in {recordings_folder()}.')
     return path
 
@@ -75,10 +77,10 @@ def rename(name: str, new: str) -> Path:
         SwarmError: if there is none, the name cannot be that of a file or is taken, or the folder
             cannot be written.
     """
-    path, stem = recording(name), new.strip().removesuffix(SUFFIX)
-    if NAME.fullmatch(stem) is None:
-        raise SwarmError(f'"{new}" cannot be the name of a recording: use {NAME_RULE}.')
-    there = path.with_name(f"{stem}{SUFFIX}")
+    path, stem = recording(name), new.strip().removesuffix(RECORDING_SUFFIX)
+    if RECORDING_NAME.fullmatch(stem) is None:
+        raise SwarmError(f'"{new}" cannot be the name of a recording: use {RECORDING_NAME_RULE}.')
+    there = path.with_name(f"{stem}{RECORDING_SUFFIX}")
     if there == path:
         return path
     try:

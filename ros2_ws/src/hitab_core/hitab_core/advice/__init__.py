@@ -1,1 +1,1 @@
-"""What to ask and to propose to a demonstrator; see the modules."""
+"""Questions and proposals to a demonstrator; see the modules."""

@@ -1,11 +1,11 @@
-"""How sure a decision is: how far its situation is from what was demonstrated.
+"""Confidence of a decision: the distance of its situation from the examples.
 
 The distance is that from the nearest example of the state, in the features that the decision
 tested, see `hitab_core.advice.nearness`. It follows from the values that a decision has read, so
 it can be computed after it, and nothing more is read.
 
 If a tested value was missing, the decision was a mixture over the branches; its distance is then
-the largest of the leaves that it could have come from.
+the largest of its possible leaves.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from hitab_core.advice.evidence import Evidence
-from hitab_core.advice.nearness import UNKNOWN, Nearness
+from hitab_core.advice.nearness import UNKNOWN_DISTANCE, Nearness
 from hitab_core.learning import Leaf, Node
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.transition_function import TransitionFunction
@@ -23,8 +23,8 @@ class Confidences:
     """Rates the decisions of one learned transition function.
 
     Args:
-        function: a learned one; one that is no tree tests all features that it uses.
-        evidence: the examples that it was learned from.
+        function: a learned one; one that is no tree tests all of its features.
+        evidence: the examples learned from.
     """
 
     def __init__(self, function: TransitionFunction, evidence: Evidence) -> None:
@@ -40,8 +40,8 @@ class Confidences:
             largest: it is unsure if no example is as near as this.
         """
         distance = self.distance(values)
-        if distance == UNKNOWN:
-            return "no example has the values that it depends on"
+        if distance == UNKNOWN_DISTANCE:
+            return "no example has values of its features"
         if distance > largest:
             return f"it is {distance:.2g} spreads of the examples from the nearest one"
         return ""

@@ -19,17 +19,17 @@ from hitab_core.learning.transition_tree import TransitionTree
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What the transition function of one state is learned from.
+    """Examples from which the transition function of one state is learned.
 
     Attributes:
         state: its label.
-        values: shape (n, m), the examples' feature values, toroidal ones in [0, period); NaN: not
-            known.
+        values: shape (n, m), the examples' feature values, toroidal ones in [0, period); NaN if
+            not known.
         next_states: the n labels.
         default: shape (n,), whether an example is a default one.
         scales: how the values of each feature compare.
         names: of the features.
-        units: of the features; empty: none.
+        units: of the features, or empty.
         classifier: what learns from it, as in `learn_transitions`.
     """
 

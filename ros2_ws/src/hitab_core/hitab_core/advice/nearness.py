@@ -1,6 +1,6 @@
-"""How far a situation is from the nearest of some examples.
+"""Distance of a situation from the nearest of some examples.
 
-The distance to an example is the largest of the distances in the single features, so that it means
+The distance to an example is the largest of the distances in the single features, and so means
 the same however many features matter. In one feature it is
 
 - on a line: the difference, divided by the spread of the examples, which is the median difference
@@ -24,15 +24,15 @@ from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
 from hitab_core.spread import differences, spreads
 
-UNKNOWN = math.inf
+UNKNOWN_DISTANCE = math.inf
 """The distance where no example has any of the values."""
 
 
 def apart(some: Floats, others: Floats, scales: Sequence[Scale], spread: Floats) -> Floats:
-    """Return the distances of situations from others; where nothing compares, `UNKNOWN`.
+    """Return the distances of situations from others; where nothing compares, `UNKNOWN_DISTANCE`.
 
     Args:
-        some, others: shapes (k, m) and (n, m); NaN: not known.
+        some, others: shapes (k, m) and (n, m); NaN if unknown.
         scales: how the values of each of the m features compare.
         spread: shape (m,), the usual differences, see `spreads`.
 
@@ -43,7 +43,7 @@ def apart(some: Floats, others: Floats, scales: Sequence[Scale], spread: Floats)
     for f, scale in enumerate(scales):
         away[f] = differences(some[:, f], others[:, f], scale) / spread[f]
     known = ~np.isnan(away).all(axis=0)
-    return np.where(known, np.fmax.reduce(away, axis=0, initial=0.0), UNKNOWN)
+    return np.where(known, np.fmax.reduce(away, axis=0, initial=0.0), UNKNOWN_DISTANCE)
 
 
 class Nearness:
@@ -55,7 +55,7 @@ class Nearness:
         """Prepare to measure.
 
         Args:
-            values: shape (n, m), of the examples; NaN: not known.
+            values: shape (n, m), of the examples; NaN if unknown.
             scales: how the values of each of the m features compare.
             features: indices of those that matter.
         """
@@ -65,7 +65,7 @@ class Nearness:
         self._spread = spreads(self._values, self._scales)
 
     def __call__(self, values: Sequence[float | None]) -> float:
-        """Return the distance of a situation; `UNKNOWN` if no example is comparable.
+        """Return the distance of a situation; `UNKNOWN_DISTANCE` if no example is comparable.
 
         Args:
             values: of all m features; None or NaN: not known.
@@ -74,4 +74,4 @@ class Nearness:
             return 0.0
         place = np.array([[values[f] for f in self._features]], np.float64)
         away = apart(place, self._values, self._scales, self._spread)
-        return float(away.min(initial=UNKNOWN))
+        return float(away.min(initial=UNKNOWN_DISTANCE))

@@ -3,12 +3,12 @@
 Two commands that lead back to each other in one situation contradict each other in no state, so no
 question is about them; yet the automaton goes round forever there. A *loop* is found in each
 situation of an example, with the features held constant, if from the state of that time the
-automaton can only change: no state that it can reach stays, ends in a flag or is executed only
+automaton can only change: no reachable state stays, ends in a flag or is executed only
 once per entry. States are seen as they are entered, so a flag or a timer that is waited for makes
 no loop. Situations that were merely perceived are left out: where two boundaries overlap, changing
 to and fro may well be what moves the robot on.
 
-What a test shows is in `hitab_core.training.trial`.
+What a test shows is in `hitab_core.training.trial_statistics`.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from hitab_core.automaton import Automaton, as_entered
 from hitab_core.default_example import superseding
 from hitab_core.example import Example
 from hitab_core.learning.transition_learning import relearned
-from hitab_core.remedies import Do, Remedy
+from hitab_core.remedies import Fix, Remedy
 from hitab_core.repertoire import Repertoire
 
 
 @unique
-class Sign(Enum):
-    """That something does not play, in plain words; its arguments are the names in braces."""
+class RemarkKind(Enum):
+    """Kinds of remarks, in plain words; arguments are the names in braces."""
 
     LOOP = "with {situation}, it changes between {states} forever"
     NOT_ENTERED = "{state} was commanded, but was not entered in {episodes} episodes of the test"
@@ -47,7 +47,7 @@ class Sign(Enum):
 class Remark:
     """One sign with its arguments by name, and what would mend it."""
 
-    code: Sign
+    code: RemarkKind
     arguments: tuple[tuple[str, str], ...]
     remedy: Remedy
 
@@ -66,7 +66,7 @@ def loops(automaton: Automaton, repertoire: Repertoire, classifier: str) -> list
 
     Args:
         automaton: with its examples and transition functions.
-        repertoire: that it was learned with.
+        repertoire: used in learning.
         classifier: that learned it.
 
     Raises:
@@ -78,7 +78,9 @@ def loops(automaton: Automaton, repertoire: Repertoire, classifier: str) -> list
         states = looping.trap(automaton, state, values)
         if states and states not in found:
             arguments = (("situation", looping.words(values)), ("states", _listed(states)))
-            found[states] = Remark(Sign.LOOP, arguments, looping.remedy(state, values, states))
+            found[states] = Remark(
+                RemarkKind.LOOP, arguments, looping.remedy(state, values, states)
+            )
     return list(found.values())
 
 
@@ -142,5 +144,5 @@ class _Looping:
                 changed = relearned(changed, self.repertoire.domain, self.classifier)
                 if not self.trap(changed, state, values):
                     before = leaving[0].next_state
-                    return Do.RELABEL(number=stays.number, behavior=label, before=before)
-        return Do.CHOOSE_FEATURES()
+                    return Fix.RELABEL(number=stays.number, behavior=label, before=before)
+        return Fix.CHOOSE_FEATURES()

@@ -1,4 +1,4 @@
-"""What an agent met and was never shown: the situation in which one answer would tell it most.
+"""Situations without examples: those in which one answer would tell the agent most.
 
 An example says what is right in its situation, and less the farther another one is from it. What
 the examples of a state say of a situation is a weight for each next state: the inverse of the
@@ -10,11 +10,11 @@ the share of the weights that does not stand behind the heaviest next state, tim
 way by which the situation asked about is nearer than the nearest example. Each kind of situation,
 by what is so or not so, counts 1 in all, however often it was met.
 
-Before all that, an agent asks about sides of circles that it takes for granted: where a tree that
-learns nothing but what was shown on a circle decides otherwise (`hitab_core.learning.boundaries`).
-It asks in the middle, so that an answer halves what is open, as long as that is much.
+Before all that, an agent asks about assumed sides of circles: where a tree without
+assumptions about circles decides otherwise (`hitab_core.learning.boundaries`). The agent asks in
+the middle, so that an answer halves the open part, as long as that part is large.
 
-Default examples from the entry of a state say *stay* where nobody has decided that, so they are
+Default examples from the entry of a state say *stay* where no person has decided so; they are
 taken for `ASSUMED` away even where they are.
 
 Source:
@@ -45,21 +45,21 @@ ASSUMED = 0.2
 TOUCHING = 0.01
 """No distance counts as less: an example does not decide all."""
 
-FAR = 1e6
+NO_EXAMPLE_DISTANCE = 1e6
 """The distance of the nearest example where there is none."""
 
-LEAST = 0.1
-"""What an answer has to add: a tenth of all that can be learned of one kind of situation."""
+GAIN_MIN = 0.1
+"""Minimum gain of an answer, as a part of all that can be learned of one kind of situation."""
 
 
 @dataclass(frozen=True)
 class Unshown:
-    """A situation in which nobody said what is right.
+    """A situation without an example of the right decision.
 
     Attributes:
         state: in which it was met.
-        situation: a value for each feature; NaN: missing.
-        decided: what the learned tree decides there; empty: nothing was learned.
+        situation: a value for each feature; NaN if missing.
+        decided: what the learned tree decides there; empty if nothing was learned.
         next_states: what may be right, the most probable first.
         told: what an answer tells.
         bisects: whether it is in the middle of a side of a circle of which only the beginning was
@@ -107,17 +107,17 @@ def unshown(
         ]
     )
     open_part = 1.0 - weights.max(axis=0) / weights.sum(axis=0)
-    nearest = away.min(axis=1, initial=FAR)
+    nearest = away.min(axis=1, initial=NO_EXAMPLE_DISTANCE)
     near = np.maximum(apart(situations, situations, evidence.scales, spread), TOUCHING)
     told = (nearest[:, None] / (nearest[:, None] + near)).T @ (open_part * parts)
     place, most = int(told.argmax()), float(told.max())
     taken = _taken_for_granted(evidence, situations)
     half = float(parts[taken].sum()) / 2  # what the answer settles
-    bisects = half >= LEAST
+    bisects = half >= GAIN_MIN
     if bisects:
         there = np.flatnonzero(taken)[np.argsort(nearest[taken], kind="stable")]
         place, most = int(there[len(there) // 2]), half
-    if most < LEAST:
+    if most < GAIN_MIN:
         return None
     # As it was met: an answer overrules a default example that has the same values.
     as_met = {str(evidence.placed(values)): tuple(values) for values in met}
@@ -133,7 +133,7 @@ def unshown(
 
 
 def _taken_for_granted(evidence: Evidence, situations: Floats) -> Booleans:
-    """Return where a tree decides what it does only since a side of a circle is taken for one."""
+    """Return where a decision of a tree rests only on an assumed side of a circle."""
     nowhere = np.zeros(len(situations), np.bool_)
     if all(scale.kind is not FeatureKind.TOROIDAL for scale in evidence.scales):
         return nowhere

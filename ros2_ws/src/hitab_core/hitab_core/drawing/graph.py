@@ -8,7 +8,7 @@ from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.transition_function import TransitionFunction
 
-UNKNOWN = "a function without rules decides"
+NO_RULES = "a function without rules decides"
 """The condition of an arrow when its transition function has no readable rules."""
 
 

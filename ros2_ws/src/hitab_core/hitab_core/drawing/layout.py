@@ -1,4 +1,4 @@
-"""Where to draw the states of an automaton and the words on its arrows. Lengths are in inches.
+"""Layout of an automaton's states and of the words on its arrows. Lengths are in inches.
 
 States lie on an ellipse, Start at the top, in the order with the fewest crossings. Labels are
 moved along their arrows, beside them, until they cover neither states nor other labels and no
@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 BENDS = (0.06, 0.1, 0.14, 0.18, 0.22, 0.26, 0.31, 0.36)
-"""How far an arrow may bow out to its right, as a fraction of its length; less is better."""
+"""Bows of an arrow to its right, as fractions of its length; less is better."""
 
-GAP = 0.06
+FREE_INCHES = 0.06
 """Inches left free around labels and states."""
 
 
@@ -120,11 +120,11 @@ def bend_arrows(
 
 
 def _roomy(box: Box) -> Box:
-    return Box(box.x, box.y, box.width + 4 * GAP, box.height + 4 * GAP)
+    return Box(box.x, box.y, box.width + 4 * FREE_INCHES, box.height + 4 * FREE_INCHES)
 
 
 COARSE = 4
-"""Of the points on an arrow, every one of so many is enough to find places for words."""
+"""Step between the points on an arrow that are tried as places for words."""
 
 CLEAR = 0.02
 """Inches that words are kept away from arrows when they are placed by coarse points."""
@@ -235,7 +235,7 @@ def _candidates(size: tuple[float, float], points: Floats) -> Floats:
 
 def _overlaps(places: Floats, size: tuple[float, float], other: Box) -> Floats:
     """Return how much words at each place, enlarged by the gap, overlap a box."""
-    reach = np.array([size[0] + other.width, size[1] + other.height]) / 2 + GAP
+    reach = np.array([size[0] + other.width, size[1] + other.height]) / 2 + FREE_INCHES
     common = reach - np.abs(places - (other.x, other.y))
     areas: Floats = np.prod(np.maximum(common, 0.0), axis=1)
     return areas

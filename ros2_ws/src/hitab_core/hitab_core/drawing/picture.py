@@ -121,8 +121,8 @@ _TITLE_HEIGHT = 0.5
 
 
 @dataclass(frozen=True)
-class Panel:
-    """Where everything of one automaton is drawn; lengths in inches, around the middle.
+class AutomatonPanel:
+    """Places of all parts of one drawn automaton; lengths in inches, around the middle.
 
     Attributes:
         width, height: with the title above.
@@ -150,7 +150,7 @@ class Panel:
         return len(misplaced(self.places, [*self.states.values()], self.curves))
 
 
-def lay_out(automaton: Automaton, measure: Measure) -> Panel:
+def lay_out(automaton: Automaton, measure: Measure) -> AutomatonPanel:
     """Return where to draw an automaton, in a panel with room for all its words."""
     tried = []
     for growth in GROWTH:
@@ -160,7 +160,7 @@ def lay_out(automaton: Automaton, measure: Measure) -> Panel:
     return min(tried, key=lambda panel: panel.collisions)
 
 
-def _laid(automaton: Automaton, measure: Measure, growth: float) -> Panel:
+def _laid(automaton: Automaton, measure: Measure, growth: float) -> AutomatonPanel:
     drawn = [arrow for arrow in arrows(automaton) if not arrow.is_loop]
     drawn.sort(key=lambda arrow: words(arrow) == "")
     texts = [text for arrow in drawn if (text := words(arrow))]
@@ -181,7 +181,7 @@ def _laid(automaton: Automaton, measure: Measure, growth: float) -> Panel:
     bends = bend_arrows(boxes, pairs, width, inner)
     curves = [curve(boxes[s], boxes[t], b) for (s, t), b in zip(pairs, bends, strict=True)]
     places = place_words(sizes, curves, [*boxes.values()], width, inner)
-    return Panel(automaton, width, height, boxes, drawn, bends, curves, texts, places)
+    return AutomatonPanel(automaton, width, height, boxes, drawn, bends, curves, texts, places)
 
 
 def text_sizes() -> Measure:
@@ -212,7 +212,7 @@ class _Panel:
         axes.set_ylim(-self._height / 2, height - self._height / 2)
         axes.set_axis_off()
 
-    def draw(self, panel: Panel, drawn_too: set[str]) -> None:
+    def draw(self, panel: AutomatonPanel, drawn_too: set[str]) -> None:
         title = panel.automaton.name
         if panel.automaton.parameters:
             title += f"({', '.join(panel.automaton.parameters)})"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hitab_core.automaton import FLAGS, START, Automaton
-from hitab_core.drawing.graph import UNKNOWN, Arrow, arrows
+from hitab_core.drawing.graph import NO_RULES, Arrow, arrows
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.wording import quantity
 
@@ -70,8 +70,8 @@ def _transitions(state: str, found: Iterable[Arrow], automaton: Automaton) -> It
             head = "stays" if arrow.is_loop else f"-> {arrow.target}"
             lines += [
                 f"{head}: {way}" if way.conditions else f"{head} {way}" for way in arrow.ways
-            ] or [f"{head}: {UNKNOWN}"]
-    return lines or [UNKNOWN]
+            ] or [f"{head}: {NO_RULES}"]
+    return lines or [NO_RULES]
 
 
 def _trees(automaton: Automaton) -> list[str]:

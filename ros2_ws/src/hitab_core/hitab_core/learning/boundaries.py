@@ -1,4 +1,4 @@
-"""Where a boundary between two neighboring examples is placed, on a line and on a circle.
+"""Placement of a boundary between two neighboring examples, on a line and on a circle.
 
 It lies half-way between them, with one exception. Between a default example and a demonstrated one
 it lies immediately beside the demonstrated one, at the next representable number on the default's

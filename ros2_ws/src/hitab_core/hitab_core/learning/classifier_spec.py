@@ -1,4 +1,4 @@
-"""How a classifier is named in text: ``tree``, ``tree(prune=True)``, ``sklearn.svm.SVC(C=10)``."""
+"""Names of classifiers in text: ``tree``, ``tree(prune=True)``, ``sklearn.svm.SVC(C=10)``."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ Compiled = Any
 """
 
 LARGEST_DRAW = math.nextafter(1.0, 0.0)
-"""What is left of a draw is rounded, but stays below 1."""
+"""Maximum remainder of a draw: rounded, but below 1."""
 
 
 class Draw(NamedTuple):
@@ -135,7 +135,7 @@ def decider(root: Compiled, likely: Likely | None = None) -> Decide:
 
     Args:
         root: a tree with `leaf_choice` leaves.
-        likely: decides where a value is missing; None: the draw does.
+        likely: decides where a value is missing; None to decide by the draw.
     """
 
     def decide(values: Values, read: Callable[[int], float], draw: Callable[[], float]) -> int:

@@ -1,4 +1,4 @@
-"""What a transition tree says where the value of a tested feature is missing.
+"""Decisions of a transition tree where the value of a tested feature is missing.
 
 The question goes down every branch, and the answers count by the examples that went there in
 training. A drawn decision goes down one of them by its draw instead, see

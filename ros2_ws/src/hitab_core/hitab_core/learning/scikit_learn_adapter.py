@@ -7,7 +7,7 @@ decision is what the classifier predicts, without a draw, and takes a thousand t
 tree's.
 
 A missing value is refused by name. It is not filled in: a made-up value would be learned like a
-demonstrated one, and nobody would see it.
+demonstrated one, and no person would notice.
 """
 
 from __future__ import annotations

@@ -71,8 +71,8 @@ class Examples:
         classes: shape (n,), the classes as 0 .. n_classes - 1.
         default: shape (n,), whether an example is a default one.
         n_classes: number of classes, including those absent from this node.
-        weights: shape (n,), the fraction of each example that is in this node, above 0; None: all
-            of each.
+        weights: shape (n,), the fraction of each example that is in this node, above 0; None for
+            all of each.
         unknown: how many examples of the node, in all, have no value of the feature.
     """
 
@@ -281,7 +281,7 @@ Leaves = Callable[[Chosen], int]
 """``leaves(chosen)`` returns how many leaves the tree has below a node that is split so."""
 
 Choose = Callable[[Sequence[Split | None], Sequence[Scale], Leaves | None], Chosen | None]
-"""``choose(candidates, scales, leaves)`` returns what to split a node by; None: nothing."""
+"""``choose(candidates, scales, leaves)`` returns what to split a node by, or None."""
 
 
 def worthy_splits(candidates: Sequence[Split | None]) -> list[tuple[int, Split]]:
@@ -309,7 +309,7 @@ def choose_split(
     Args:
         candidates: each feature's best split; None where it has none.
         scales: how the values of each feature compare.
-        leaves: grows the trees below; None: the split is chosen without looking ahead.
+        leaves: grows the trees below; None if the split is chosen without looking ahead.
         boolean_first: whether ties are broken in favor of boolean and categorical features before
             lower indices; and whether these come first if the tree has no more leaves for that.
     """

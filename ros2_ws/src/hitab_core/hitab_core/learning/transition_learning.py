@@ -24,8 +24,8 @@ from hitab_core.wording import quantity
 
 TREE = "tree"
 
-KEPT = 256
-"""How many functions are kept: saving learns from the same examples several times."""
+CACHED_MAX = 256
+"""Maximum number of functions cached: saving learns from the same examples several times."""
 
 Learn = Callable[[ArrayLike, Sequence[str], Sequence[bool]], LearnedTransition]
 """``learn(X, y, default)`` learns from the examples of one state."""
@@ -67,7 +67,7 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
 
 
 def relearned(automaton: Automaton, domain: Domain, classifier: str = TREE) -> Automaton:
-    """Return an automaton with what its examples teach; see `learn_transitions` for errors."""
+    """Return an automaton learned from its examples; see `learn_transitions` for errors."""
     scales = [domain.scale_of(use) for use in automaton.features]
     names = [str(use) for use in automaton.features]
     transitions = learn_transitions(automaton.examples, scales, classifier, names)
@@ -104,7 +104,7 @@ def learn_transitions(
         >>> {state: function.labels for state, function in functions.items()}
         {'Start': ['GoFast'], 'GoFast': ['Stop']}
     """
-    learner(classifier, scales, names)  # which checks what it is called
+    learner(classifier, scales, names)  # which checks the name
     may_miss = ClassifierSpec.parse(classifier).name == TREE
     by_state: dict[str, list[Example]] = {}
     for example in examples:
@@ -132,7 +132,7 @@ def learn_transitions(
     return functions
 
 
-@lru_cache(maxsize=KEPT)
+@lru_cache(maxsize=CACHED_MAX)
 def _learned(
     classifier: str,
     scales: tuple[Scale, ...],

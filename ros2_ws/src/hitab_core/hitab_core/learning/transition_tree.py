@@ -48,10 +48,10 @@ class TransitionTree:
     between equally good arcs of a toroidal feature.
 
     Parameters:
-        scales: how the values of each feature compare; None: all are continuous.
+        scales: how the values of each feature compare; None if all are continuous.
         min_samples_leaf: the fewest examples a branch may have; for a categorical feature, at
             least two branches must have as many.
-        max_depth: the most tests on a path; None: no limit.
+        max_depth: the most tests on a path, or None for no limit.
         prune: whether to prune as C4.5 does. An unpruned tree reproduces all examples that do not
             contradict each other.
         confidence: of pruning, in (0, 0.5]; smaller values prune more.
@@ -117,9 +117,9 @@ class TransitionTree:
             X: shape (n, m), feature values in the features' own units, n at least 1; None or NaN
                 if missing.
             y: shape (n,), labels of the next states.
-            default: shape (n,), whether an example is a default one; None: none are.
-            choose: which split of a node to take, see `tree_growth.grow`; None: the one with the
-                largest gain ratio, as C4.5.
+            default: shape (n,), whether an example is a default one; None if none are.
+            choose: which split of a node to take, see `tree_growth.grow`; None for the one with
+                the largest gain ratio, as C4.5.
 
         Raises:
             FeatureValueError: naming a feature with an infinite or out-of-scale value.

@@ -59,7 +59,7 @@ class _First:
 class _Place:
     """A node under construction: its examples and, once split, its split and branches.
 
-    ``weights`` are the fractions of the examples that are here; None: all of each.
+    ``weights`` are the fractions of the examples that are here; None for all of each.
     """
 
     rows: Integers
@@ -185,7 +185,7 @@ def _seen_through(
 
 
 def _total(weights: Floats | None, those: Booleans) -> float:
-    """Return how many examples some are; rounded once, so that it is the same on all machines."""
+    """Return a number of examples, rounded once to be the same on all machines."""
     if weights is None:
         return float(np.count_nonzero(those))
     return math.fsum(weights[those].tolist())

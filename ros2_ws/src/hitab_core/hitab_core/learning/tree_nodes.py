@@ -83,7 +83,7 @@ class Fork:
     branches: tuple[Node, ...]
 
     def branch_for(self, value: float) -> int | None:
-        """Return the index of the branch that the value takes; None: there is none for it."""
+        """Return the index of the branch that the value takes; None if there is none for it."""
         return self.test.branch_for(value)
 
 

@@ -25,7 +25,7 @@ Step = tuple[Fork, int | None]
 Interval = tuple[float, float]
 
 DIGITS = 6
-"""Of a number, unless more are needed to tell two apart."""
+"""Digits of a number, unless more are needed to tell two apart."""
 
 ROUNDING = 1e-12
 """Numbers that differ by less, as a part of them, are the same but for rounding."""
@@ -35,7 +35,7 @@ NEGLIGIBLE = 1e-300
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What a tree decides where a set of conditions holds.
+    """Decision of a tree where a set of conditions holds.
 
     Attributes:
         conditions: readable; at most one per feature.
@@ -257,7 +257,7 @@ Row = tuple[int, str, Node, tuple[Step, ...]]
 
 
 def rows(root: Node, scales: Sequence[Scale], names: Sequence[str]) -> Iterator[Row]:
-    """Yield the rows of a drawing: a branch each, below the branch that it is part of.
+    """Yield the rows of a drawing: a branch each, below its parent branch.
 
     Tests of one feature that follow each other are one row, with what they say together. Rows say
     the same of nested intervals only once, and of each what is left of the one around it.

@@ -2,7 +2,7 @@ from . import commit as commit
 from . import durable_files as durable_files
 from . import yaml_models as yaml_models
 from . import yaml_places as yaml_places
-from .behavior_file import SUFFIX as SUFFIX
+from .behavior_file import BEHAVIOR_SUFFIX as BEHAVIOR_SUFFIX
 from .behavior_file import BehaviorFile as BehaviorFile
 from .bundle import Bundle as Bundle
 from .bundle import bundle_digest as bundle_digest
@@ -15,10 +15,10 @@ from .bundle_file import read_bundle_file as read_bundle_file
 from .bundle_file import texts_with_parts as texts_with_parts
 from .differences import difference as difference
 from .digests import checksum as checksum
-from .edition import Edition as Edition
-from .edition import Editions as Editions
 from .expectation import Expectation as Expectation
 from .expectation import broken_expectations as broken_expectations
+from .loaded_library import LibraryReader as LibraryReader
+from .loaded_library import LoadedLibrary as LoadedLibrary
 from .provenance import time_now as time_now
 from .provenance import tool_name as tool_name
 from .yaml_places import kind_of as kind_of

@@ -19,13 +19,13 @@ from hitab_core.library.provenance import Provenance
 from hitab_core.use import Use
 from hitab_core.wording import quantity
 
-FORMAT = 3
+BEHAVIOR_FORMAT = 3
 """The format version that is written, and the only one that is read."""
 
 FLAG = "flag"
 """The kind of a feature that is true if the active sub-behavior has raised a flag."""
 
-SUFFIX = ".hfa.yaml"
+BEHAVIOR_SUFFIX = ".hfa.yaml"
 """Ending of a behavior file's name."""
 
 BASIC = "basic"
@@ -50,7 +50,7 @@ class BehaviorFile:
         checksum: SHA-256 of the contents.
         text: of the file.
         state_lines: line of each state, in the automaton's order.
-        expectations: that it carries.
+        expectations: stored in the file.
     """
 
     automaton: Automaton = field(compare=False)
@@ -66,18 +66,18 @@ class BehaviorFile:
 
     @property
     def name(self) -> str:
-        """What the behavior is called."""
+        """Name of the behavior."""
         return self.automaton.name
 
     @property
     def broken(self) -> list[str]:
-        """Which expectations it breaks, and what is decided instead, by line."""
+        """Broken expectations, with the actual decisions, by line."""
         return broken_expectations(self.expectations, self.automaton, file_name(self.name))
 
 
 def file_name(name: str) -> str:
     """Return the name of the file of the behavior called ``name``."""
-    return name + SUFFIX
+    return name + BEHAVIOR_SUFFIX
 
 
 def meaning_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> dict[str, str]:
@@ -121,7 +121,7 @@ def text_of(
         LibraryError: if a transition function was not learned, which cannot be stored.
     """
     content: dict[str, Any] = {
-        "format": FORMAT,
+        "format": BEHAVIOR_FORMAT,
         "name": automaton.name,
         "description": automaton.description,
         "domain": {

@@ -22,14 +22,14 @@ from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.commit import held
-from hitab_core.library.contents import Contents
+from hitab_core.library.contents import LibraryContents
 from hitab_core.library.digests import digest_of
-from hitab_core.library.durable_files import PATIENCE
-from hitab_core.library.edition import Edition, Editions
+from hitab_core.library.durable_files import LOCK_TIMEOUT_S
 from hitab_core.library.expectation import Expectation
+from hitab_core.library.library_files import LibraryFiles
+from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.library.provenance import Provenance, time_now
 from hitab_core.library.renaming import plan_renaming
-from hitab_core.library.shelf import Shelf
 from hitab_core.library.yaml_places import read_text
 from hitab_core.vocabulary import has
 
@@ -40,8 +40,8 @@ class BehaviorLibrary:
     Attributes:
         folder: that holds them; made on the first save.
         domain: in which they were trained.
-        editions: reads the files.
-        shelf: the files themselves, with all versions.
+        reader: reads the files.
+        on_disk: the files themselves, with all versions.
         generation: number of changes made through this object.
     """
 
@@ -51,7 +51,7 @@ class BehaviorLibrary:
         domain: Domain,
         *,
         clock: Callable[[], str] = time_now,
-        editions: Editions | None = None,
+        reader: LibraryReader | None = None,
     ) -> None:
         """Open a library without reading anything yet.
 
@@ -59,15 +59,15 @@ class BehaviorLibrary:
             folder: that holds its files.
             domain: in which they were trained.
             clock: returns the time, ISO 8601, to record in saved files.
-            editions: reads the files; libraries with equal contents should share one.
+            reader: reads the files; libraries with equal contents should share one.
         """
         self.folder = Path(folder)
         self.domain = domain
-        self.editions = editions or Editions(domain)
+        self.reader = reader or LibraryReader(domain)
         self.generation = 0
         self._clock = clock
-        self.shelf = Shelf(self.folder, self.editions)
-        self._contents: Contents | None = None
+        self.on_disk = LibraryFiles(self.folder, self.reader)
+        self._contents: LibraryContents | None = None
 
     # -- reading ----------------------------------------------------------------------------
 
@@ -87,27 +87,27 @@ class BehaviorLibrary:
         """
         return {name: file.automaton for name, file in self._load(strict).usable.items()}
 
-    def _load(self, strict: bool) -> Contents:
+    def _load(self, strict: bool) -> LibraryContents:
         with held(self.folder, alone=False):
-            contents = self.shelf.contents()
+            contents = self.on_disk.contents()
         problems = contents.problems
         if strict and problems:
             raise LibraryError("\n".join(problems[name] for name in sorted(problems)))
         self._contents = contents
         return contents
 
-    def edition(self, *, strict: bool = True) -> Edition:
+    def loaded(self, *, strict: bool = True) -> LoadedLibrary:
         """Read all behaviors, and return them with those of the domain.
 
         Args:
-            strict: raise if anything is wrong. Otherwise the edition says what is lost.
+            strict: raise if anything is wrong. Otherwise the loaded library says what is lost.
 
         Raises:
             LibraryError: if the folder cannot be read; if strict, naming every fault in every
                 file.
             VocabularyError: if they do not fit the domain.
         """
-        return self.shelf.edition(self._load(strict))
+        return self.on_disk.loaded(self._load(strict))
 
     @property
     def files(self) -> Mapping[str, BehaviorFile]:
@@ -116,7 +116,7 @@ class BehaviorLibrary:
 
     @property
     def problems(self) -> Mapping[str, str]:
-        """What was wrong with the others then, by behavior."""
+        """Faults of the other behaviors at that time, by behavior."""
         return {} if self._contents is None else self._contents.problems
 
     def file(self, name: str) -> BehaviorFile:
@@ -141,7 +141,9 @@ class BehaviorLibrary:
     # -- writing ----------------------------------------------------------------------------
 
     @contextmanager
-    def change(self, *, patience: float = PATIENCE, sync: bool = True) -> Iterator[LibraryChange]:
+    def change(
+        self, *, patience: float = LOCK_TIMEOUT_S, sync: bool = True
+    ) -> Iterator[LibraryChange]:
         """Lock the library to change it; nothing is written unless the change is committed.
 
         Args:
@@ -152,7 +154,7 @@ class BehaviorLibrary:
             LibraryError: if it cannot be read, or another process keeps it locked.
         """
         with held(self.folder, alone=True, patience=patience, sync=sync):
-            yield LibraryChange(self.shelf, self._clock, self._changed)
+            yield LibraryChange(self.on_disk, self._clock, self._changed)
 
     def save(
         self,
@@ -165,7 +167,7 @@ class BehaviorLibrary:
         """Add a behavior, or a new version of it.
 
         Args:
-            automaton: trained; its transition functions must be what its examples teach.
+            automaton: trained; its transition functions must follow from its examples.
             classifier: that learned them.
             agent: the agent that was trained.
             note: free text.
@@ -180,7 +182,7 @@ class BehaviorLibrary:
         with self.change() as change:
             change.save(automaton, classifier, Provenance(agent=agent, note=note))
             change.commit()
-        return self.shelf.file(automaton.name)
+        return self.on_disk.file(automaton.name)
 
     def remove(self, name: str, *, anyway: bool = False) -> list[str]:
         """Remove a behavior; its versions stay and can be restored.
@@ -229,12 +231,12 @@ class BehaviorLibrary:
         """
         with self.change() as change:
             edited = {}
-            for name in names or self.shelf.names():
-                path = self.shelf.file(name)
+            for name in names or self.on_disk.names():
+                path = self.on_disk.file(name)
                 text = read_text(path)
                 edited[name] = read_behavior(text, path.name, self.domain, accepting=True)
             accepted = []
-            while edited:  # each after what it uses; if they are recursive, saving refuses them
+            while edited:  # each after its parts; if they are recursive, saving refuses them
                 made_of = {name: file.automaton.behaviors_used for name, file in edited.items()}
                 name = min(edited, key=lambda name: len(made_of[name] & made_of.keys()))
                 file = edited.pop(name)
@@ -288,9 +290,9 @@ class BehaviorLibrary:
         """Return whether any version of a behavior has this checksum."""
         if name in self.files and self.files[name].checksum == checksum:
             return True
-        for number in reversed(self.shelf.versions(name)):
+        for number in reversed(self.on_disk.versions(name)):
             with suppress(LibraryError):
-                if self.shelf.version(name, number).checksum == checksum:
+                if self.on_disk.version(name, number).checksum == checksum:
                     return True
         return False
 
@@ -304,7 +306,7 @@ class BehaviorLibrary:
             LibraryError: if there is no such version, or it does not fit the library now.
         """
         with self.change() as change:
-            earlier = self.shelf.version(name, number)
+            earlier = self.on_disk.version(name, number)
             provenance = replace(earlier.provenance, note=f"version {number} restored")
             kept = change.before.readable.get(name, earlier).expectations
             change.save(
@@ -315,7 +317,7 @@ class BehaviorLibrary:
                 expectations=kept,
             )
             change.commit()
-        return self.shelf.file(name)
+        return self.on_disk.file(name)
 
     # -- inside -----------------------------------------------------------------------------
 

@@ -16,7 +16,7 @@ from hitab_core.example import CYCLE_MAX, ExampleKind
 from hitab_core.library.behavior_file import FLAG
 from hitab_core.library.yaml_models import Record, among, read_use
 from hitab_core.library.yaml_places import kind_of
-from hitab_core.use import NAME_RULE
+from hitab_core.use import VOCABULARY_NAME_RULE
 
 
 def _matching(pattern: str, told: str) -> AfterValidator:
@@ -40,12 +40,12 @@ def _whole(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-Name = Annotated[str, _matching("[A-Za-z][A-Za-z0-9_]*", f"a name; {NAME_RULE}")]
+Name = Annotated[str, _matching("[A-Za-z][A-Za-z0-9_]*", f"a name; {VOCABULARY_NAME_RULE}")]
 Digest = Annotated[
     str, _matching("[0-9a-f]{64}", "a digest (64 characters 0-9 and a-f); was it cut off?")
 ]
 Count = Annotated[int, Field(ge=0, le=CYCLE_MAX), BeforeValidator(_whole)]
-Number = Annotated[Count, Field(ge=1)]
+PositiveCount = Annotated[Count, Field(ge=1)]
 Value = Annotated[float | None, PlainValidator(_value)]
 Used = Annotated[str, AfterValidator(read_use)]
 
@@ -63,7 +63,7 @@ class ExpectationRecord(Record):
 class NumbersRecord(Record):
     """The numbers that the next state of an example was commanded with."""
 
-    example: Number
+    example: PositiveCount
     values: list[Annotated[float, Field(allow_inf_nan=False)]]
 
 
@@ -96,7 +96,7 @@ class FeatureRecord(Record):
 class ExampleRecord(Record):
     """An example, with one value per feature."""
 
-    number: Number
+    number: PositiveCount
     state: str
     features: list[Value]
     next_state: str
@@ -108,16 +108,16 @@ class ExampleRecord(Record):
 
 
 class ReadingRecord(Record):
-    """What else could be read when a command was given."""
+    """Further readings at the time of a command."""
 
     command: Count
     values: list[Value]
 
 
 class ProvenanceRecord(Record):
-    """Where a behavior comes from."""
+    """Origin of a behavior."""
 
-    version: Number
+    version: PositiveCount
     created: str
     author: str
     agent: str

@@ -7,15 +7,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core.automaton import FLAGS, RESERVED, START, Automaton
+from hitab_core.automaton import FLAGS, RESERVED_NAMES, START, Automaton
 from hitab_core.domain import Domain, FeatureKind, Scale
 from hitab_core.errors import HitabError, VocabularyError, newer_format
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.library.behavior_file import (
-    FORMAT,
-    SUFFIX,
+    BEHAVIOR_FORMAT,
+    BEHAVIOR_SUFFIX,
     BehaviorFile,
     feature_record,
     file_name,
@@ -27,7 +27,7 @@ from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, Place, read_yaml
 from hitab_core.number import wrong_with
 from hitab_core.regression import learn_numbers
-from hitab_core.remedies import Do, Remedy
+from hitab_core.remedies import Fix, Remedy
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 from hitab_core.vocabulary import has, unknown
@@ -46,7 +46,7 @@ def read_behavior(
         text: of the file.
         file: its name, for errors.
         domain: in which it must have been trained.
-        name: that it must have; by default that of the file.
+        name: required of the behavior; by default that of the file.
         accepting: accept an edited text whatever its digests.
 
     Raises:
@@ -59,7 +59,7 @@ def read_behavior(
         complaints.add(
             ("checksum",),
             "the checksum does not match the file: it was edited or damaged",
-            Do.ACCEPT(file=file),
+            Fix.ACCEPT(file=file),
         )
     # Here because pydantic is slow to import.
     from hitab_core.library.behavior_model import BehaviorRecord
@@ -69,16 +69,16 @@ def read_behavior(
     if record is None:
         complaints.raise_any()  # what follows relies on the form
     reader = _Reader(document, record, domain, complaints, accepting)
-    return reader.read(name or file.removesuffix(SUFFIX), text)
+    return reader.read(name or file.removesuffix(BEHAVIOR_SUFFIX), text)
 
 
 def _check_format(content: Any, complaints: Complaints) -> None:
     found = content.get("format") if isinstance(content, dict) else None
-    if found == FORMAT and not isinstance(found, bool):
+    if found == BEHAVIOR_FORMAT and not isinstance(found, bool):
         return
-    wrong = f"is not a behavior file of format {FORMAT}, the one that this HiTAB reads"
-    if isinstance(found, int) and found > FORMAT:
-        wrong = newer_format(found, FORMAT)
+    wrong = f"is not a behavior file of format {BEHAVIOR_FORMAT}, the one that this HiTAB reads"
+    if isinstance(found, int) and found > BEHAVIOR_FORMAT:
+        wrong = newer_format(found, BEHAVIOR_FORMAT)
     complaints.add(("format",), f"{wrong}, or save the behavior with the version that wrote it")
     complaints.raise_any()
 
@@ -94,7 +94,7 @@ class _Reader:
     def __post_init__(self) -> None:
         self._content: dict[str, Any] = self._document.value
         self._before = len(self._complaints)
-        self._accept = Do.ACCEPT(file=self._document.file)
+        self._accept = Fix.ACCEPT(file=self._document.file)
 
     def read(self, name: str, text: str) -> BehaviorFile:
         content = self._content
@@ -160,7 +160,7 @@ class _Reader:
             self._complaints.raise_any()
 
     def _check_meaning(self, states: Sequence[Use], features: Sequence[Use]) -> None:
-        """Check that what it uses means what it did; other words may have come and gone."""
+        """Check that all used words mean the same as before; unused ones may have changed."""
         stated, domain = self._content["domain"], self._domain
         ours = meaning_of(states, features, domain)
         # An edited file may use other words than it says.
@@ -169,8 +169,8 @@ class _Reader:
         if not same and not self._accepting:
             self._complain(
                 f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
-                f"{stated['signature']} of what it uses), but this is version {ours['version']} "
-                f"(signature {ours['signature']}); if what it uses no longer means the same, give "
+                f"{stated['signature']} of its parts), but this is version {ours['version']} "
+                f"(signature {ours['signature']}); if its parts no longer mean the same, give "
                 "it up and train it again",
                 "domain",
                 remedy=self._accept,
@@ -184,7 +184,7 @@ class _Reader:
                 f'rename the file to "{file_name(name)}", or give the behavior the file\'s name',
                 "name",
             )
-        if name in RESERVED or name in domain.behaviors:
+        if name in RESERVED_NAMES or name in domain.behaviors:
             self._complain(
                 f'"{name}" is a basic behavior of domain "{domain.name}", or reserved; '
                 "choose another name",
@@ -192,7 +192,7 @@ class _Reader:
             )
         parameters = self._content["parameters"]
         for i, parameter in enumerate(parameters):
-            if parameter in domain.targets or parameter in (*RESERVED, *parameters[:i]):
+            if parameter in domain.targets or parameter in (*RESERVED_NAMES, *parameters[:i]):
                 self._complain(
                     f'parameter "{parameter}" is also a target, reserved, or there twice; '
                     "rename it",

@@ -11,7 +11,7 @@ import yaml
 from hitab_core.library.yaml_places import means_itself
 
 Rules = Mapping[str, Sequence[str]]
-"""What is learned for each state, in words; written as comments."""
+"""Learned rules of each state, in words; written as comments."""
 
 _RIGHT = ("number", "features", "command", "cycle", "ago", "values")
 """Keys whose values are aligned to the right."""

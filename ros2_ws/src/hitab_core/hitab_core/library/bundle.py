@@ -11,14 +11,14 @@ from hitab_core.hierarchy import in_order
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.check import misfits
-from hitab_core.library.edition import Edition, Editions
+from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.repertoire import Repertoire
 from hitab_core.vocabulary import has
 
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Behavior files, each after those that it uses; the last is the behavior to send.
+    """Behavior files, each after its parts; the last is the behavior to send.
 
     Attributes:
         files: pairs of behavior name and file text.
@@ -53,7 +53,7 @@ def make_bundle(texts: Mapping[str, str], repertoire: Repertoire, name: str) -> 
         name: of the behavior.
 
     Raises:
-        LibraryError: if the behavior, or one that it uses, has not been saved.
+        LibraryError: if the behavior, or a part of it, has not been saved.
     """
     try:
         needed = repertoire.needed_by(name)
@@ -75,33 +75,33 @@ def make_bundle(texts: Mapping[str, str], repertoire: Repertoire, name: str) -> 
     return Bundle(made, bundle_digest(made))
 
 
-def plan_bundle(change: LibraryChange, bundle: Bundle) -> Edition:
+def plan_bundle(change: LibraryChange, bundle: Bundle) -> LoadedLibrary:
     """Plan to add the behaviors of a bundle to a library: all or none.
 
     A sound copy of a lost behavior brings it back, and all that is made of it.
 
     Returns:
-        The library's edition after the change.
+        The library as loaded after the change.
 
     Raises:
         LibraryError: naming everything wrong with it, or what else could no longer be used.
         VocabularyError: if they do not fit the domain.
     """
     change.install(dict(bundle.files))
-    return change.edition()
+    return change.loaded()
 
 
-def digest_in(edition: Edition, names: Iterable[str]) -> str:
-    """Return the digest of these behaviors' files in an edition, in the order given."""
-    return bundle_digest(tuple((name, edition.files[name].text) for name in names))
+def digest_in(loaded: LoadedLibrary, names: Iterable[str]) -> str:
+    """Return the digest of these behaviors' files in a loaded library, in the order given."""
+    return bundle_digest(tuple((name, loaded.files[name].text) for name in names))
 
 
-def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
-    """Return the files of a bundle by name, each after those that it uses.
+def read_bundle(bundle: Bundle, reader: LibraryReader) -> dict[str, BehaviorFile]:
+    """Return the files of a bundle by name, each after its parts.
 
     Args:
         bundle: what was received.
-        editions: reads the files, and caches them.
+        reader: reads the files, and caches them.
 
     Raises:
         LibraryError: naming everything wrong with it.
@@ -114,12 +114,12 @@ def read_bundle(bundle: Bundle, editions: Editions) -> dict[str, BehaviorFile]:
             f'the bundle of "{bundle.name}" has digest {found[:16]}… instead of '
             f"{bundle.digest[:16]}…: it was corrupted in transit; send it again"
         )
-    files = editions.read_all(dict(bundle.files))
-    problems = list(misfits(files, editions.domain)[0].values())
+    files = reader.read_all(dict(bundle.files))
+    problems = list(misfits(files, reader.domain)[0].values())
     if not problems and not _is_well_packed(bundle, files):
         problems.append(
-            f'"{bundle.name}" is not packed with what it is made of and nothing else, each once '
-            "and after what it uses; pack it again"
+            f'"{bundle.name}" is not packed with all of its parts and nothing else, each once '
+            "and after its own parts; pack it again"
         )
     if problems:
         raise LibraryError("\n".join(problems))

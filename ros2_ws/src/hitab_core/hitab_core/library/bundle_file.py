@@ -23,7 +23,7 @@ from hitab_core.vocabulary import has
 if TYPE_CHECKING:
     from hitab_core.library.bundle_model import BundleFile
 
-FORMAT = 1
+BUNDLE_FORMAT = 1
 """The format version that is written, and the newest that is read."""
 
 OWN_KEYS = re.compile(r"^(digest|files):", re.MULTILINE)
@@ -60,11 +60,11 @@ def bundle_file_text(texts: Mapping[str, str], domain: str) -> str:
     """Return the text of a file with some behaviors, given the texts of their files.
 
     Args:
-        texts: by name, each after those that it uses.
+        texts: by name, each after its parts.
         domain: name of the domain in which they were trained.
     """
     content = {
-        "format": FORMAT,
+        "format": BUNDLE_FORMAT,
         "domain": domain,
         "digest": bundle_digest(tuple(texts.items())),
         "files": {name: _Block(text) for name, text in texts.items()},
@@ -74,7 +74,7 @@ def bundle_file_text(texts: Mapping[str, str], domain: str) -> str:
 
 
 def read_bundle_file(path: Path) -> BundleFile:
-    """Read a file; whether its behaviors are sound is up to `Editions.read_all`.
+    """Read a file; whether its behaviors are sound is up to `LibraryReader.read_all`.
 
     Raises:
         LibraryError: naming everything wrong with it.
@@ -87,7 +87,7 @@ def read_bundle_file(path: Path) -> BundleFile:
     from hitab_core.library.bundle_model import BundleFile
     from hitab_core.library.yaml_models import open_record
 
-    bundle = open_record(BundleFile, read_yaml(text, str(path)), FORMAT)
+    bundle = open_record(BundleFile, read_yaml(text, str(path)), BUNDLE_FORMAT)
     if bundle_digest(tuple(bundle.texts.items())) != bundle.digest:
         raise LibraryError(
             f"{path}: its digest does not fit its contents: it was edited or damaged; export it "

@@ -21,7 +21,7 @@ class BundleFile(Record):
     Attributes:
         domain: name of the domain in which they were trained.
         digest: of the texts.
-        texts: of the files, by behavior name, each after those that it uses.
+        texts: of the files, by behavior name, each after its parts.
     """
 
     format: Format = 1

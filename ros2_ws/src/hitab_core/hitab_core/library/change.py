@@ -9,11 +9,11 @@ from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
 from hitab_core.library.commit import Changes, announce, commit
-from hitab_core.library.contents import Contents, Losses
-from hitab_core.library.edition import Edition
+from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.expectation import Expectation, broken_expectations
+from hitab_core.library.library_files import LibraryFiles
+from hitab_core.library.loaded_library import LoadedLibrary
 from hitab_core.library.provenance import Provenance, tool_name
-from hitab_core.library.shelf import Shelf
 from hitab_core.vocabulary import has
 from hitab_core.wording import quantity
 
@@ -26,47 +26,47 @@ class LibraryChange:
 
     Attributes:
         before, contents: of the library before the change, and after it.
-        changed: the planned files, by name; None: to be removed.
+        changed: the planned files, by name; None for a removed file.
         numbers: of the versions that the planned files will be, by name.
         note: identifies the change once it is announced.
     """
 
     def __init__(
         self,
-        shelf: Shelf,
+        on_disk: LibraryFiles,
         clock: Callable[[], str],
         done: Callable[[LibraryChange], None],
     ) -> None:
         """Start planning.
 
         Args:
-            shelf: whose folder is locked exclusively as long as this is used.
+            on_disk: whose folder is locked exclusively as long as this is used.
             clock: returns the time, ISO 8601, to record in saved files.
             done: called once the change is made.
         """
-        self.before = self.contents = shelf.contents()
+        self.before = self.contents = on_disk.contents()
         self.note = b""
         self.changed: dict[str, BehaviorFile | None] = {}
         self.numbers: dict[str, int] = {}
-        self._shelf = shelf
-        self._editions = shelf.editions
-        self._domain = shelf.editions.domain
+        self._on_disk = on_disk
+        self._reader = on_disk.reader
+        self._domain = on_disk.reader.domain
         self._clock = clock
         self._done = done
         self._changes: dict[str, bytes | None] = {}
 
     @property
-    def losses(self) -> Losses:
+    def losses(self) -> LostBehaviors:
         """The behaviors that cannot be used after the change."""
-        return self._shelf.losses(self.contents)
+        return self._on_disk.losses(self.contents)
 
-    def edition(self) -> Edition:
-        """Return the library's edition after the change.
+    def loaded(self) -> LoadedLibrary:
+        """Return the loaded library after the change.
 
         Raises:
             VocabularyError: if its behaviors do not fit the domain.
         """
-        return self._shelf.edition(self.contents)
+        return self._on_disk.loaded(self.contents)
 
     # -- planning ---------------------------------------------------------------------------
 
@@ -88,14 +88,14 @@ class LibraryChange:
             provenance: where it comes from.
             edited: whether a person has made its file, and accepts it now.
             restored: whether a person brings an earlier version back.
-            expectations: that it carries; None: those that it had so far.
+            expectations: to store; None to keep the present ones.
 
         Raises:
             LibraryError: if it does not fit the library, breaks an expectation that blocks, or the
                 behavior of its name is lost: only a person replaces that.
         """
         name = automaton.name
-        path = self._shelf.file(name)
+        path = self._on_disk.file(name)
         if not (edited or restored) and name in self.contents.problems:
             losses = self.losses
             raise LibraryError(refused_name(name, "saved", losses), *losses.remedies[name])
@@ -110,7 +110,7 @@ class LibraryChange:
             )
         # An edited file becomes the new version itself, so do not keep it as an earlier one.
         kept = {} if edited else self._unkept(name)
-        number = self._shelf.next_number(name, kept)
+        number = self._on_disk.next_number(name, kept)
         text = text_of(
             automaton,
             self._domain,
@@ -126,12 +126,12 @@ class LibraryChange:
             expectations=expectations,
         )
         try:
-            new = self._editions.read(text, path.name)
+            new = self._reader.read(text, path.name)
         except LibraryError as error:
             raise LibraryError(f'"{name}" cannot be saved:\n{error}') from None
         self._check_fit({name: new})
         self.numbers[name] = new.provenance.version
-        addition = self._shelf.addition(name, new.provenance.version, text)
+        addition = self._on_disk.addition(name, new.provenance.version, text)
         self._plan({**kept, **addition}, {name: new})
         return new
 
@@ -145,7 +145,7 @@ class LibraryChange:
             LibraryError: naming what is wrong.
         """
         new = {
-            name: self._editions.read(text, self._shelf.file(name).name)
+            name: self._reader.read(text, self._on_disk.file(name).name)
             for name, text in texts.items()
         }
         self._check_fit(new)
@@ -155,8 +155,8 @@ class LibraryChange:
         changes: dict[str, bytes | None] = {}
         for name in changed:
             changes |= self._unkept(name)
-            number = self.numbers[name] = self._shelf.next_number(name, changes)
-            changes |= self._shelf.addition(name, number, texts[name])
+            number = self.numbers[name] = self._on_disk.next_number(name, changes)
+            changes |= self._on_disk.addition(name, number, texts[name])
         self._plan(changes, new)
         return changed
 
@@ -173,21 +173,23 @@ class LibraryChange:
         Raises:
             LibraryError: if it is missing, or other behaviors use it.
         """
-        names = self._shelf.names()
+        names = self._on_disk.names()
         if name not in names:
-            raise LibraryError(f'{self._shelf.path}: has no behavior "{name}" {has(names, name)}')
+            raise LibraryError(
+                f'{self._on_disk.path}: has no behavior "{name}" {has(names, name)}'
+            )
         before = self.contents.problems
         self._plan({**self._unkept(name), file_name(name): None}, {name: None})
         broken = sorted(self.contents.problems.keys() - before.keys())
         if broken and not anyway:
             raise LibraryError(
-                f'{self._shelf.path}: "{name}" cannot be deleted: {", ".join(broken)} could no '
+                f'{self._on_disk.path}: "{name}" cannot be deleted: {", ".join(broken)} could no '
                 "longer be used; delete these first"
             )
         return sorted(self.contents.problems.keys() & self.contents.all_users(name))
 
     def replaced(self, name: str) -> str:
-        """Return the number of a planned version and what it replaces; "" if nothing.
+        """Return the number of a planned version and the replaced version; "" if none.
 
         Such as ``version 7, replaces version 6 (12 examples)``.
         """
@@ -215,7 +217,7 @@ class LibraryChange:
         Raises:
             LibraryError: if it cannot be written; nothing has changed.
         """
-        commit(self._shelf.path, self._changes)
+        commit(self._on_disk.path, self._changes)
         self._done(self)
 
     def announce(self) -> None:
@@ -227,7 +229,7 @@ class LibraryChange:
             LibraryError: if it cannot be written; nothing has changed.
         """
         if self._changes:
-            self.note = announce(self._shelf.path, self._changes)
+            self.note = announce(self._on_disk.path, self._changes)
         self._done(self)
 
     # -- inside -----------------------------------------------------------------------------
@@ -237,17 +239,17 @@ class LibraryChange:
         self.changed |= files
         self.contents = self._with(files)
 
-    def _with(self, files: Mapping[str, BehaviorFile | None]) -> Contents:
+    def _with(self, files: Mapping[str, BehaviorFile | None]) -> LibraryContents:
         """Return the contents with some files changed."""
         now = self.contents
         readable = {name: file for name, file in now.readable.items() if name not in files}
         readable |= {name: file for name, file in files.items() if file is not None}
         unreadable = {name: text for name, text in now.unreadable.items() if name not in files}
-        return self._shelf.contents_of(readable, unreadable)
+        return self._on_disk.contents_of(readable, unreadable)
 
     def _unkept(self, name: str) -> Changes:
         there = self.contents.usable.get(name)
-        return self._shelf.unkept(name, 0 if there is None else there.provenance.version)
+        return self._on_disk.unkept(name, 0 if there is None else there.provenance.version)
 
     def _as_it_is(self, used: str) -> str:
         if used in self.contents.usable:
@@ -257,8 +259,8 @@ class LibraryChange:
     def _earlier(self, name: str) -> str:
         if name in self.contents.usable:
             return self.contents.usable[name].checksum
-        sound = self._shelf.sound_version(name)
-        return "" if sound is None else self._shelf.version(name, sound).checksum
+        sound = self._on_disk.sound_version(name)
+        return "" if sound is None else self._on_disk.version(name, sound).checksum
 
     def _check_fit(self, new: Mapping[str, BehaviorFile]) -> None:
         """Refuse files that do not fit together, so that a library never gets worse."""
@@ -271,7 +273,7 @@ class LibraryChange:
             )
 
 
-def refused_name(name: str, done: str, losses: Losses) -> str:
+def refused_name(name: str, done: str, losses: LostBehaviors) -> str:
     """Return why the name of a lost behavior is not given to another.
 
     Args:

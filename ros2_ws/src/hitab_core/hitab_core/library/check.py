@@ -24,12 +24,12 @@ def misfits(
         files: the behaviors that could be read, by name.
         domain: gives the basic behaviors and the hand-written automata.
         unreadable: names of the others; behaviors that use them cannot be used either.
-        deleted: returns the newest version of a behavior that has no file; None: there is none.
+        deleted: returns the newest version of a behavior without a file, or None.
 
     Returns:
         What is wrong with files, by name, each a text with one line per complaint; and all that
-        is lost, unreadable files and hand-written automata included, each with the parts that it
-        is lost for. None: it is a cause of its own.
+        is lost, unreadable files and hand-written automata included, each with the lost
+        parts. None marks a cause.
     """
     lost: dict[str, list[str]] = {name: [] for name in unreadable}
     circles: dict[str, list[str]] = {}

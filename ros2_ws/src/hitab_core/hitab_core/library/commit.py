@@ -17,7 +17,7 @@ from pathlib import Path
 
 from hitab_core.errors import LibraryError
 from hitab_core.library.durable_files import (
-    PATIENCE,
+    LOCK_TIMEOUT_S,
     UNFINISHED,
     file_errors,
     locked,
@@ -30,7 +30,7 @@ COMMIT = ".commit.json"
 """The note, which describes the change to make."""
 
 Changes = Mapping[str, bytes | None]
-"""New contents of files, by path in the folder; None: remove the file."""
+"""New contents of files, by path in the folder; None to remove the file."""
 
 _INSIDE = re.compile(r"(\.?[A-Za-z0-9][A-Za-z0-9_.-]*/)*\.?[A-Za-z0-9][A-Za-z0-9_.-]*\Z")
 _HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]+)\n")
@@ -38,7 +38,7 @@ _HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]+)\n")
 
 @contextmanager
 def held(
-    folder: Path, *, alone: bool, patience: float = PATIENCE, sync: bool = True
+    folder: Path, *, alone: bool, patience: float = LOCK_TIMEOUT_S, sync: bool = True
 ) -> Iterator[None]:
     """Lock a folder: exclusively (``alone``) to write, or shared to read. Do not nest.
 

@@ -1,4 +1,4 @@
-"""What a library folder holds: the behaviors that can be used, and why the others cannot."""
+"""Contents of a library folder: usable behaviors, and why the others are lost."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hitab_core.automaton import RESERVED
+from hitab_core.automaton import RESERVED_NAMES
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
-from hitab_core.remedies import Do, Remedy
-from hitab_core.use import NAME
+from hitab_core.remedies import Fix, Remedy
+from hitab_core.use import VOCABULARY_NAME
 from hitab_core.wording import quantity
 
 
 @dataclass(frozen=True)
-class Losses:
+class LostBehaviors:
     """The behaviors of a library that cannot be used.
 
     Nothing stands in for a lost behavior, not even a basic behavior of its name: who asks for it
@@ -24,7 +24,7 @@ class Losses:
 
     Attributes:
         reasons: why, as a sentence, by name.
-        faults: one per cause: what is wrong, and what it is needed for.
+        faults: one per cause: what is wrong, and which behaviors need the lost one.
         remedies: of the cause, by name.
         unread: why the folder cannot be read, so that more may be lost; empty if it can.
     """
@@ -35,7 +35,7 @@ class Losses:
     unread: str = ""
 
     @classmethod
-    def of_unread(cls, why: str, domain: Domain) -> Losses:
+    def of_unread(cls, why: str, domain: Domain) -> LostBehaviors:
         """Return the losses of a folder that cannot be read.
 
         Any hand-written automaton may have been trained anew there, so none can be used.
@@ -49,14 +49,14 @@ class Losses:
 
     @property
     def ways_out(self) -> tuple[Remedy, ...]:
-        """What a person can do about the only cause; about several, see them all."""
+        """Remedies for the only cause; for several causes, a list of them."""
         if len(self.faults) == 1 and self.remedies:
             return next(iter(self.remedies.values()))
-        return (Do.CHECK_LIBRARY(),) * bool(self)
+        return (Fix.CHECK_LIBRARY(),) * bool(self)
 
 
 @dataclass(frozen=True)
-class Contents:
+class LibraryContents:
     """The behavior files of a folder, sorted by whether they can be used.
 
     Attributes:
@@ -92,12 +92,12 @@ class Contents:
             waiting += more
         return found - {name}
 
-    def losses(self, folder: Path, sound_version: Callable[[str], int | None]) -> Losses:
+    def losses(self, folder: Path, sound_version: Callable[[str], int | None]) -> LostBehaviors:
         """Return what is lost.
 
         Args:
             folder: of the files.
-            sound_version: returns the newest version of a behavior that can be read; None: none.
+            sound_version: returns the newest readable version of a behavior, or None.
         """
         reasons: dict[str, str] = {}
         remedies: dict[str, tuple[Remedy, ...]] = {}
@@ -118,28 +118,28 @@ class Contents:
             f"{reasons[cause]}; it is needed for {', '.join(others)}" if others else reasons[cause]
             for cause, others in concerned.items()
         )
-        return Losses(reasons, faults, remedies)
+        return LostBehaviors(reasons, faults, remedies)
 
     def _remedies(
         self, cause: str, folder: Path, sound_version: Callable[[str], int | None]
     ) -> tuple[Remedy, ...]:
         """Return what a person can do about a lost behavior that no other explains."""
         file = folder / file_name(cause)
-        if NAME.match(cause) is None or cause in RESERVED:
-            return (Do.MOVE_AWAY(file=file),)
+        if VOCABULARY_NAME.match(cause) is None or cause in RESERVED_NAMES:
+            return (Fix.MOVE_AWAY(file=file),)
         accepted: list[Remedy] = []
         gone = frozenset({cause})
         if cause in self.unreadable:
-            accepted = [Do.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
-        else:  # its own file is sound; perhaps what it uses was deleted
+            accepted = [Fix.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
+        else:  # its own file is sound; perhaps a part was deleted
             gone = self.readable[cause].automaton.behaviors_used - self.readable.keys()
         restored = [
-            Do.RESTORE(behavior=name, version=version, folder=folder)
+            Fix.RESTORE(behavior=name, version=version, folder=folder)
             for name in sorted(gone)
             if (version := sound_version(name)) is not None
         ]
-        others = [Do.SEND(behavior=cause), Do.PUT_INTACT(file=file)] if cause in gone else []
-        given_up = Do.DELETE(behavior=cause, folder=folder)
+        others = [Fix.SEND(behavior=cause), Fix.PUT_INTACT(file=file)] if cause in gone else []
+        given_up = Fix.DELETE(behavior=cause, folder=folder)
         return (*accepted, *(restored or others), given_up)
 
     def _reason(self, folder: Path, way: list[str]) -> str:

@@ -21,7 +21,7 @@ from hitab_core.errors import FolderInUseError, HitabError, LibraryError
 UNFINISHED = ".tmp"
 """Suffix of a file that is being written; leftovers after a crash mean nothing."""
 
-PATIENCE = 10.0
+LOCK_TIMEOUT_S = 10.0
 """Seconds to wait for another process to finish with a folder."""
 
 _REMEDIES = {
@@ -150,7 +150,7 @@ def write_durably(path: Path, data: bytes, *, sync: bool = True) -> None:
 
 
 @contextmanager
-def locked(folder: Path, *, alone: bool, patience: float = PATIENCE) -> Iterator[None]:
+def locked(folder: Path, *, alone: bool, patience: float = LOCK_TIMEOUT_S) -> Iterator[None]:
     """Lock a folder: shared, to read, or exclusively (``alone``), to write.
 
     It is a kernel lock, so it ends with the process, however that ends.

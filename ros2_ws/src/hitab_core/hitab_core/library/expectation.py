@@ -15,7 +15,7 @@ KEY = "expectations"
 
 @dataclass(frozen=True)
 class Expectation:
-    """What must be decided in a situation, whatever is learned.
+    """Required decision in a situation.
 
     Attributes:
         name: unique in the behavior.
@@ -23,7 +23,7 @@ class Expectation:
         features: the situation, by feature, in the units of the domain.
         next_state: what is to be decided.
         blocks: whether nothing else is saved under the behavior's name.
-        line: of the file; 0: of none.
+        line: of the file; 0 without a line.
     """
 
     name: str
@@ -92,12 +92,12 @@ class Expectation:
 def broken_expectations(
     expectations: Iterable[Expectation], automaton: Automaton, file: str = ""
 ) -> list[str]:
-    """Return which expectations an automaton breaks, and what it decides instead.
+    """Return which expectations an automaton breaks, with its actual decisions.
 
     Args:
         expectations: to check.
         automaton: that decides.
-        file: the name of the file that has them; empty: they are named without their lines.
+        file: the name of the file that has them; empty if they are named without their lines.
     """
     return [
         f"{file}:{one.line}: {told}" if file and one.line else told

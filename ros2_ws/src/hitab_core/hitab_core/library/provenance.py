@@ -1,4 +1,4 @@
-"""Where a behavior comes from."""
+"""Origin of a behavior."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hitab_core.installation import installed_version
 
 @dataclass(frozen=True, slots=True)
 class Provenance:
-    """Where a behavior comes from.
+    """Origin of a behavior.
 
     Attributes:
         version: number of times it was saved.

@@ -13,7 +13,7 @@ from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
-from hitab_core.use import NAME, NAME_RULE, Use
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use
 from hitab_core.vocabulary import has
 
 
@@ -25,8 +25,8 @@ def plan_renaming(
     Args:
         change: of the library.
         domain: in which the behaviors were trained.
-        old: the name that it has.
-        new: the name that it gets.
+        old: the present name.
+        new: the next name.
         with_users: change the behaviors that use it, too.
 
     Returns:
@@ -46,8 +46,8 @@ def plan_renaming(
         )
     if old not in files:
         raise LibraryError(f'there is no behavior "{old}" {has(files, old)}')
-    if NAME.match(new) is None:
-        raise LibraryError(f'"{old}" cannot be called "{new}"; {NAME_RULE}')
+    if VOCABULARY_NAME.match(new) is None:
+        raise LibraryError(f'"{old}" cannot be called "{new}"; {VOCABULARY_NAME_RULE}')
     if new in files or new in domain.behaviors or new in domain.automata:
         raise LibraryError(f'"{old}" cannot be called "{new}": that name is taken; choose another')
     users = change.before.users(old)
@@ -102,7 +102,7 @@ def _renamed(file: BehaviorFile, domain: Domain, old: str, new: str) -> Automato
 
 
 def _rules(file: BehaviorFile, old: str = "", new: str = "") -> Counter[tuple[Any, ...]]:
-    """Return what its trees decide, with another name for one of its states."""
+    """Return an automaton's trees with another name for one of its states."""
 
     def label(text: str) -> str:
         return new + text.removeprefix(old) if text.partition("(")[0] == old else text

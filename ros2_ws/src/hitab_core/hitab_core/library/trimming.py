@@ -1,4 +1,4 @@
-"""Prepares an automaton for saving: trims what it does not need and binds its targets.
+"""Prepares an automaton for saving: trims unneeded parts and binds its targets.
 
 Source: the paper, section 3, "Running HiTAB": before a behavior is saved, unused states and
 features are trimmed, and parameters bound to a target or to a parameter of the automaton itself.
@@ -18,20 +18,20 @@ from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import described, nodes
 from hitab_core.repertoire import Repertoire
 from hitab_core.transition_function import TransitionFunction
-from hitab_core.use import NAME, NAME_RULE, Use
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use
 from hitab_core.vocabulary import has
 
 
 def trim(
     automaton: Automaton, repertoire: Repertoire, *, classifier: str = "tree"
 ) -> tuple[Automaton, list[str]]:
-    """Return an automaton without the states and features that it does not need.
+    """Return an automaton without unneeded states and features.
 
     A state is needed if an example mentions it, a feature if a transition function can look at it
-    or if it is required: then nothing is done without it, in whatever state.
+    or if the behavior requires it in every state.
     The trimmed automaton decides exactly as before, and notes the features chosen, so that its
-    training can be resumed with them. A C4.5 tree depends a little even on features
-    that it does not use in the end: if leaving one out would change a decision, it is kept.
+    training can be resumed with them. A C4.5 tree depends a little even on unused
+    features: one that would change a decision if left out is kept.
 
     Args:
         automaton: as trained.
@@ -109,8 +109,10 @@ def rebind(
             raise VocabularyError(
                 f'"{old}" is not in automaton "{automaton.name}" {has(there, old)}'
             )
-        if "(" not in old and NAME.match(new) is None:
-            raise VocabularyError(f'"{new}" cannot be a target or parameter; {NAME_RULE}')
+        if "(" not in old and VOCABULARY_NAME.match(new) is None:
+            raise VocabularyError(
+                f'"{new}" cannot be a target or parameter; {VOCABULARY_NAME_RULE}'
+            )
 
     def bound(use: Use) -> Use:
         whole = bindings.get(str(use)) if use.arguments else None

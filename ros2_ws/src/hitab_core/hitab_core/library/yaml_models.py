@@ -148,7 +148,7 @@ Names = Annotated[dict[str, str], NONE_IS_EMPTY]
 
 
 def read_record(model: type[R], value: Any, complaints: Complaints) -> R | None:
-    """Read the content of a document; None: there are complaints."""
+    """Read the content of a document; None after complaints."""
     records: dict[int, type[Record]] = {}
     try:
         return model.model_validate(value, context=records)
@@ -222,4 +222,4 @@ _WANTED = {
     "too_short": "a list of at least {min_length}",
     "too_long": "a list of at most {max_length}",
 }
-"""What must be, by pydantic's types of errors."""
+"""Requirements in words, by pydantic's types of errors."""

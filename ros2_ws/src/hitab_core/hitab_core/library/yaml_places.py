@@ -25,7 +25,7 @@ Place = tuple[str | int, ...]
 LARGEST = 16 * 1024 * 1024
 """Maximum characters of a document. A behavior with 10,000 examples has about two million."""
 
-DEEPEST = 20
+NESTING_MAX = 20
 """Maximum nesting of lists and mappings in a document."""
 
 _INTEGER = re.compile(r"[-+]?[0-9]{1,18}\Z", re.ASCII)
@@ -117,7 +117,7 @@ def read_text(path: Path, *, error: type[HitabError] = LibraryError) -> str:
         with path.open("rb") as file:
             data = file.read(4 * LARGEST + 1)
     if len(data) > 4 * LARGEST:
-        raise error(f"{path}: has more than {4 * LARGEST} bytes; check that it is the right file")
+        raise error(f"{path}: has more than {4 * LARGEST} bytes; is this the right file?")
     try:
         return data.decode()
     except UnicodeDecodeError as wrong:
@@ -198,7 +198,7 @@ def kind_of(value: Any) -> str:
 
 
 class _Reader:
-    """Builds a document from the parser's events, never deeper than `DEEPEST`."""
+    """Builds a document from the parser's events, never deeper than `NESTING_MAX`."""
 
     def __init__(self, file: str, error: type[HitabError]) -> None:
         self._file = file
@@ -226,8 +226,8 @@ class _Reader:
             )
         if event.tag is not None and event.tag != "!":
             raise self._refusal(event, f'the tag "{event.tag}"; leave it out, or quote the value')
-        if len(path) > DEEPEST:
-            raise self._refusal(event, f"more than {DEEPEST} levels of lists and mappings")
+        if len(path) > NESTING_MAX:
+            raise self._refusal(event, f"more than {NESTING_MAX} levels of lists and mappings")
         self._lines.setdefault(path, _line(event))
         if isinstance(event, yaml.ScalarEvent):
             plain = not event.style and event.implicit[0]

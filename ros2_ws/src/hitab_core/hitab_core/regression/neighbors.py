@@ -22,13 +22,13 @@ import numpy as np
 from hitab_core.arrays import Floats
 from hitab_core.domain import Scale
 from hitab_core.example import Example
-from hitab_core.number import Number
+from hitab_core.number import BoundedNumber
 from hitab_core.spread import spreads
 from hitab_core.use import Use
 
 NEAREST = 3
 MOMENTS_MAX = 1000
-"""More moments than this are thinned out to those that are farthest from one another."""
+"""Maximum number of moments; more are thinned out to those farthest from one another."""
 
 SPREAD_ROWS = 300
 """Usual differences are taken from so many moments, since they need all pairs."""
@@ -37,7 +37,7 @@ OPPOSED = 1e-6
 """Directions whose mean vector is shorter than this have no mean."""
 
 
-class Moment(NamedTuple):
+class NumberExample(NamedTuple):
     """One of the moments that numbers were taken from.
 
     Attributes:
@@ -51,8 +51,8 @@ class Moment(NamedTuple):
     weight: float
 
 
-class Table(NamedTuple):
-    """What was learned as plain data, for other programs.
+class NumberTable(NamedTuple):
+    """Learned numbers as plain data, for other programs.
 
     Attributes:
         axes: of each feature the turn and the radius of its circle, both 0 if it has none, its
@@ -69,7 +69,7 @@ class Neighbors:
 
     Examples:
         >>> shown = Neighbors([[0.0], [1.0]], [[170.0], [-170.0]], [Scale()],
-        ...                   [Number("direction", -180, 180, circular=True)])
+        ...                   [BoundedNumber("direction", -180, 180, circular=True)])
         >>> shown([0.5]), shown([0.0])
         ((-180.0,), (170.0,))
     """
@@ -79,7 +79,7 @@ class Neighbors:
         values: Sequence[Sequence[float]] | Floats,
         numbers: Sequence[Sequence[float]] | Floats,
         scales: Sequence[Scale],
-        wanted: Sequence[Number],
+        wanted: Sequence[BoundedNumber],
         examples: Sequence[int] = (),
     ) -> None:
         """Learn from moments.
@@ -89,7 +89,7 @@ class Neighbors:
             numbers: shape (n, k), what was shown there, within the bounds.
             scales: how the values of each of the m features compare.
             wanted: the k numbers.
-            examples: the number of each moment; empty: from 0.
+            examples: the number of each moment; empty to count from 0.
         """
         rows = np.array(values, dtype=np.float64).reshape(len(values), len(scales))
         step = -(-len(rows) // SPREAD_ROWS)
@@ -104,11 +104,11 @@ class Neighbors:
         self._wanted = tuple(wanted)
 
     @property
-    def table(self) -> Table:
-        """What was learned, as plain data."""
+    def table(self) -> NumberTable:
+        """Learned numbers, as plain data."""
         places = map(tuple, self._places.T.tolist())
         moments = tuple(zip(places, map(tuple, self._numbers), strict=True))
-        return Table(tuple(axis.form for axis in self._axes), moments)
+        return NumberTable(tuple(axis.form for axis in self._axes), moments)
 
     def _place(self, values: Sequence[float]) -> list[float]:
         """Return a situation as a point."""
@@ -127,7 +127,7 @@ class Neighbors:
         squared: Floats = np.einsum("ij,ij->j", away, away)
         return squared
 
-    def _nearest(self, values: Sequence[float]) -> list[Moment]:
+    def _nearest(self, values: Sequence[float]) -> list[NumberExample]:
         """Return the nearest moments, by their index among those kept."""
         squared = self._squared(values)
         if squared is None:
@@ -139,11 +139,11 @@ class Neighbors:
         shares = [least / d if least else float(not d) for d, _ in found]
         total = sum(shares)
         return [
-            Moment(row, distance, share / total)
+            NumberExample(row, distance, share / total)
             for (distance, row), share in zip(found, shares, strict=True)
         ]
 
-    def nearest(self, values: Sequence[float]) -> list[Moment]:
+    def nearest(self, values: Sequence[float]) -> list[NumberExample]:
         """Return the moments that the numbers are taken from here, the nearest first.
 
         Args:
@@ -169,7 +169,7 @@ class Neighbors:
         )
 
 
-def mean(values: Sequence[float], weights: Sequence[float], number: Number) -> float:
+def mean(values: Sequence[float], weights: Sequence[float], number: BoundedNumber) -> float:
     """Return the weighted mean of values of a number; the first if directions are opposed.
 
     Args:
@@ -205,7 +205,7 @@ class _Axis:
         return self._turn, self._radius, self._usual, len(self._scale.categories)
 
     def __call__(self, value: float) -> Sequence[float]:
-        """Return the coordinates of a value; NaN: it is missing."""
+        """Return the coordinates of a value; NaN if it is missing."""
         if self._turn:
             angle = value * self._turn
             return self._radius * math.cos(angle), self._radius * math.sin(angle)
@@ -241,7 +241,7 @@ def learn_numbers(
     states: Iterable[Use],
     scales: Sequence[Scale],
     examples: Iterable[Example],
-    numbers_of: Callable[[Use], Sequence[Number]],
+    numbers_of: Callable[[Use], Sequence[BoundedNumber]],
 ) -> dict[str, Neighbors]:
     """Return what gives the numbers of each state whose behavior takes some, by label.
 

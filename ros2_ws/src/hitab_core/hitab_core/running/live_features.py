@@ -1,7 +1,7 @@
 """The current feature values of a performing agent, level by level, for people.
 
-Reading them changes nothing: values are not cached (`Senses.look`), so each decision still reads
-its own. A feature that cannot be read is NaN.
+Reading them changes nothing: values are not cached (`FeatureCache.look`), so each decision still
+reads its own. A feature that cannot be read is NaN.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 
 from hitab_core.automaton import OWN_FEATURES
+from hitab_core.running.feature_cache import value_or_nan
 from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
-from hitab_core.running.senses import value_or_nan
 from hitab_core.use import Use
 
 Reading = tuple[str, str, float]
@@ -42,7 +42,11 @@ def live_features(
         running = running.child
     # Flags and timers are those of one automaton.
     readings += [
-        ("", str(use), math.nan if use in OWN_FEATURES else value_or_nan(context.senses.look, use))
+        (
+            "",
+            str(use),
+            math.nan if use in OWN_FEATURES else value_or_nan(context.feature_cache.look, use),
+        )
         for use in also
     ]
     return readings

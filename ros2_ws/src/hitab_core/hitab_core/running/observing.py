@@ -1,6 +1,6 @@
 """Observers of an agent, which cannot affect it.
 
-An observer is called during a tick with a record of the decision and the values that it read. It
+An observer is called during a tick with a record of the decision and its feature values. It
 cannot read more, draw random numbers or change a state, and its exceptions do not propagate
 (`guest`).
 """
@@ -63,7 +63,7 @@ Observe = Callable[[Change], None]
 def guest(observe: Callable[P, None]) -> Callable[P, None]:
     """Return an observer that calls ``observe`` and never raises.
 
-    What it raises is logged, but not the same thing twice in a row.
+    An exception of an observer is logged, but not the same one twice in a row.
     """
     if hasattr(observe, "is_guest"):
         return observe

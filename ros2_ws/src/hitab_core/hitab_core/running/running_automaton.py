@@ -12,13 +12,13 @@ from hitab_core.automaton import FLAGS, OWN_NAMES, START, Automaton
 from hitab_core.domain import BasicBehavior
 from hitab_core.errors import NoValueError
 from hitab_core.repertoire import Repertoire
+from hitab_core.running.feature_cache import FeatureCache, value_or_nan
 from hitab_core.running.observing import Change, Observe, guest
 from hitab_core.running.running_basic import (
     RunningAction,
     RunningBasicBehavior,
     RunningWithNumbers,
 )
-from hitab_core.running.senses import Senses, value_or_nan
 from hitab_core.transition_function import Decide, NumberFunction, TransitionFunction
 from hitab_core.use import Use
 
@@ -28,7 +28,7 @@ class Running(Protocol):
 
     @property
     def raised(self) -> set[str]:
-        """The flags that it has raised and that are still up."""
+        """The raised flags that are still up."""
 
     @property
     def active_path(self) -> list[str]:
@@ -46,22 +46,22 @@ class Running(Protocol):
 
 @dataclass(slots=True)
 class Clock:
-    """The simulated time of an agent's last percept, s; whoever gives it the percept sets it."""
+    """The simulated time of an agent's last percept, s; set together with the percept."""
 
     now: float = 0.0
 
 
 @dataclass(slots=True)
-class Reach:
-    """How far from the moments shown numbers are taken from them.
+class NumberRange:
+    """Range around the shown moments in which numbers are taken from them.
 
     Attributes:
-        farthest: in usual differences; farther off, a state that takes numbers does nothing.
-        beyond: why one did nothing in this tick; empty: none.
+        max_distance: in usual differences; farther off, a state that takes numbers does nothing.
+        reason: why such a state did nothing in this tick, or empty.
     """
 
-    farthest: float = math.inf
-    beyond: str = ""
+    max_distance: float = math.inf
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,23 +71,23 @@ class RunContext:
     Attributes:
         repertoire: the available behaviors.
         body: of this agent, made by the domain.
-        senses: its features, read from this body.
+        feature_cache: its features, read from this body.
         draw: uniform random numbers on [0, 1) from the agent's own seeded generator.
         most_probable: take the most probable next state instead of drawing one.
         observe: called at each change of state, after the decision and before the new state
             starts. Its exceptions do not propagate; see `hitab_core.running.observing`.
         clock: for the timers of its automata.
-        reach: how far from the moments shown there are numbers.
+        number_range: how far from the moments shown there are numbers.
     """
 
     repertoire: Repertoire
     body: Any
-    senses: Senses
+    feature_cache: FeatureCache
     draw: Callable[[], float]
     most_probable: bool = False
     observe: Observe | None = None
     clock: Clock = field(default_factory=Clock)
-    reach: Reach = field(default_factory=Reach)
+    number_range: NumberRange = field(default_factory=NumberRange)
 
     def __post_init__(self) -> None:
         """Wrap the observer so that its exceptions do not propagate."""
@@ -133,9 +133,9 @@ class RunningAutomaton:
         self._clock = context.clock
         self._entered = self._clock.now
         self._seen = dict.fromkeys(FLAGS, self._clock.now)
-        self._senses = context.senses
-        self._values = context.senses.values
-        self._read = context.senses.read
+        self._feature_cache = context.feature_cache
+        self._values = context.feature_cache.values
+        self._read = context.feature_cache.read
         self._labels: list[str] = [START]
         self._children: list[Running | None] = [None]
         self._decide: list[Decide | None] = [None]
@@ -157,13 +157,13 @@ class RunningAutomaton:
         self._slots, self._flag_slots, self._timer_slots, self._required = [], [], [], []
         for feature in features:
             if feature.name in FLAGS:
-                slot = self._senses.own_slot()
+                slot = self._feature_cache.own_slot()
                 self._flag_slots.append((slot, feature.name))
             elif feature.name in OWN_NAMES:
-                slot = self._senses.own_slot()
+                slot = self._feature_cache.own_slot()
                 self._timer_slots.append((slot, "".join(feature.arguments)))
             else:
-                slot = self._senses.slot(feature.bound(self.bindings))
+                slot = self._feature_cache.slot(feature.bound(self.bindings))
                 if self.context.repertoire.domain.features[feature.name].required:
                     self._required.append(slot)
             self._slots.append(slot)
@@ -214,12 +214,12 @@ class RunningAutomaton:
 
     @property
     def numbers(self) -> NumberFunction | None:
-        """What gives the numbers of the active state; None if it takes none."""
+        """Number function of the active state, or None."""
         return self._numbers.get(self._active)
 
     @property
     def child(self) -> Running | None:
-        """What the active state performs; None in Start and in flag states."""
+        """Behavior of the active state; None in Start and in flag states."""
         return self._children[self._active]
 
     @property
@@ -298,10 +298,13 @@ class RunningAutomaton:
 
     def _is_in_reach(self, give: NumberFunction, values: Sequence[float]) -> bool:
         """Return whether to take numbers from the moments shown; halt what takes them if not."""
-        reach, child = self.context.reach, self.child
-        if reach.farthest == math.inf or (away := give.distance(values)) <= reach.farthest:
+        number_range, child = self.context.number_range, self.child
+        if (
+            number_range.max_distance == math.inf
+            or (away := give.distance(values)) <= number_range.max_distance
+        ):
             return True
-        reach.beyond = (
+        number_range.reason = (
             f"{self.label} in {self.active}: it is {away:.2g} spreads from the nearest moment "
             "whose numbers were shown"
         )
@@ -341,7 +344,7 @@ class RunningAutomaton:
         """Return the current value of a feature in its own terms, or NaN; change nothing."""
         if feature.name in OWN_NAMES:
             return self._own_feature(feature)
-        return value_or_nan(self._senses.look, feature.bound(self.bindings))
+        return value_or_nan(self._feature_cache.look, feature.bound(self.bindings))
 
     def _own_feature(self, use: Use) -> float:
         """Return the current value of a flag or timer; leave flags up."""
@@ -404,6 +407,6 @@ class RunningAutomaton:
             False,
             self.automaton.features,
             self.bindings,
-            [self._senses.known(slot) for slot in self._slots],
+            [self._feature_cache.known(slot) for slot in self._slots],
             self._functions.get(source),
         )

@@ -8,7 +8,7 @@ from typing import Any
 from hitab_core.action_behavior import ActionBehavior, ActionCall, calls_of, goal_of
 from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.number import numbers_of, without_numbers
-from hitab_core.running.senses import resolved
+from hitab_core.running.feature_cache import resolved
 from hitab_core.use import Use
 
 
@@ -52,7 +52,7 @@ class RunningWithNumbers(RunningBasicBehavior):
     """A basic behavior that takes numbers; it does nothing while it has none.
 
     Attributes:
-        numbers: for its next pulse; empty: none.
+        numbers: for its next pulse, or empty.
     """
 
     __slots__ = ("_halted", "numbers")

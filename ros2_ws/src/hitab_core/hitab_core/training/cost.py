@@ -1,6 +1,6 @@
-"""What a training cost the person who gave it, from its journal.
+"""Cost of a training for the demonstrator, from its journal.
 
-Source: the paper, table 1, counts the examples of each behavior and the minutes that it took.
+Source: the paper, table 1, counts the examples and the minutes of each behavior.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.undo import Edit
 
 RESUMED = "resume"
-"""What a journal calls the moment from which on another process goes on with a training."""
+"""Journal entry for the moment at which another process resumes a training."""
 
 PAUSE_SECONDS = 300.0
 """A person who did nothing for longer was away; that time is not counted."""
@@ -24,7 +24,7 @@ PAUSE_SECONDS = 300.0
 
 @dataclass(frozen=True, slots=True)
 class TrainingCost:
-    """What one training cost.
+    """Cost of one training.
 
     Attributes:
         automaton: its name.
@@ -59,7 +59,7 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
 
     Args:
         records: of its journal, all of them.
-        now: the time, if the training goes on; None: it was saved, given up or interrupted.
+        now: the time; None once the training is saved, given up or interrupted.
 
     Raises:
         TrainingError, KeyError, TypeError, ValueError: if they are no journal.

@@ -1,4 +1,4 @@
-"""What is chosen before a training begins: the automaton's name, features and states."""
+"""Curriculum of a training: the automaton's name, features and states."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hitab_core.automaton import Automaton
 from hitab_core.errors import VocabularyError
 from hitab_core.learning.transition_learning import learner
 from hitab_core.repertoire import Repertoire
-from hitab_core.use import NAME, NAME_RULE, Use
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use
 from hitab_core.vocabulary import check_known, did_you_mean, unknown
 from hitab_core.wording import quantity
 
@@ -21,8 +21,8 @@ class Curriculum:
 
     Attributes:
         name: of the automaton to be trained.
-        features: what its transition functions may look at.
-        states: that may be commanded; empty: anything in the repertoire.
+        features: available to the transition functions.
+        states: that may be commanded; empty for anything in the repertoire.
         parameters: its free variables.
         arguments: the targets that the parameters are bound to during training.
         classifier: ``"tree"`` or a scikit-learn classifier (`scikit_learn_adapter`).
@@ -90,8 +90,8 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
     """
     name = curriculum.name
     for text in (name, *curriculum.parameters):
-        if NAME.match(text) is None:
-            raise VocabularyError(f'"{text}" is not a name; {NAME_RULE}')
+        if VOCABULARY_NAME.match(text) is None:
+            raise VocabularyError(f'"{text}" is not a name; {VOCABULARY_NAME_RULE}')
     if len(set(curriculum.parameters)) < len(curriculum.parameters):
         raise VocabularyError(f'"{name}" has a parameter twice; give each a name of its own')
     if len(curriculum.parameters) != len(curriculum.arguments):

@@ -18,7 +18,7 @@ from typing import Any, Self
 from hitab_core.errors import FolderInUseError, LibraryError, newer_format
 from hitab_core.library.durable_files import file_errors, make_folder, sync_folder, write_all
 
-VERSION = 2
+JOURNAL_FORMAT = 2
 """The format version that is written."""
 
 
@@ -147,7 +147,7 @@ class ExampleJournal:
         self.close()
 
     def archive(self) -> Path:
-        """Close it and rename its file so that it is not resumed.
+        """Close the journal and rename its file, so that no process resumes it.
 
         Returns:
             The file: ``training.jsonl`` becomes ``training.1.jsonl``, or the next free number.
@@ -211,7 +211,7 @@ def records_in(path: Path) -> list[dict[str, Any]]:
 
 
 def archive(path: Path) -> Path:
-    """Rename a journal so that it is not resumed; see `ExampleJournal.archive`."""
+    """Rename a journal, so that no process resumes it; see `ExampleJournal.archive`."""
     with file_errors(path, "rename"):
         archived = _free_name(path)
         if path.exists():  # else it was removed by other means
@@ -231,7 +231,7 @@ def _free_name(path: Path) -> Path:
 
 def _line(number: int, record: Mapping[str, Any]) -> bytes:
     text = json.dumps(record)
-    line = f'{{"journal": {VERSION}, "number": {number}, "crc": "{_crc(text)}", "record": '
+    line = f'{{"journal": {JOURNAL_FORMAT}, "number": {number}, "crc": "{_crc(text)}", "record": '
     return f"{line}{text}}}\n".encode()
 
 
@@ -246,9 +246,9 @@ def _record(line: bytes, number: int, place: str) -> dict[str, Any]:
         version, found, crc, record = (entry[k] for k in ("journal", "number", "crc", "record"))
     except (ValueError, KeyError, TypeError, RecursionError):
         raise LibraryError(f"{place}: is not a record of a journal; {damaged}") from None
-    if version != VERSION:
+    if version != JOURNAL_FORMAT:
         raise LibraryError(
-            f"{place}: {newer_format(version, VERSION)}, or use the version that wrote it"
+            f"{place}: {newer_format(version, JOURNAL_FORMAT)}, or use the version that wrote it"
         )
     if found != number:
         raise LibraryError(f"{place}: has number {found} instead of {number}; {damaged}")

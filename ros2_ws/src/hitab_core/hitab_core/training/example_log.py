@@ -23,7 +23,7 @@ class ExampleLog:
     """Examples in the order of recording, which is that of their numbers.
 
     An edit is first prepared, which refuses the impossible and changes nothing, and then made by
-    `make`. The history holds differences, and an edit looks only at the examples that it changes
+    `make`. The history holds differences, and an edit looks only at the examples to change
     and at those with the same values. So both grow with the edits, not with the number of
     examples. Each edit also marks the default examples that a command contradicts, or no longer
     does (`hitab_core.default_example`).
@@ -75,7 +75,7 @@ class ExampleLog:
         return replace(edit, left=first.state, entered=first.next_state)
 
     def prepared(self, record: Mapping[str, Any]) -> Edit | None:
-        """Prepare what a record of the journal describes; None: it changes no examples.
+        """Prepare what a record of the journal describes; None if it changes no examples.
 
         Raises:
             TrainingError: if it is not possible.

@@ -9,14 +9,14 @@ from hitab_core.domain import Scale
 from hitab_core.example import Example
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.lateness import Lateness, settled
-from hitab_core.training.moments import KEPT_SECONDS, Moment
-from hitab_core.training.perceived import Perceived
+from hitab_core.training.percept_history import PerceptHistory
+from hitab_core.training.recent_percepts import KEPT_SECONDS, PerceptRecord
 from hitab_core.training.retiming import moved
 from hitab_core.use import Use
 
 
 class LateCommands:
-    """Knows which commands came late, nobody knows by how much, and estimates it.
+    """Estimates the delay of commands whose reaction time is unknown.
 
     What a person has retimed stays as it is.
 
@@ -49,7 +49,7 @@ class LateCommands:
 
     def settle(
         self,
-        kept: Perceived,
+        kept: PerceptHistory,
         log: ExampleLog,
         features: Sequence[Use],
         scales: Sequence[Scale],
@@ -57,8 +57,8 @@ class LateCommands:
         label: str,
         around: Mapping[str, Any],
         who: str,
-        due: Moment,
-    ) -> tuple[Moment, list[Example]]:
+        due: PerceptRecord,
+    ) -> tuple[PerceptRecord, list[Example]]:
         """Estimate when late commands of a person were due, from all of them together.
 
         Args:
@@ -85,7 +85,7 @@ class LateCommands:
         late = {command: one for command, one in found.items() if one is not None}
         before = self._before.get(who, Lateness())
         places, self.people[who] = settled([one for one, _ in late.values()], scales, before)
-        dues: dict[int, tuple[float, Moment]] = {}
+        dues: dict[int, tuple[float, PerceptRecord]] = {}
         for (command, (_, among)), place in zip(late.items(), places, strict=True):
             window = kept.window(command)
             if window is not None and kept.shows(among[place], features):

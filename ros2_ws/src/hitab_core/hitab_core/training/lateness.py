@@ -1,9 +1,9 @@
 """Lateness: when late commands were due, learned from the commands themselves.
 
-A person who commands a moving robot is late, by how much nobody knows before. But commands of one
+A person who commands a moving robot is late by an unknown time. But commands of one
 kind (leave this state, go to that one) have something in common: all of them answer to the same
 thing, say, to the ball being nearer than some distance, or to a flag that was raised. A guess of
-what it was says for each command when it was due, and so how late it came; a good guess makes the
+that cause says for each command when it was due, and so how late it came; a good guess makes the
 same person about equally late each time. So what was meant and how late the person is are
 estimated together, as a distribution over both:
 
@@ -16,7 +16,7 @@ estimated together, as a distribution over both:
 
 The moment of a command is the median of what this says about it. A command without any like it
 says little, so it counts as due the person's usual time before it came. Who takes over from an
-automaton corrects either its last change of state or that it has not changed, whichever fits.
+automaton corrects its last change of state, or a missing change, whichever fits.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ SPREADS = np.array([0.15, 0.3, 0.5])
 OTHERWISE = 0.1
 """The part of commands that do not answer to what others of their kind do."""
 
-AT_ONCE = 0.1
-"""How probable it is that a command answers to what was so when its state began, relative to what
-came later: of these guesses there are more, since half of all thresholds are passed from the
-beginning."""
+P_IMMEDIATE = 0.1
+"""Probability that a command answers to a condition that held when its state began, relative to
+later conditions. The former guesses are more numerous, since half of all thresholds are passed
+from the beginning."""
 
 SHORTEST = 0.05
 """No delay is shorter, s: a person's eyes and fingers take that long."""
@@ -60,13 +60,13 @@ class LateCommand:
     """A command that came late.
 
     Attributes:
-        state, label: that it leaves and goes to.
+        state, label: the state left, and the next state.
         delays: shape (n,), how long before the command each moment was for which it may have been
             meant, in the person's seconds, descending.
         values: shape (n, m), of the features in these moments.
-        changed: how long before the command the automaton changed its state, where the command
-            may correct that; None: it may not.
-        corrects: whether it corrects that; None: nobody knows yet.
+        changed: how long before the command the automaton changed its state; None if the command
+            cannot correct that change.
+        corrects: whether the command corrects that; None if unknown.
     """
 
     state: str
@@ -78,7 +78,7 @@ class LateCommand:
 
     @property
     def odds_of_change(self) -> float:
-        """How probable it is, before looking at the time, that it corrects the change."""
+        """Probability, before looking at the time, that the command corrects the change."""
         if self.changed is None:
             return 0.0
         return 0.5 if self.corrects is None else float(self.corrects)
@@ -86,7 +86,7 @@ class LateCommand:
 
 @dataclass
 class Lateness:
-    """How late a person's commands come: probabilities over the grid.
+    """Lateness of a person's commands: probabilities over the grid.
 
     Attributes:
         odds: shape (medians, spreads), adding up to 1.
@@ -119,7 +119,7 @@ def _density(delays: Floats) -> Floats:
     return np.asarray(np.exp(-0.5 * z**2) / (seconds * SPREADS * math.sqrt(2.0 * math.pi)))
 
 
-def _patience(seconds: Floats) -> Floats:
+def _survival(seconds: Floats) -> Floats:
     """Return how probable it is that a delay is longer: shape (*seconds, medians, spreads)."""
     z = (np.log(np.maximum(seconds, 1e-3))[..., None, None] - np.log(MEDIANS)[:, None]) / SPREADS
     return np.asarray(0.5 * _erfc(z / math.sqrt(2.0)))
@@ -167,14 +167,14 @@ def _log_sum(values: Floats) -> Floats:
 
 @dataclass
 class _Explanations:
-    """What commands of one kind may answer to.
+    """Possible causes of commands of one kind.
 
     Attributes:
         commands: of the kind.
         first: shape (guesses, commands), the first moment in which each guess holds; -1: none.
         fitting: shape (guesses, commands, medians, spreads), how probable it is that a command
             answers to a guess.
-        changing: of the same shape, that it corrects a change of state.
+        changing: of the same shape, for correcting a change of state.
         log_likelihood: shape (guesses, medians, spreads), with the guess's own probability.
     """
 
@@ -222,7 +222,7 @@ def _explanations(
         density = np.concatenate([_density(command.delays), np.zeros((1, *grid))])
         change = command.odds_of_change
         answered = (1.0 - change) * (1.0 - OTHERWISE) * density[first[:, i]]
-        answered[first[:, i] == 0] *= AT_ONCE
+        answered[first[:, i] == 0] *= P_IMMEDIATE
         corrected = change * _density(np.array(command.changed or SHORTEST))
         likelihood = answered + corrected + (1.0 - change) * OTHERWISE / length + TINY
         fitting[:, i] = answered / likelihood
@@ -230,7 +230,7 @@ def _explanations(
         log_likelihood += np.log(likelihood)
     for other, held in zip(others, firsts.T[len(commands) :], strict=True):
         patience = np.concatenate(
-            [_patience(other.delays), np.ones((1, len(MEDIANS), len(SPREADS)))]
+            [_survival(other.delays), np.ones((1, len(MEDIANS), len(SPREADS)))]
         )
         log_likelihood += np.log((1.0 - OTHERWISE) * patience[held] + OTHERWISE)
     return _Explanations(commands, first, fitting, changing, log_likelihood)

@@ -16,8 +16,8 @@ import numpy as np
 from hitab_core.library.durable_files import write_durably
 from hitab_core.training.lateness import MEDIANS, SPREADS, Lateness
 
-FILE = "lateness.json"
-VERSION = 1
+PEOPLE_FILE = "lateness.json"
+PEOPLE_FORMAT = 1
 
 
 def read_people(folder: Path | None) -> dict[str, Lateness]:
@@ -26,8 +26,8 @@ def read_people(folder: Path | None) -> dict[str, Lateness]:
     if folder is None:
         return people
     with suppress(OSError, ValueError, TypeError, KeyError, AttributeError):
-        kept = json.loads((folder / FILE).read_text("utf-8"))
-        for who, rows in kept["people"].items() if kept["version"] == VERSION else ():
+        kept = json.loads((folder / PEOPLE_FILE).read_text("utf-8"))
+        for who, rows in kept["people"].items() if kept["version"] == PEOPLE_FORMAT else ():
             odds = np.array(rows, np.float64)
             if odds.shape == (len(MEDIANS), len(SPREADS)) and (odds >= 0.0).all() and odds.any():
                 people[who] = Lateness(odds / odds.sum())
@@ -39,6 +39,6 @@ def write_people(folder: Path | None, people: Mapping[str, Lateness]) -> None:
     if folder is None or not people:
         return
     rows = {who: lateness.odds.round(6).tolist() for who, lateness in people.items()}
-    text = json.dumps({"version": VERSION, "people": rows}) + "\n"
+    text = json.dumps({"version": PEOPLE_FORMAT, "people": rows}) + "\n"
     with suppress(OSError):
-        write_durably(folder / FILE, text.encode())
+        write_durably(folder / PEOPLE_FILE, text.encode())

@@ -16,7 +16,7 @@ from hitab_core.vocabulary import has
 
 
 class QuestionKind(StrEnum):
-    """What a question is about."""
+    """Kind of a question."""
 
     CONTRADICTION = "contradiction"
     UNSHOWN = "unshown"
@@ -28,9 +28,9 @@ class Choice:
 
     Attributes:
         name: what the person says.
-        effect: what it does, for people.
-        record: the step of the training that it is, as the journal records it; None: nothing is
-            changed, and the question is not asked again.
+        effect: of the answer, for people.
+        record: of this step of the training, as in the journal; None if the answer changes
+            nothing and the question is not asked again.
     """
 
     name: str
@@ -44,12 +44,12 @@ class Question:
 
     Attributes:
         number: unique within the training.
-        kind: what it is about.
+        kind: of the question.
         text: the question.
         state: label of the state whose decision it is about.
-        examples: numbers of the examples that it is about.
+        examples: numbers of the examples in question.
         choices: what can be answered; the first one is proposed.
-        situation: values of the automaton's features in which to decide; NaN: any. Empty: none.
+        situation: values of the automaton's features, NaN for any; empty for no situation.
         key: what makes it the same question again.
     """
 
@@ -69,8 +69,8 @@ class Question:
 
 
 @dataclass(frozen=True)
-class Material:
-    """What questions are found from.
+class QuestionContext:
+    """Inputs of the search for questions.
 
     Attributes:
         examples: of the training.
@@ -116,7 +116,7 @@ def added(
 
 
 def choice_of(question: Question, name: str) -> Choice:
-    """Return a choice by its name; empty: the proposed one.
+    """Return a choice by its name; empty for the proposed one.
 
     Raises:
         TrainingError: if there is none of this name.

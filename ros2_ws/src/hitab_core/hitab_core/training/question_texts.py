@@ -1,4 +1,4 @@
-"""What questions to the demonstrator say: short sentences in words of the README."""
+"""Texts of questions to the demonstrator: short sentences in words of the README."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from hitab_core.advice.unshown import Unshown
 from hitab_core.example import Example
 from hitab_core.wording import numbered, quantity, some
 
-SHOWN = 4
-"""Of a situation with more values, those are named that the decision depends on."""
+VALUES_SHOWN_MAX = 4
+"""Maximum number of values named; beyond it, only those that the decision depends on."""
 
 
 def commanded(group: Sequence[Example]) -> str:
@@ -41,9 +41,13 @@ def never_shown(found: Unshown, evidence: Evidence) -> str:
 def situation(evidence: Evidence, values: Sequence[float]) -> str:
     """Return a situation in words, such as `` with Range = 2 m``, or nothing."""
     features: Sequence[int] = range(len(values))
-    if len(values) > SHOWN:
+    if len(values) > VALUES_SHOWN_MAX:
         tree = evidence.learn()
-        features = sorted(tree.features_used)[:SHOWN] if tree is not None else features[:SHOWN]
+        features = (
+            sorted(tree.features_used)[:VALUES_SHOWN_MAX]
+            if tree is not None
+            else features[:VALUES_SHOWN_MAX]
+        )
     words = situation_in_words(evidence, values, features)
     return f" with {words}" if words else ""
 

@@ -1,4 +1,4 @@
-"""What an agent asks its demonstrator about the examples of a training, and what answers do.
+"""Questions of an agent about the examples of its training, and the effects of answers.
 
 There are two kinds of questions: two commands in the same situation contradict each other; or a
 situation was met, and nothing like it was shown. Each is found again from the examples as they are
@@ -27,18 +27,18 @@ from hitab_core.training import question_texts
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.question import (
     Choice,
-    Material,
     Question,
+    QuestionContext,
     QuestionKind,
     added,
 )
-from hitab_core.training.situations import Situations
+from hitab_core.training.situation_sample import SituationSample
 from hitab_core.training.undo import Edit
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
 
 CORRECTED = 2
-"""How many other commands a correction outweighs evenly."""
+"""Number of other commands that a correction outweighs evenly."""
 
 TOLD = 3
 """Of so many questions at a time, it is found what their answers change."""
@@ -57,7 +57,7 @@ class Questions:
     """
 
     def __init__(
-        self, log: ExampleLog, situations: Situations, material: Callable[[], Material]
+        self, log: ExampleLog, situations: SituationSample, material: Callable[[], QuestionContext]
     ) -> None:
         self.answered: list[str] = []
         self._log = log
@@ -185,7 +185,11 @@ class Questions:
         return Question(number, kind, text, state, examples, choices, situation, key)
 
     def _changes(
-        self, choice: Choice, question: Question, given: Material, evidence: Mapping[str, Evidence]
+        self,
+        choice: Choice,
+        question: Question,
+        given: QuestionContext,
+        evidence: Mapping[str, Evidence],
     ) -> Iterator[list[Changed]]:
         """Yield which decisions an answer changes, of those that were met, state by state."""
         edit = self._log.prepared(choice.record or {"do": ""}) or Edit()
@@ -198,7 +202,7 @@ class Questions:
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(self, given: Material) -> Iterator[tuple[float, Question] | None]:
+    def _found(self, given: QuestionContext) -> Iterator[tuple[float, Question] | None]:
         """Yield those that take long to find, with what their answers tell; None in between."""
         for state in (START, *given.labels):
             if state in FLAGS:
@@ -244,9 +248,9 @@ class Questions:
 
 
 def _about(
-    state: str, given: Material
+    state: str, given: QuestionContext
 ) -> tuple[list[tuple[float, ...]], tuple[str, ...], Booleans]:
-    """Return what was met in a state, what may be right in it, and what its entries assumed."""
+    """Return the situations met in a state, its possible answers, and the assumed entries."""
     met = [values for there, values in given.met if there == state]
     met += [e.features for e in given.examples if e.state != state == e.next_state]
     own = [e for e in given.examples if e.state == state and e.is_learned]

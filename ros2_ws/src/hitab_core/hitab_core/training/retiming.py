@@ -9,14 +9,18 @@ from hitab_core.automaton import as_entered
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.training.example_log import ExampleLog, these
-from hitab_core.training.moments import STEP_SECONDS, Moment, nearest
-from hitab_core.training.perceived import Perceived
+from hitab_core.training.percept_history import PerceptHistory
+from hitab_core.training.recent_percepts import STEP_SECONDS, PerceptRecord, nearest
 from hitab_core.training.undo import Edit
 from hitab_core.use import Use
 
 
 def retiming(
-    log: ExampleLog, kept: Perceived, numbers: Iterable[int], ago: float, features: Sequence[Use]
+    log: ExampleLog,
+    kept: PerceptHistory,
+    numbers: Iterable[int],
+    ago: float,
+    features: Sequence[Use],
 ) -> Edit:
     """Prepare to have commands been due at another time.
 
@@ -29,7 +33,7 @@ def retiming(
 
     Raises:
         TrainingError: if one of the numbers is unknown, or what was then is not kept.
-        FeatureValueError: as `Perceived.values`.
+        FeatureValueError: as `PerceptHistory.values`.
     """
     commands = log.commands_of(numbers)
     dues = {command: _then(kept, command, n, ago) for command, n in commands.items()}
@@ -39,8 +43,8 @@ def retiming(
 
 def moved(
     log: ExampleLog,
-    kept: Perceived,
-    dues: Mapping[int, tuple[float, Moment]],
+    kept: PerceptHistory,
+    dues: Mapping[int, tuple[float, PerceptRecord]],
     features: Sequence[Use],
 ) -> list[Example]:
     """Return the examples of commands as they are if these were due in other moments.
@@ -52,7 +56,7 @@ def moved(
         features: of the automaton in training.
 
     Raises:
-        FeatureValueError: as `Perceived.values`.
+        FeatureValueError: as `PerceptHistory.values`.
     """
     found = []
     for e in log.examples:
@@ -72,7 +76,9 @@ def moved(
     return found
 
 
-def _then(kept: Perceived, command: int, example: int, ago: float) -> tuple[float, Moment]:
+def _then(
+    kept: PerceptHistory, command: int, example: int, ago: float
+) -> tuple[float, PerceptRecord]:
     """Return when a command was given, and the moment so long before."""
     window = kept.window(command)
     if window is None:

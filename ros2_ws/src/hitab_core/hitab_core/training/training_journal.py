@@ -23,7 +23,7 @@ JOURNAL_FILE = "training.jsonl"
 
 
 class TrainingJournal:
-    """Keeps the training under way on disk, so that it survives the process.
+    """Keeps the current training on disk, where it survives the process.
 
     Without a folder it keeps nothing.
 
@@ -36,7 +36,7 @@ class TrainingJournal:
         """Name the journal; nothing is read or written yet.
 
         Args:
-            folder: where it is; None: nowhere.
+            folder: of the journal; None to keep no journal.
             domain: name of the agent's domain.
         """
         self._path = None if folder is None else folder / JOURNAL_FILE
@@ -51,7 +51,7 @@ class TrainingJournal:
 
         Args:
             curriculum: what is trained.
-            examples: that it continues from.
+            examples: to continue from.
             readable: names of all readings.
 
         Raises:
@@ -219,7 +219,7 @@ class TrainingJournal:
 
 
 def _cost_in(path: Path, now: float | None = None, *, begun: bool = True) -> TrainingCost | None:
-    """Return what a training cost; None: there is none, nothing is known, or it is damaged.
+    """Return what a training cost; None if there is none, nothing is known, or it is damaged.
 
     Args:
         path: of the journal.

@@ -24,7 +24,7 @@ from hitab_core.errors import (
 from hitab_core.example import Example, ExampleKind
 from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import relearned
-from hitab_core.remedies import Do
+from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.running_automaton import RunContext, RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
@@ -32,11 +32,11 @@ from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.exchange import exchange
 from hitab_core.training.late_commands import LateCommands
 from hitab_core.training.lateness import Lateness
-from hitab_core.training.perceived import Perceived
-from hitab_core.training.question import Material, Question, choice_of
+from hitab_core.training.percept_history import PerceptHistory
+from hitab_core.training.question import Question, QuestionContext, choice_of
 from hitab_core.training.questions import Questions
 from hitab_core.training.retiming import retiming
-from hitab_core.training.trial import Trial
+from hitab_core.training.trial_statistics import TrialStatistics
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -46,7 +46,7 @@ Journal = Callable[[Mapping[str, Any]], None]
 """Writes a record to disk before it returns."""
 
 
-REMEMBERED = 1000
+COMMANDS_MAX = 1000
 """Maximum number of commands that are recognized when they come again."""
 
 
@@ -76,11 +76,11 @@ class TrainingSession:
 
     In training mode the demonstrator decides: `command` changes the state and records examples. In
     testing mode the learned transition functions decide. Switching between the two keeps the
-    active state and what it performs.
+    active state and its behavior.
 
-    A command can say that it was due some time ago; it is then recorded with the situation and the
-    active state of that time (`hitab_core.training.moments`). Each example keeps whatever could be
-    read in its situation, so that features can be exchanged afterwards.
+    A command can state that it was due earlier; it is then recorded with the situation and the
+    active state of that time (`hitab_core.training.recent_percepts`). Each example keeps all
+    readings of its situation, so that features can be exchanged afterwards.
 
     Undoing a command returns the agent to the state before it, so that the next command is
     recorded in that state; redoing it performs the commanded behavior. After a crash the agent is
@@ -111,9 +111,9 @@ class TrainingSession:
         Args:
             context: of the agent.
             curriculum: what to train.
-            examples: to continue from, with readings in the order of `Perceived.readable`.
+            examples: to continue from, with readings in the order of `PerceptHistory.readable`.
             journal: keeps each step.
-            names: of the readings of ``examples``; empty: all that can be read. What cannot be
+            names: of the readings of ``examples``; empty for all that can be read. What cannot be
                 read any more is NaN.
             people: how late the commands of each demonstrator come; kept up to date.
 
@@ -124,17 +124,17 @@ class TrainingSession:
         self.context = context
         self.curriculum = curriculum
         domain = context.repertoire.domain
-        self.perception = Perceived(domain, curriculum.parameters, curriculum.features, names)
+        self.perception = PerceptHistory(domain, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
         self.testing = False
-        self.asked = Questions(self.log, self.perception.situations, self._material)
-        self.requests: deque[Request] = deque(maxlen=REMEMBERED)
-        self.edits: deque[Request] = deque(maxlen=REMEMBERED)
+        self.questions = Questions(self.log, self.perception.situations, self._material)
+        self.requests: deque[Request] = deque(maxlen=COMMANDS_MAX)
+        self.edits: deque[Request] = deque(maxlen=COMMANDS_MAX)
         self._asked_by: Request | None = None
         self.note = ""
         self.late = LateCommands({} if people is None else people)
         self._loops: tuple[tuple[Example, ...], list[Remark]] = (), []
-        self._trial = Trial()
+        self._trial = TrialStatistics()
         self._taken_over = False
         self._tested = False
         self._left = False
@@ -230,7 +230,7 @@ class TrainingSession:
             elif "request" in record:
                 self.edits.append(Request.from_record(record))
             if record["do"] == "dismiss":
-                self.asked.dismiss(record["key"])
+                self.questions.dismiss(record["key"])
             self._tested |= record["do"] == "test"
         self.perception.remember()
         self.check_on(self.context.repertoire)
@@ -268,8 +268,8 @@ class TrainingSession:
             cycle: of the world, stored with the examples.
             ago: how long before what the demonstrator saw the command was due, s of simulated
                 time. The examples are of that moment, and leave the state that was active then.
-            seen: the world's cycle that the demonstrator saw; 0: the last one.
-            pace: simulated seconds that pass for the demonstrator in a second; 0: the situation
+            seen: the world's cycle that the demonstrator saw; 0 for the last one.
+            pace: simulated seconds that pass for the demonstrator in a second; 0 if the situation
                 has waited. Without ``ago``, how late the command comes is then estimated
                 (`hitab_core.training.lateness`), and that of earlier ones again.
             request: who commands it and with which number, to recognize it when it comes again.
@@ -415,7 +415,7 @@ class TrainingSession:
 
     def search(self) -> Iterator[None]:
         """Look for questions in steps, see `Questions.search`, and for loops."""
-        yield from self.asked.search()
+        yield from self.questions.search()
         self.remarks(look=True)
 
     def remarks(self, *, look: bool = False) -> list[Remark]:
@@ -434,11 +434,11 @@ class TrainingSession:
         about, found = self._loops
         return [*(found if about is examples else ()), *self._trial.remarks(examples)]
 
-    def _material(self) -> Material:
+    def _material(self) -> QuestionContext:
         examples, features = self.log.examples, self.curriculum.features
         met = self.perception.situations
         repertoire = self.context.repertoire
-        return Material(
+        return QuestionContext(
             examples,
             tuple(repertoire.domain.scale_of(use) for use in features),
             tuple(map(str, features)),
@@ -454,20 +454,20 @@ class TrainingSession:
 
         Args:
             number: of the question.
-            choice: the name of one of its choices; empty: the proposed one.
+            choice: the name of one of its choices; empty for the proposed one.
             dismiss: change nothing, and do not ask this again.
 
         Raises:
             TrainingError: if the question is not open, or has no such choice.
         """
-        question = self.asked.get(number)
+        question = self.questions.get(number)
         chosen = choice_of(question, choice)
         if dismiss or chosen.record is None:
             self._write({"do": "dismiss", "key": list(question.words)})
-            self.asked.dismiss(question.words)
+            self.questions.dismiss(question.words)
             return question
         self._edit({**chosen.record, "proposed": chosen is question.choices[0]})
-        self.asked.answered.append(f"{question.text} {chosen.name}")
+        self.questions.answered.append(f"{question.text} {chosen.name}")
         return question
 
     def begins(self, request: Request) -> bool:
@@ -552,7 +552,7 @@ class TrainingSession:
         return self._learned(self.log.after(edit), "shown", edit.features)
 
     def _prepared(self, record: Mapping[str, Any]) -> Edit | None:
-        """Return the edit that a record describes; None: no edit.
+        """Return the edit that a record describes, or None if it describes none.
 
         Raises:
             TrainingError: if it is not possible.
@@ -575,7 +575,7 @@ class TrainingSession:
                 f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
                 "with so many features, a training reads some only if they are chosen when it "
                 "begins",
-                Do.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
+                Fix.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
             )
 
     def _make(self, edit: Edit) -> None:
@@ -641,7 +641,7 @@ class TrainingSession:
             first = "take over first, and " if self.testing else ""
             raise TrainingError(
                 f'"{self.curriculum.name}" cannot be {done}: no example leaves {START}; '
-                f"{first}command the behavior that it should begin with"
+                f"{first}command the behavior to begin with"
             )
         chosen = self.curriculum.features if features is None else map(Use.parse, features)
         unlearned = Automaton(

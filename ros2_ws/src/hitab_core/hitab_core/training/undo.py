@@ -26,13 +26,13 @@ class Edit:
     """A change of the examples, stored as a difference.
 
     Attributes:
-        words: what it does, for people, as in ``Start → GoFast, 2 examples``.
-        gone: removed examples, and those that it changes as they were, by number.
-        came: added examples, and those that it changes as they are then, by number.
+        words: the effect, for people, as in ``Start → GoFast, 2 examples``.
+        gone: removed examples, and changed ones as they were, by number.
+        came: added examples, and changed ones as they are then, by number.
         left, entered: labels of the states before and after a command; None if the edit is not a
             command. An undo swaps them.
-        features: names of the features after the edit; None: unchanged.
-        features_before: names of the features before it; None: unchanged.
+        features: names of the features after the edit; None if unchanged.
+        features_before: names of the features before it; None if unchanged.
         direction: whether it is new, an undo or a redo.
     """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_client.recording import driving_of
 from hitab_core import named_domain
-from hitab_core.showing import Span, Strip
+from hitab_core.labeling import Span, Strip
 from hitab_studio.actions.library_changes import change_library
 from hitab_studio.actions.recording import meanwhile_busy, player_of
 from hitab_studio.actions.registry import Data, action

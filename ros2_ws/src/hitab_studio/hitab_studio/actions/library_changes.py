@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_client.commands import called
+from hitab_client.cli_remedies import called
 from hitab_client.run_folder import libraries_of
 from hitab_core import BehaviorLibrary, Use, load_domain
 from hitab_studio.actions.registry import Data, action

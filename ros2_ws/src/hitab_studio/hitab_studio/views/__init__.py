@@ -11,7 +11,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from jinja2.utils import markupsafe
 
-from hitab_client.commands import called
+from hitab_client.cli_remedies import called
 from hitab_core import quantity, unbroken
 from hitab_studio import unavailable
 from hitab_studio.session import Session

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from hitab_client import Learned
-from hitab_core import Example, Number, Use, shown_unit
+from hitab_core import BoundedNumber, Example, Use, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
 from hitab_studio.session import Session, Table
 from hitab_studio.views.numbers import measure
@@ -53,7 +53,7 @@ def _decided(training: Learned, example: Example) -> str:
     return decided if decided != example.next_state and example.is_learned else ""
 
 
-def _numbers(training: Learned, example: Example) -> list[tuple[Number, float]]:
+def _numbers(training: Learned, example: Example) -> list[tuple[BoundedNumber, float]]:
     """Return the numbers that an example was commanded with."""
     wanted = training.numbers_of(Use.parse(example.next_state))
     return list(zip(wanted, example.numbers, strict=False))

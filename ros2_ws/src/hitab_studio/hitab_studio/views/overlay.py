@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_core import FLAGS, START, Do, Number, Use, some
+from hitab_core import FLAGS, START, BoundedNumber, Fix, Use, some
 from hitab_ros.names import WORLD
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_asked, targets_meant
@@ -34,7 +34,7 @@ def context(session: Session) -> dict[str, Any]:
     world_absent = absence(known, WORLD) if live else None
     faults = list(status.faults) if status is not None else []
     may_not_act = live and any(
-        remedy.code == Do.ARM.name for remedy in (status.remedies if status is not None else ())
+        remedy.code == Fix.ARM.name for remedy in (status.remedies if status is not None else ())
     )
     return {
         "absent": absence(known, session.agent) if live and session.agent else None,
@@ -193,14 +193,14 @@ def _buttons(session: Session) -> list[dict[str, Any]]:
     ]
 
 
-def _shown_numbers(session: Session) -> tuple[Number, ...]:
+def _shown_numbers(session: Session) -> tuple[BoundedNumber, ...]:
     """Return the numbers of the behavior that is being shown."""
     if session.showing is None:
         return ()
     return session.watched.vocabulary.numbers_of(session.showing.behavior)
 
 
-def _arrow(session: Session) -> Number | None:
+def _arrow(session: Session) -> BoundedNumber | None:
     """Return the number that an arrow from the agent gives: its direction from where it faces.
 
     With a target, a direction may be relative to that.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_core import Domain, Use
-from hitab_core.showing import UNSURE
+from hitab_core.labeling import UNSURE
 from hitab_studio.learned import uses
 from hitab_studio.session import Session
 

@@ -12,19 +12,19 @@ from hitab_core.agent import Agent
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError, TrainingError
+from hitab_core.labeling.labels import Run, Told, label, untold
+from hitab_core.labeling.shown_actions import ShownAction, behaviors_meant, features_meant, runs_of
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.saving import Saved
-from hitab_core.showing.labels import Run, Told, label, untold
-from hitab_core.showing.moments import Moment, behaviors_meant, features_meant, runs_of
+from hitab_core.saving import SavedBehavior
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.use import Use
 from hitab_core.vocabulary import check_known
 from hitab_core.wording import quantity
 
 UNSURE = 0.8
-"""What is less probable is unsure."""
+"""Labels below this probability are unsure."""
 
-MOST = 0.5
+UNEXPLAINED_MAX = 0.5
 """The share of moments that may be explained by no behavior."""
 
 
@@ -34,11 +34,11 @@ class Span:
 
     Attributes:
         begin, end: s; the end is when the next one begins.
-        behavior: that it was.
+        behavior: the label.
         sure: how probable that is, the mean of its moments.
         moments: how many they are.
         unexplained: at how many of them no behavior would have done what was done.
-        corrected: whether a person said what it was, of some of them.
+        corrected: whether a person labeled some of the moments.
     """
 
     begin: float
@@ -61,7 +61,7 @@ class Strip:
 
     def __init__(
         self,
-        moments: Sequence[Moment],
+        moments: Sequence[ShownAction],
         domain: Domain,
         agent: str,
         behaviors: Iterable[str],
@@ -79,7 +79,7 @@ class Strip:
             behaviors: basic ones, that moments may have been; none: all without targets.
             features: by which they may have been chosen.
             corrections: see `correct`.
-            told: is told how far it is.
+            told: called with the progress.
 
         Raises:
             TrainingError: if there is nothing to label, or the behaviors do not explain it.
@@ -113,11 +113,11 @@ class Strip:
         unexplained[[*self.known]] = False
         varies = self._varied > 0
         in_vain = varies.any() and (shown.spread >= self._varied)[varies].all()
-        if in_vain or unexplained.mean() > MOST:
+        if in_vain or unexplained.mean() > UNEXPLAINED_MAX:
             what = "" if in_vain else f" at {unexplained.mean():.0%} of the moments"
             raise TrainingError(
                 f"these behaviors do not explain what {self.agent} did{what}: "
-                f"{', '.join(self.behaviors)}; choose those that it may have been"
+                f"{', '.join(self.behaviors)}; choose possible ones"
             )
         self.labels: Integers = np.concatenate(shown.labels)
         self.confidence: Floats = np.concatenate(shown.confidence)
@@ -125,7 +125,7 @@ class Strip:
         self.rounds = shown.rounds
 
     def correct(self, begin: float, end: float, behavior: str) -> None:
-        """Say what it was from when to when; `label` then labels the rest again.
+        """Set the behavior of a span of time; `label` then labels the rest again.
 
         Raises:
             TrainingError: if there is no moment then.
@@ -168,10 +168,10 @@ class Strip:
 
     @property
     def _end(self) -> float:
-        """When the last moment ends: it is as long as the one before."""
+        """End of the last moment, which is as long as the one before."""
         return 2 * self.moments[-1].when - self.moments[-2].when
 
-    def train(self, name: str, library: BehaviorLibrary, source: str) -> Saved:
+    def train(self, name: str, library: BehaviorLibrary, source: str) -> SavedBehavior:
         """Train a behavior as if each change of the label had been commanded, and save it.
 
         Args:
@@ -200,7 +200,7 @@ class Strip:
         note = f"labeled from {source}: {quantity(len(self.moments), 'moment')}{said}"
         return agent.save(note=note)
 
-    def _changes(self) -> Iterator[tuple[Moment, Use | None, bool]]:
+    def _changes(self) -> Iterator[tuple[ShownAction, Use | None, bool]]:
         """Yield each moment, the behavior that is commanded then, and if an episode begins."""
         episode, before = None, -1
         for moment, which in zip(self.moments, self.labels.tolist(), strict=True):

@@ -1,4 +1,4 @@
-"""What somebody did at each moment, and what each basic behavior would have done instead."""
+"""The shown action at each moment, and what each basic behavior would have done instead."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ import numpy as np
 
 from hitab_core.action_behavior import ActionBehavior
 from hitab_core.arrays import Floats
-from hitab_core.domain import OWN, Domain
+from hitab_core.domain import FLAGS_AND_TIMERS, Domain
 from hitab_core.errors import VocabularyError
-from hitab_core.running.senses import Senses, resolved, value_or_nan
-from hitab_core.showing.labels import Run, Told, untold
-from hitab_core.showing.likelihood import apart
+from hitab_core.labeling.labels import Run, Told, untold
+from hitab_core.labeling.likelihood import apart
+from hitab_core.running.feature_cache import FeatureCache, resolved, value_or_nan
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
-    """One cycle of an agent that somebody drove.
+class ShownAction:
+    """One cycle of an agent that a person or program drove.
 
     Attributes:
-        when: it was, s, as the one who shows it counts.
+        when: time on the clock of the source, s.
         time: simulated, or the robot's, s.
         cycle: of the world.
         episode: number of it; each is a run of its own.
         values, heard: the percept.
-        did: the action, in the layout of the domain; empty: none; None: not known.
+        did: the action, in the layout of the domain, empty if there is none; None if unknown.
     """
 
     when: float
@@ -70,7 +70,7 @@ def features_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Use, ...]:
     """
     uses = tuple(dict.fromkeys(map(Use.parse, chosen)))
     for use in uses:
-        if use.name in OWN:
+        if use.name in FLAGS_AND_TIMERS:
             raise VocabularyError(
                 f'"{use}" depends on which behavior was active, which is what is looked for; '
                 f"choose other features {has(domain.features)}"
@@ -82,7 +82,7 @@ def features_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Use, ...]:
 
 
 def runs_of(
-    moments: Sequence[Moment],
+    moments: Sequence[ShownAction],
     domain: Domain,
     agent: str,
     behaviors: Sequence[Use],
@@ -98,18 +98,18 @@ def runs_of(
         moments: in their order.
         domain: of the agent.
         agent: its name.
-        behaviors: that it may have been.
+        behaviors: possible ones.
         features: by which they may have been chosen.
-        told: is told the number of moments that are done.
+        told: called with the number of moments done.
     """
     body = domain.body(agent)
-    senses = Senses(body, domain)
+    feature_cache = FeatureCache(body, domain)
     pulses = [_pulsed(domain, agent, use) for use in behaviors]
     seen, did, would = [], [], []
     for done, moment in enumerate(moments, 1):
         body.sense(moment.values, moment.heard)
-        senses.forget()
-        seen.append([value_or_nan(senses.look, use) for use in features])
+        feature_cache.forget()
+        seen.append([value_or_nan(feature_cache.look, use) for use in features])
         did.append(moment.did)
         would.append([pulse(moment) for pulse in pulses])
         told(done, len(moments), "asking each behavior")
@@ -126,14 +126,14 @@ def runs_of(
     return runs, acted
 
 
-def _pulsed(domain: Domain, agent: str, use: Use) -> Callable[[Moment], Sequence[float]]:
+def _pulsed(domain: Domain, agent: str, use: Use) -> Callable[[ShownAction], Sequence[float]]:
     """Return what tells what a behavior would do at a moment; nothing if it cannot."""
     body, behavior = domain.body(agent), domain.behaviors[use.name]
     pulse = resolved(behavior.pulse, body, domain, use)
     begin = resolved(behavior.start, body, domain, use)
     begun = False
 
-    def does(moment: Moment) -> Sequence[float]:
+    def does(moment: ShownAction) -> Sequence[float]:
         nonlocal begun
         try:
             body.sense(moment.values, moment.heard)

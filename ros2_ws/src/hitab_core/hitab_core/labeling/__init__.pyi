@@ -4,8 +4,8 @@ from .labels import examples_of as examples_of
 from .labels import label as label
 from .labels import steps_of as steps_of
 from .likelihood import apart as apart
-from .moments import Moment as Moment
 from .paths import forward as forward
+from .shown_actions import ShownAction as ShownAction
 from .strip import UNSURE as UNSURE
 from .strip import Span as Span
 from .strip import Strip as Strip

@@ -1,18 +1,17 @@
-"""How long to wait for others, on a busy machine too."""
+"""Timeouts that allow for a busy machine."""
 
 from __future__ import annotations
 
 import time
 
 BUSY_FACTOR = 5.0
-"""How many times as long a wait may be if the machine is too busy."""
+"""Maximum factor by which a busy machine prolongs a wait."""
 
 
-class Patience:
+class BusyTimeout:
     """Waits for a number of seconds, in steps.
 
-    Time in which this process wanted to run and could not does not count: on a machine that is too
-    busy for it, those that it waits for need longer as well.
+    CPU-starved time is not counted, since the awaited process is starved too.
     """
 
     def __init__(self, seconds: float) -> None:
@@ -23,7 +22,7 @@ class Patience:
         self._step = 0.0
 
     def step(self, longest: float) -> float:
-        """Return how long to wait before the next look, s; 0: the time is over.
+        """Return how long to wait before the next look, s; 0 once the time is over.
 
         Args:
             longest: how long at most, s.

@@ -1,8 +1,8 @@
-"""What the agent perceived during a training: lately, and around each command.
+"""Percepts of the agent in training: the latest, and those around each command.
 
-A command is recorded with the situation that it was meant for (`hitab_core.training.moments`), and
-the moments around it are kept so that it can be retimed later. If it corrects the automaton, so is
-the decision that it corrects.
+A command is recorded with the situation in which it was due, see
+`hitab_core.training.recent_percepts`. The percepts around it are kept, so that the command can be
+retimed later; a correction also keeps the corrected decision.
 """
 
 from __future__ import annotations
@@ -20,24 +20,24 @@ from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError
 from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.training.lateness import LateCommand, Lateness
-from hitab_core.training.moments import (
-    Moment,
-    Moments,
+from hitab_core.training.recent_percepts import (
+    PerceptRecord,
+    RecentPercepts,
     nearest,
     readable,
     state_of,
 )
-from hitab_core.training.situations import Situations
+from hitab_core.training.situation_sample import SituationSample
 from hitab_core.use import Use
 
 TIMERS = tuple(use for use in OWN_FEATURES if use.name not in FLAGS)
-"""Nobody responds to how a timer is set back."""
+"""Timers are excluded: their reset is not an event in the world."""
 
 BLAMED_SECONDS = 1.0
 """A change of state that was longer before a correction was due is not what is corrected."""
 
 
-class Perceived:
+class PerceptHistory:
     """Reads whatever can be read, and keeps it for as long as a command may refer to it.
 
     Attributes:
@@ -59,21 +59,21 @@ class Perceived:
             domain: of the agent.
             parameters: of the automaton in training.
             chosen: its features.
-            names: of the readings; empty: all that can be read. What cannot be read any more is
+            names: of the readings; empty for all that can be read. What cannot be read any more is
                 NaN.
         """
         found = tuple(names) or readable(domain, parameters)
         self.readable = (*found, *(use for use in chosen if use not in found))
-        self.moments = Moments()
-        self.situations = Situations()
-        self._windows: dict[int, tuple[float, tuple[Moment, ...]]] = {}
+        self.moments = RecentPercepts()
+        self.situations = SituationSample()
+        self._windows: dict[int, tuple[float, tuple[PerceptRecord, ...]]] = {}
         self._column = {use: i for i, use in enumerate(self.readable)}
         self._discrete = [
             self._column[use]
             for use in chosen
             if use not in TIMERS and not domain.scale_of(use).kind.is_measured
         ]
-        self._entered: Moment | None = None
+        self._entered: PerceptRecord | None = None
         self._corrected: set[int] = set()
         self._paces: dict[int, float] = {}
 
@@ -100,18 +100,18 @@ class Perceived:
         """Keep what the agent perceives now, before it acts on that.
 
         Args:
-            running: what it performs.
+            running: the performed behavior.
             cycle: of the world.
             time: simulated time, s.
             jumped: whether the situation does not follow from the last one.
         """
         if jumped:
             self.begin()
-        moment = Moment(cycle, time, state_of(running.active), self._read(running))
+        moment = PerceptRecord(cycle, time, state_of(running.active), self._read(running))
         self.moments.add(moment)
         self._meet(moment)
 
-    def _meet(self, moment: Moment) -> None:
+    def _meet(self, moment: PerceptRecord) -> None:
         values = (moment.readings[i] for i in self._discrete)
         kind = (moment.state, *(None if math.isnan(value) else value for value in values))
         self.situations.add(kind, moment)
@@ -122,10 +122,10 @@ class Perceived:
             for moment in moments:
                 self._meet(moment)
 
-    def enter(self, label: str, due: Moment) -> None:
+    def enter(self, label: str, due: PerceptRecord) -> None:
         """Have a commanded state be active since the command was due."""
 
-        def entered(moment: Moment) -> Moment:
+        def entered(moment: PerceptRecord) -> PerceptRecord:
             seconds = moment.time - due.time
             readings = as_entered(self.readable, moment.readings, seconds)
             return replace(moment, state=label, readings=readings)
@@ -139,12 +139,12 @@ class Perceived:
         self._entered = None
 
     def begin(self) -> None:
-        """Forget what was, since it has nothing to do with what follows."""
-        self.moments = Moments()
+        """Forget earlier percepts, which have no connection with later ones."""
+        self.moments = RecentPercepts()
         self._entered = None
 
     def restart(self, state: str = START) -> None:
-        """Forget what was before the last percept, which begins an episode, or another state."""
+        """Forget percepts before the last one, which begins an episode, or another state."""
         latest = self.moments.latest
         self.begin()
         if latest is not None:
@@ -161,14 +161,14 @@ class Perceived:
         cycle: int,
         ago: float,
         seen: int,
-    ) -> Moment:
+    ) -> PerceptRecord:
         """Return the moment for which a command is meant.
 
         Args:
             running: what the agent performs.
             features: of the automaton in training.
             cycle: of the world, now.
-            ago, seen: see `Moments.due`.
+            ago, seen: see `RecentPercepts.due`.
 
         Raises:
             TrainingError: if that moment is not kept.
@@ -191,25 +191,25 @@ class Perceived:
         readings = list(self._read(running))
         for feature, value in zip(features, values, strict=True):
             readings[self._column[feature]] = value
-        return Moment(cycle, self.time, state_of(running.active), tuple(readings))
+        return PerceptRecord(cycle, self.time, state_of(running.active), tuple(readings))
 
-    def _since_entered(self) -> Sequence[Moment]:
+    def _since_entered(self) -> Sequence[PerceptRecord]:
         """Return the moments for which a command can be meant, after that of the one before it."""
         entered, kept = self._entered, self.moments.since(-math.inf)
         if entered is None:
             return kept
         return (entered, *(moment for moment in kept if moment.time > entered.time))
 
-    def in_moment(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
+    def in_moment(self, moment: PerceptRecord, features: Sequence[Use]) -> tuple[float, ...]:
         """Return the values of features in a moment; NaN where there is none."""
         return tuple(moment.readings[self._column[feature]] for feature in features)
 
-    def shows(self, moment: Moment, features: Sequence[Use]) -> bool:
+    def shows(self, moment: PerceptRecord, features: Sequence[Use]) -> bool:
         """Return whether there can be an example of a moment: one of some features has a value."""
         values = self.in_moment(moment, features)
         return not values or not all(map(math.isnan, values))
 
-    def values(self, moment: Moment, features: Sequence[Use]) -> tuple[float, ...]:
+    def values(self, moment: PerceptRecord, features: Sequence[Use]) -> tuple[float, ...]:
         """Return the values of features in a moment.
 
         Raises:
@@ -232,17 +232,17 @@ class Perceived:
     # -- moments that stay with the examples ------------------------------------------------
 
     def around(
-        self, due: Moment, taken_over_in: str = "", commanded: str = "", pace: float = 0.0
+        self, due: PerceptRecord, taken_over_in: str = "", commanded: str = "", pace: float = 0.0
     ) -> dict[str, Any]:
         """Return what to keep with a command, as plain data for the journal.
 
         Args:
-            due: the moment at which it was due.
+            due: the moment at which the command was due.
             taken_over_in: label of the state that the automaton was in when the person took over
-                to give this command; empty: the automaton had not decided.
+                to give this command; empty if the automaton had not decided.
             commanded: label of the state that was commanded.
-            pace: simulated seconds in a second of the person who was late by nobody knows how
-                much; 0: the moment is known.
+            pace: simulated seconds per second of a person with an unknown delay; 0 if the
+                moment is known.
         """
         record: dict[str, Any] = {
             "time": self.time,
@@ -258,13 +258,13 @@ class Perceived:
         """Keep what `around` returned for the command of this number."""
         if "pace" in record:
             self._paces[command] = float(record["pace"])
-        moments = tuple(map(Moment.from_record, record.get("moments", ())))
+        moments = tuple(map(PerceptRecord.from_record, record.get("moments", ())))
         if moments:
             self._windows[command] = (float(record["time"]), moments)
         if "corrects" in record:
             self._corrected.add(command)
 
-    def _wrong_decision(self, due: Moment, active: str) -> str:
+    def _wrong_decision(self, due: PerceptRecord, active: str) -> str:
         """Return the state to which the decision led that a person corrects.
 
         It is the first change of state after the command was due, whatever followed before the
@@ -294,15 +294,15 @@ class Perceived:
         features: Sequence[Use],
         lateness: Lateness,
         recorded: tuple[str, int] | None = None,
-    ) -> tuple[LateCommand, Sequence[Moment]] | None:
+    ) -> tuple[LateCommand, Sequence[PerceptRecord]] | None:
         """Return a command that came late, and the moments for which it may have been meant.
 
         Args:
             command: its number.
-            label: of the state that it goes to.
+            label: of the next state.
             features: of the automaton in training.
             lateness: of the person.
-            recorded: the state and the cycle for which it was recorded; None: it was not yet.
+            recorded: the state and the cycle for which it was recorded; None before that.
 
         Returns:
             The command; and the moments in one state, with one in which the automaton changed its
@@ -341,6 +341,6 @@ class Perceived:
         late = replace(late, changed=float(delays[changed]), corrects=corrects)
         return late, (*among, moments[changed])
 
-    def window(self, command: int) -> tuple[float, tuple[Moment, ...]] | None:
+    def window(self, command: int) -> tuple[float, tuple[PerceptRecord, ...]] | None:
         """Return when a command was given, s, and the moments that are kept around it."""
         return self._windows.get(command)

@@ -18,13 +18,13 @@ GROUP_TYPE = "hitab_msgs/msg/CommanderStatus"
 LATER_SECONDS = 0.3
 
 
-class CommandView:
+class CommanderView:
     """Listens to all commanders of a swarm.
 
     Args:
         link: the node to use.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty: any.
+        identity: of the swarm in question; empty for any.
 
     Attributes:
         groups: each commander's latest report about its group, by name.
@@ -97,10 +97,10 @@ class Branch:
     """A commander or an agent, with its subordinates.
 
     Attributes:
-        behavior: the top-level behavior that it performs; empty: none.
+        behavior: the performed top-level behavior, or empty.
         path: a commander's active states.
-        order: a commander's current order; empty: none yet.
-        obeys: whether it performs its own commander's order; None: it has no commander.
+        order: a commander's current order, or empty.
+        obeys: whether it performs its own commander's order; None if it has no commander.
         silent: whether its commander has missed its heartbeat.
         stopped: whether its robot may not act.
         counts: of a commander's subordinates: obeying, total.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-Number = tuple[int, int]
+OrderId = tuple[int, int]
 """Epoch and sequence; the larger one is newer."""
 
-OTHERS = ""
+ALL_OTHERS = ""
 """Receiver of an order: every subordinate not addressed by name or role."""
 
 
@@ -18,15 +18,15 @@ class Order:
 
     Attributes:
         epoch: of the commander's process; larger after a restart.
-        sequence: counts up within the epoch; 0: no order yet.
+        sequence: counts up within the epoch; 0 before the first order.
         name: of the order, such as ``Attack``; a behavior of the commander.
         behaviors: to perform, such as ``GoTo(ball)``, by receiver: a subordinate's name, else a
-            role, else `OTHERS`. Empty text: perform nothing.
+            role, else `ALL_OTHERS`. Empty text: perform nothing.
         report: features whose values the subordinates should report.
         report_position: whether they should report their position.
         report_states: whether they should report the active states of their top-level behavior.
         report_period: seconds, in a subordinate's own time, between reports of changing values.
-        round: in lockstep, number of the round that the order ends; 0: given outside a round.
+        round: in lockstep, number of the round that the order ends; 0 outside of rounds.
     """
 
     epoch: int = 0
@@ -40,13 +40,13 @@ class Order:
     round: int = 0
 
     @property
-    def number(self) -> Number:
+    def number(self) -> OrderId:
         """Epoch and sequence, to compare orders: the larger is newer."""
         return self.epoch, self.sequence
 
     def behavior_for(self, name: str, role: str) -> str | None:
-        """Return what a subordinate should perform; None: continue what it is doing."""
-        for receiver in (name, role, OTHERS):
+        """Return the behavior that a subordinate should perform; None to continue."""
+        for receiver in (name, role, ALL_OTHERS):
             if receiver in self.behaviors:
                 return self.behaviors[receiver]
         return None
@@ -58,18 +58,18 @@ class Report:
 
     Attributes:
         agent: name of the subordinate.
-        epoch, sequence: of the last order received; 0: none.
+        epoch, sequence: of the last order received; 0 before the first.
         waits: whether that order is still pending.
         mode: of the agent.
         stopped: whether its robot may not act.
         path: its top-level behavior and, if requested, the active states inwards; empty if idle
             or stopped.
         flags: raised by its top-level behavior since that order.
-        values: of the features that the commander requested; NaN: no value.
-        position: x and y, m; empty: not requested, or unknown.
+        values: of the features that the commander requested; NaN without a value.
+        position: x and y, m; empty if not requested or unknown.
         cycle, episode, seed: of its last percept.
         seconds: the agent's own time, s.
-        round: in lockstep, number of the last percept; 0: in real time.
+        round: in lockstep, number of the last percept; 0 in real time.
         look: whether that percept was for observation only.
         restart: whether it began an episode.
     """

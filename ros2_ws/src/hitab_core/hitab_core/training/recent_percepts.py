@@ -1,7 +1,7 @@
-"""What an agent in training perceived in the last seconds, so that a command can come late.
+"""Percepts of an agent in training in the last seconds, so that a command can come late.
 
 A person needs time to react, so the situation that a command is meant for is already past when the
-command arrives. The agent keeps its last percepts, as readings of everything that it could read,
+command arrives. The agent keeps its last percepts, as readings of everything readable,
 with the state that was active. A command that says how long ago it was due is recorded with the
 situation of that time.
 """
@@ -21,10 +21,10 @@ from hitab_core.example_codec import value_records, values_of
 from hitab_core.use import Use
 
 KEPT_SECONDS = 10.0
-"""How long moments are kept, in simulated time."""
+"""Simulated time for which percepts are kept."""
 
 WINDOW_SECONDS = 2.0
-"""How far before its command the moments stay with an example, at least."""
+"""Minimum time before its command for which percepts stay with an example."""
 
 WINDOW_MAX = 50
 """The most moments that stay with an example."""
@@ -37,7 +37,7 @@ READABLE_MAX = 500
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class PerceptRecord:
     """One percept of an agent in training.
 
     Attributes:
@@ -63,7 +63,7 @@ class Moment:
         }
 
     @classmethod
-    def from_record(cls, record: Mapping[str, Any]) -> Moment:
+    def from_record(cls, record: Mapping[str, Any]) -> PerceptRecord:
         """Read what `to_record` wrote."""
         return cls(
             int(record["cycle"]),
@@ -94,21 +94,21 @@ def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Use, ...]:
     return (*uses, *OWN_FEATURES)
 
 
-class Moments:
+class RecentPercepts:
     """The last moments of an agent in training, oldest first.
 
     They never reach back beyond a jump: a new episode, or a change of a paused world.
     """
 
     def __init__(self) -> None:
-        self._kept: list[Moment] = []
+        self._kept: list[PerceptRecord] = []
 
     @property
-    def latest(self) -> Moment | None:
+    def latest(self) -> PerceptRecord | None:
         """The last moment; None if there is none."""
         return self._kept[-1] if self._kept else None
 
-    def add(self, moment: Moment) -> None:
+    def add(self, moment: PerceptRecord) -> None:
         """Keep a moment, unless it follows the last but one too fast; drop those too old."""
         kept = self._kept
         if kept and moment.time < kept[-1].time:
@@ -120,12 +120,12 @@ class Moments:
             first = bisect_right(kept, moment.time - KEPT_SECONDS, key=lambda m: m.time)
             del kept[:first]
 
-    def due(self, ago: float, seen: int = 0) -> Moment:
+    def due(self, ago: float, seen: int = 0) -> PerceptRecord:
         """Return the moment nearest to when a command was due.
 
         Args:
             ago: how long before what the demonstrator saw, s of simulated time.
-            seen: the world's cycle that the demonstrator saw; 0: the last one.
+            seen: the world's cycle that the demonstrator saw; 0 for the last one.
 
         Raises:
             TrainingError: if that is in the future, or longer ago than is kept.
@@ -150,11 +150,13 @@ class Moments:
             base = next((m.time for m in reversed(kept) if m.cycle <= seen), kept[0].time)
         return nearest(kept, base - ago)
 
-    def since(self, time: float) -> list[Moment]:
+    def since(self, time: float) -> list[PerceptRecord]:
         """Return the moments from a time on, s."""
         return [moment for moment in self._kept if moment.time >= time]
 
-    def enter(self, due: Moment, as_entered: Callable[[Moment], Moment]) -> None:
+    def enter(
+        self, due: PerceptRecord, as_entered: Callable[[PerceptRecord], PerceptRecord]
+    ) -> None:
         """Have a state be active since a moment, as if its command had come in time.
 
         Args:
@@ -175,8 +177,8 @@ class Moments:
                 break
             kept[place] = replace(kept[place], state=state)
 
-    def window(self, due: Moment) -> tuple[Moment, ...]:
-        """Return the moments to keep with an example, so that it can be retimed later."""
+    def window(self, due: PerceptRecord) -> tuple[PerceptRecord, ...]:
+        """Return the percepts to keep with an example, for retiming the example later."""
         kept = self._kept
         start = min(due.time - WINDOW_SECONDS / 2, kept[-1].time - WINDOW_SECONDS) if kept else 0
         chosen = [moment for moment in kept if moment.time >= start]
@@ -184,7 +186,7 @@ class Moments:
         return tuple(m for i, m in enumerate(reversed(chosen)) if i % step == 0)[::-1]
 
 
-def nearest(moments: Sequence[Moment], time: float) -> Moment:
+def nearest(moments: Sequence[PerceptRecord], time: float) -> PerceptRecord:
     """Return the one of some moments that is nearest to a time; the later one of two as near.
 
     One moment too early costs more than one too late: nothing may have happened yet.

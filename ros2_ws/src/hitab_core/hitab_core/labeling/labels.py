@@ -1,4 +1,4 @@
-"""Which behavior each moment was, alternating with learning the automaton that chose it.
+"""Labels of moments, found in alternation with learning the automaton that chose them.
 
 With given transition functions, those sequences of states are likely that explain both what was
 done and when it changed; with given sequences, the engine's own learner learns the functions. The
@@ -21,19 +21,19 @@ from hitab_core.automaton import START
 from hitab_core.domain import Scale
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
+from hitab_core.labeling.likelihood import log_likelihoods, spread_of, unexplained
+from hitab_core.labeling.paths import draw, forward, posterior
 from hitab_core.learning import learn_transitions
-from hitab_core.showing.likelihood import log_likelihoods, spread_of, unexplained
-from hitab_core.showing.paths import draw, forward, posterior
 from hitab_core.transition_function import LearnedTransition
 
 STAY = 0.9
-"""How probable it is to stay, before anything was learned."""
+"""Probability of staying, before anything was learned."""
 
 SLIP = 0.02
-"""How probable a change is that the automaton does not expect: who shows is no automaton."""
+"""Probability of a change that the automaton does not expect: people are no automata."""
 
 DRAWS, MOMENTS = 10, 20_000
-"""How many sequences are drawn of each run, and of how many moments in all at most, if several."""
+"""Number of sequences drawn of each run, and maximum number of their moments in all."""
 
 BETWEEN = "tree(prune=True, min_samples_leaf=40)"
 """Learns from the drawn sequences; with smaller leaves, it would confirm whatever was drawn."""
@@ -45,11 +45,11 @@ SETTLED = 0.002
 
 Functions = Mapping[str, LearnedTransition]
 Told = Callable[[int, int, str], None]
-"""Is told the amount done, the total and the current activity."""
+"""Called with the amount done, the total and the current activity."""
 
 
 def untold(done: int, total: int, doing: str) -> None:
-    """Tell nobody."""
+    """Ignore the progress."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Shown:
-    """What runs have shown.
+    """Labeled runs.
 
     Attributes:
         labels: of each run, the index of the most probable behavior at each moment.
@@ -77,7 +77,7 @@ class Shown:
         unexplained: of each run, at which moments no behavior would have done what was done.
         drawn: of each run, sequences of labels drawn from what is probable, shape (draws, n).
         spread: shape (d,), of what was done around what the behaviors would have done.
-        rounds: of alternating; 0: none, by a sticky prior alone.
+        rounds: of alternating; 0 for a sticky prior alone.
     """
 
     labels: tuple[Integers, ...]
@@ -103,9 +103,9 @@ def label(
         runs: that were shown, of one person or script.
         behaviors: names of the k behaviors.
         scales: of the m features.
-        rounds: of alternating at most; 0: labels by a sticky prior alone.
+        rounds: of alternating at most; 0 for a sticky prior alone.
         seed: of the draws.
-        told: is told the number of rounds that are done.
+        told: called with the number of rounds done.
 
     Raises:
         TrainingError: if there is nothing to label.

@@ -13,25 +13,25 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator
 from random import Random
 
-from hitab_core.training.moments import Moment
+from hitab_core.training.recent_percepts import PerceptRecord
 
-KEPT = 400
+SITUATIONS_MAX = 400
 """The most moments that are kept; with more, looking for questions takes long."""
 
 
-class Situations:
+class SituationSample:
     """A sample of the moments that were met."""
 
     def __init__(self) -> None:
-        self._kinds: dict[Hashable, list[Moment]] = {}
+        self._kinds: dict[Hashable, list[PerceptRecord]] = {}
         self._seen: dict[Hashable, int] = {}
         self._random = Random(0)
 
-    def __iter__(self) -> Iterator[Moment]:
+    def __iter__(self) -> Iterator[PerceptRecord]:
         """Iterate over the sample."""
         return (moment for kind in self._kinds.values() for moment in kind)
 
-    def add(self, kind: Hashable, moment: Moment) -> None:
+    def add(self, kind: Hashable, moment: PerceptRecord) -> None:
         """Add a moment; it may take the place of another one, or of none.
 
         Args:
@@ -40,7 +40,7 @@ class Situations:
         """
         sample = self._kinds.setdefault(kind, [])
         self._seen[kind] = self._seen.get(kind, 0) + 1
-        if sum(map(len, self._kinds.values())) >= KEPT:
+        if sum(map(len, self._kinds.values())) >= SITUATIONS_MAX:
             largest = max(self._kinds.values(), key=len)
             if len(sample) == len(largest):
                 place = self._random.randrange(self._seen[kind])
@@ -52,10 +52,10 @@ class Situations:
 
     @property
     def news(self) -> tuple[int, int]:
-        """What changes when a kind is met first, and when twice as much has been met."""
+        """Counter that changes with each new kind, and whenever the number met doubles."""
         return len(self._kinds), sum(self._seen.values()).bit_length()
 
     def forget_from(self, time: float) -> None:
-        """Forget what was met from some time on, s."""
+        """Forget situations met from some time on, s."""
         for sample in self._kinds.values():
             sample[:] = [moment for moment in sample if moment.time < time]

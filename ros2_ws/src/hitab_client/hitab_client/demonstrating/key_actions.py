@@ -1,4 +1,4 @@
-"""What a demonstrator does with one key, whatever the key is on: a terminal, a stick or a page."""
+"""Actions that a demonstrator triggers with one key, on a terminal, a stick or a page."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ def command(
 ) -> str:
     """Command a behavior, or in no training have it performed; return what came of it.
 
-    If the agent is testing what it has learned, take over first.
+    If the agent is testing, take over first.
 
     Args:
         agents: of the swarm.
         world: that the person sees.
         agent: to command.
         behavior: with its targets.
-        seen: the world's cycle that the person saw; 0: the last one. While the world runs, the
+        seen: the world's cycle that the person saw; 0 for the last one. While the world runs, the
             agent estimates how long before it the command was due.
-        sequence: number of the command; 0: a new one.
+        sequence: number of the command; 0 for a new one.
         seconds: how long to wait for the agent's acknowledgement.
-        demonstrator: who commands; empty: whoever the client says.
+        demonstrator: who commands; empty for the client's own.
 
     Raises:
         SwarmError: if the agent is missing, refuses, or does not acknowledge.
@@ -68,7 +68,7 @@ def simulated(seconds: float, status: WorldStatus | None, speed: float = 1.0) ->
 
     Args:
         seconds: of the person.
-        status: of the world; None: there is none, or it is a robot's, where time is the person's.
+        status: of the world; None if missing, or a robot's, where time is the person's.
         speed: of a world in lockstep, as seen: simulated seconds in a second.
     """
     if status is None:
@@ -101,7 +101,7 @@ def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
 
 
 def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> str:
-    """Have the last command be due a little earlier than it is at present; return what it is.
+    """Have the last command be due a little earlier than at present; return by how much.
 
     Raises:
         SwarmError: if there is none, or that time is not kept.

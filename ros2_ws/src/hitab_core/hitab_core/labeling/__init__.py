@@ -1,4 +1,4 @@
-"""Which behavior each moment of a run was that somebody showed without commands."""
+"""The behavior at each moment of a run that was shown without commands."""
 
 import lazy_loader
 

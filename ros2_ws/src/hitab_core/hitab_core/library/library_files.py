@@ -7,35 +7,35 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from hitab_core.automaton import RESERVED
+from hitab_core.automaton import RESERVED_NAMES
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import SUFFIX, BehaviorFile, file_name
+from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX, BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.check import misfits
 from hitab_core.library.commit import Changes
-from hitab_core.library.contents import Contents, Losses
+from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.durable_files import file_errors
-from hitab_core.library.edition import Edition, Editions
+from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.library.yaml_places import read_text
-from hitab_core.use import NAME, NAME_RULE
+from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 from hitab_core.vocabulary import has
 
 VERSIONS = ".versions"
 
 
-class Shelf:
+class LibraryFiles:
     """The behavior files in a folder and all their versions, read for one domain.
 
     Whatever reads or writes more than one file must hold the lock, see `commit.held`.
 
     Attributes:
         path: of the folder, which may be missing.
-        editions: reads the files.
+        reader: reads the files.
     """
 
-    def __init__(self, path: Path, editions: Editions) -> None:
+    def __init__(self, path: Path, reader: LibraryReader) -> None:
         self.path = path
-        self.editions = editions
+        self.reader = reader
 
     def names(self) -> list[str]:
         """Return the names of the behaviors that have a file, sorted."""
@@ -47,10 +47,10 @@ class Shelf:
         Raises:
             LibraryError: if no behavior can have this name.
         """
-        if name in RESERVED:
+        if name in RESERVED_NAMES:
             raise LibraryError(f'no behavior can be called "{name}", which is reserved')
-        if NAME.match(name) is None:
-            raise LibraryError(f'no behavior can be called "{name}"; {NAME_RULE}')
+        if VOCABULARY_NAME.match(name) is None:
+            raise LibraryError(f'no behavior can be called "{name}"; {VOCABULARY_NAME_RULE}')
         return self.path / file_name(name)
 
     def versions(self, name: str) -> list[int]:
@@ -85,7 +85,9 @@ class Shelf:
 
     def next_number(self, name: str, planned: Changes) -> int:
         """Return the number of the next version after the ``planned`` changes."""
-        kept = [int(Path(p).name.removesuffix(SUFFIX)) for p in planned if _is_of(p, name)]
+        kept = [
+            int(Path(p).name.removesuffix(BEHAVIOR_SUFFIX)) for p in planned if _is_of(p, name)
+        ]
         return 1 + max([0, *self.versions(name), *kept])
 
     def addition(self, name: str, number: int, text: str) -> Changes:
@@ -95,37 +97,37 @@ class Shelf:
 
     # -- what they hold ---------------------------------------------------------------------
 
-    def contents(self) -> Contents:
+    def contents(self) -> LibraryContents:
         """Read all files, reusing unchanged ones."""
         readable: dict[str, BehaviorFile] = {}
         unreadable: dict[str, LibraryError] = {}
         for name in self.names():
             try:
                 path = self.file(name)
-                readable[name] = self.editions.read(read_text(path), path.name)
+                readable[name] = self.reader.read(read_text(path), path.name)
             except LibraryError as error:
                 unreadable[name] = error
         return self.contents_of(readable, unreadable)
 
     def contents_of(
         self, readable: Mapping[str, BehaviorFile], unreadable: Mapping[str, LibraryError]
-    ) -> Contents:
-        """Sort files by whether they can be used; those of a known edition can."""
-        if not unreadable and self.editions.knows(readable):
-            return Contents(readable, {}, {}, {})
-        wrong, lost = misfits(readable, self.editions.domain, unreadable, self.sound_version)
+    ) -> LibraryContents:
+        """Sort files by whether they can be used; those of a known loaded library can."""
+        if not unreadable and self.reader.knows(readable):
+            return LibraryContents(readable, {}, {}, {})
+        wrong, lost = misfits(readable, self.reader.domain, unreadable, self.sound_version)
         problems = {name: error.problem for name, error in unreadable.items()}
-        return Contents(readable, unreadable, problems | wrong, lost)
+        return LibraryContents(readable, unreadable, problems | wrong, lost)
 
-    def edition(self, contents: Contents) -> Edition:
-        """Return the edition of some contents.
+    def loaded(self, contents: LibraryContents) -> LoadedLibrary:
+        """Return the loaded library of some contents.
 
         Raises:
             VocabularyError: if the behaviors do not fit the domain.
         """
-        return self.editions.of(contents.usable, self.losses(contents))
+        return self.reader.of(contents.usable, self.losses(contents))
 
-    def losses(self, contents: Contents) -> Losses:
+    def losses(self, contents: LibraryContents) -> LostBehaviors:
         """Return what is lost of some contents, with the ways out."""
         return contents.losses(self.path, self.sound_version)
 
@@ -140,7 +142,7 @@ class Shelf:
             there = f'{self.path}: has no version {number} of "{name}" {has(versions)}'
             raise LibraryError(there)
         path = self.version_file(name, number)
-        domain = self.editions.domain
+        domain = self.reader.domain
         return read_behavior(read_text(path), f"{name}/{path.name}", domain, name=name)
 
     def sound_version(self, name: str) -> int | None:
@@ -154,7 +156,7 @@ class Shelf:
 
 
 def _version(name: str, number: int) -> str:
-    return f"{VERSIONS}/{name}/{number:04}{SUFFIX}"
+    return f"{VERSIONS}/{name}/{number:04}{BEHAVIOR_SUFFIX}"
 
 
 def _is_of(path: str, name: str) -> bool:
@@ -168,7 +170,7 @@ def _names(folder: Path) -> list[str]:
         except FileNotFoundError:
             return []
     return [
-        name.removesuffix(SUFFIX)
+        name.removesuffix(BEHAVIOR_SUFFIX)
         for name in found
-        if name.endswith(SUFFIX) and not name.startswith(".")
+        if name.endswith(BEHAVIOR_SUFFIX) and not name.startswith(".")
     ]

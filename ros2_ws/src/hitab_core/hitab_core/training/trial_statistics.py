@@ -1,7 +1,7 @@
-"""What an automaton does in a test, by episodes, and the remarks that follow.
+"""Statistics of an automaton under test, by episodes, and the remarks that follow.
 
 A world tells an agent when an episode begins; robots in no world have no episodes, and get none
-of these remarks. Only whole episodes count, in which nobody took over, of a test of the same
+of these remarks. Only whole episodes without a takeover count, of a test of the same
 examples.
 """
 
@@ -9,21 +9,21 @@ from __future__ import annotations
 
 from collections import Counter
 
-from hitab_core.advice.remarks import Remark, Sign
+from hitab_core.advice.remarks import Remark, RemarkKind
 from hitab_core.automaton import FLAGS, START
 from hitab_core.example import Example
-from hitab_core.remedies import Do
+from hitab_core.remedies import Fix
 
-EPISODES = 50
-"""After so many episodes what has not happened is remarked on.
+EPISODES_MIN = 50
+"""Minimum number of episodes before a missing event is remarked on.
 
 The rarest states of the shipped lessons are entered in one episode of ten to fifteen; what is due
 in one of fifteen is missing in all of fifty with a probability of 0.03.
 """
 
 
-class Trial:
-    """What the automaton that is being tested has done."""
+class TrialStatistics:
+    """Statistics of the tested automaton, by episodes."""
 
     def __init__(self) -> None:
         self._forget(())
@@ -72,7 +72,7 @@ class Trial:
         return self._found if examples is self._about else []
 
     def _remarks(self) -> list[Remark]:
-        if self._episodes < EPISODES:
+        if self._episodes < EPISODES_MIN:
             return []
         found = []
         commands = [e for e in self._about if not e.is_default]
@@ -82,14 +82,18 @@ class Trial:
         }
         for state in dict.fromkeys(e.next_state for e in commands):
             if state not in self._ever:
-                sign = Sign.NOT_RAISED if state in FLAGS else Sign.NOT_ENTERED
+                sign = RemarkKind.NOT_RAISED if state in FLAGS else RemarkKind.NOT_ENTERED
                 found.append(_remark(sign, state, self._episodes, state))
-            elif state in follows and state not in self._left and self._entered[state] >= EPISODES:
-                sign, episodes = Sign.NOT_LEFT, self._entered[state]
+            elif (
+                state in follows
+                and state not in self._left
+                and self._entered[state] >= EPISODES_MIN
+            ):
+                sign, episodes = RemarkKind.NOT_LEFT, self._entered[state]
                 found.append(_remark(sign, state, episodes, follows[state]))
         return found
 
 
-def _remark(sign: Sign, state: str, episodes: int, behavior: str) -> Remark:
+def _remark(sign: RemarkKind, state: str, episodes: int, behavior: str) -> Remark:
     arguments = (("state", state), ("episodes", str(episodes)))
-    return Remark(sign, arguments, Do.CORRECT(behavior=behavior))
+    return Remark(sign, arguments, Fix.CORRECT(behavior=behavior))

@@ -18,7 +18,7 @@ P = ParamSpec("P")
 ON_CIRCLE = -1
 """In place of a number of categories: the feature is toroidal."""
 
-BLIND = "nothing perceived yet; let the world run, or wait for the robot's sensors"
+NO_PERCEPT_YET = "nothing perceived yet; let the world run, or wait for the robot's sensors"
 
 
 def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) -> Any:
@@ -35,11 +35,11 @@ def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) 
     return lambda: function(body, *[resolve(body) for resolve in resolvers])
 
 
-class Senses:
+class FeatureCache:
     """Feature values by slot, shared by all automata of an agent.
 
     ``values[slot]`` is None until :meth:`read` is called in this tick. So a decision reads only
-    the features that it needs, and each feature is read once however many levels use it.
+    the features in use, and each feature is read once however many levels use it.
 
     Attributes:
         values: of the features, by slot.
@@ -122,7 +122,7 @@ class Senses:
                 self.look(use)
             except NoValueError as error:
                 self.missed[use] = str(error)
-            except Exception:  # domain code: whoever needs the feature will report it
+            except Exception:  # domain code: a decision on the feature will report it
                 pass
             else:
                 del self.missed[use]
@@ -144,7 +144,7 @@ class Senses:
         except FeatureValueError:
             raise
         except Exception as error:
-            # Nobody needs what lies between a target and itself.
+            # The distance of a target from itself is of no use.
             if self._failing is not None and len({*use.arguments}) == len(use.arguments):
                 self._failing[use] = error
             raise
@@ -152,8 +152,7 @@ class Senses:
     def failing(self) -> Mapping[Use, Exception]:
         """Return what the domain's code raises where it reads features, instead of a value.
 
-        Each feature is read in the first percept, and after that those that failed, whoever looked
-        at them.
+        The first percept reads each feature; later ones read those that failed, used or not.
         """
         if not self.perceived:
             return {}
@@ -184,7 +183,7 @@ class Senses:
         except Exception as error:
             if self.perceived:
                 raise
-            raise FeatureValueError(f"{BLIND} ({error!r})") from error
+            raise FeatureValueError(f"{NO_PERCEPT_YET} ({error!r})") from error
 
 
 def _one_of_each(domain: Domain) -> Iterator[Use]:

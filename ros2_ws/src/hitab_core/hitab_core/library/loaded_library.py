@@ -11,15 +11,15 @@ from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
-from hitab_core.library.contents import Losses
+from hitab_core.library.contents import LostBehaviors
 from hitab_core.library.digests import digest_of
 from hitab_core.repertoire import Repertoire
 
-NOTHING_LOST = Losses()
+NOTHING_LOST = LostBehaviors()
 
 
 @dataclass(frozen=True, eq=False)
-class Edition:
+class LoadedLibrary:
     """Everything an agent has learned: files and their behaviors. Immutable.
 
     Attributes:
@@ -30,7 +30,7 @@ class Edition:
 
     files: Mapping[str, BehaviorFile]
     repertoire: Repertoire
-    losses: Losses = NOTHING_LOST
+    losses: LostBehaviors = NOTHING_LOST
 
     @cached_property
     def digest(self) -> str:
@@ -43,8 +43,8 @@ class Edition:
         return {name: file.text for name, file in self.files.items()}
 
 
-class Editions:
-    """Reads each text once and makes each edition once, for any number of libraries.
+class LibraryReader:
+    """Reads each text once and loads equal contents once, for any number of libraries.
 
     Reading a behavior means learning it again from its examples, so this is a cache. Entries that
     no library uses are dropped.
@@ -57,7 +57,7 @@ class Editions:
         """Start empty."""
         self.domain = domain
         self._files: WeakValueDictionary[tuple[str, str], BehaviorFile] = WeakValueDictionary()
-        self._editions: WeakValueDictionary[_Key, Edition] = WeakValueDictionary()
+        self._loaded: WeakValueDictionary[_Key, LoadedLibrary] = WeakValueDictionary()
 
     def read(self, text: str, file: str) -> BehaviorFile:
         """Return a behavior file; see `read_behavior`.
@@ -88,11 +88,13 @@ class Editions:
         return files
 
     def knows(self, files: Mapping[str, BehaviorFile]) -> bool:
-        """Return whether there is an edition of these files, so that they are known to fit."""
-        return _key(files, NOTHING_LOST) in self._editions
+        """Return whether these files were loaded together before, so they are known to fit."""
+        return _key(files, NOTHING_LOST) in self._loaded
 
-    def of(self, files: Mapping[str, BehaviorFile], losses: Losses = NOTHING_LOST) -> Edition:
-        """Return the edition of these files.
+    def of(
+        self, files: Mapping[str, BehaviorFile], losses: LostBehaviors = NOTHING_LOST
+    ) -> LoadedLibrary:
+        """Return the loaded library of these files.
 
         Args:
             files: that can be used, by name.
@@ -102,18 +104,18 @@ class Editions:
             VocabularyError: if they do not fit together, or do not fit the domain.
         """
         key = _key(files, losses)
-        found = self._editions.get(key)
+        found = self._loaded.get(key)
         if found is None:
             automata = {name: file.automaton for name, file in files.items()}
             lost = losses.reasons, losses.unread, losses.remedies
             repertoire = Repertoire(self.domain, automata, *lost)
-            found = Edition(dict(files), repertoire, losses)
-            self._editions[key] = found
+            found = LoadedLibrary(dict(files), repertoire, losses)
+            self._loaded[key] = found
         return found
 
 
 _Key = tuple[frozenset[tuple[str, str]], tuple[str, ...]]
 
 
-def _key(files: Mapping[str, BehaviorFile], losses: Losses) -> _Key:
+def _key(files: Mapping[str, BehaviorFile], losses: LostBehaviors) -> _Key:
     return frozenset((name, file.text) for name, file in files.items()), losses.faults

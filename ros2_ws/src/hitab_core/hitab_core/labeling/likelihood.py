@@ -1,4 +1,4 @@
-"""How likely each basic behavior makes what was done: a bell around what it would have done."""
+"""Likelihood of an action under each basic behavior: a bell around its own action."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def apart(did: ArrayLike, would: ArrayLike, scales: Sequence[Scale] | None = Non
     Args:
         did: shape (n, d); NaN where not measured.
         would: shape (n, k, d): the output of each behavior; NaN where it leaves it open.
-        scales: of each of the d numbers, a toroidal one wraps around; None: none does.
+        scales: of each of the d numbers, a toroidal one wraps around; None if none does.
     """
     found = np.asarray(did, np.float64)[:, None, :] - np.asarray(would, np.float64)
     for i, scale in enumerate(scales or ()):
@@ -49,14 +49,14 @@ def apart(did: ArrayLike, would: ArrayLike, scales: Sequence[Scale] | None = Non
 
 
 def spread_of(apart: Floats, labels: Integers | None = None) -> Floats:
-    """Return the usual distance between what was done and the behavior that it was, shape (d,).
+    """Return the usual distance of actions from those of their behavior, shape (d,).
 
     One standard deviation of a bell, by the nearest 95 % of the moments, so that a few that no
     behavior explains do not widen it; the least, if a program did it (`_EXACT`).
 
     Args:
         apart: shape (n, k, d).
-        labels: shape (n,), which behavior each moment was; None: the nearest, which makes the
+        labels: shape (n,), which behavior each moment was; None for the nearest, which makes the
             spread too small if behaviors are closer together than it.
     """
     size = np.nan_to_num(np.abs(apart))

@@ -1,4 +1,4 @@
-"""What an agent can be commanded at present, with the keys of its behaviors."""
+"""Vocabulary for commands to an agent, with the keys of its behaviors."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Any
 from hitab_msgs.msg import AgentStatus
 
 from hitab_client.demonstrating.behavior_keys import Keys
-from hitab_client.demonstrating.pressed import Asked, Pressed
+from hitab_client.demonstrating.pressed import Pressed, Prompt
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import FLAGS, Number, Use, some, without_numbers
+from hitab_core import FLAGS, BoundedNumber, Use, some, without_numbers
 from hitab_ros.conversions import numbers_of_behaviors
 
 
 @dataclass(frozen=True)
-class Words:
-    """What an agent can be commanded.
+class AgentVocabulary:
+    """Vocabulary for commands to an agent.
 
     Attributes:
         domain: of the agent.
@@ -34,15 +34,15 @@ class Words:
     keys: tuple[tuple[str, str], ...] = ()
     targets: tuple[str, ...] = ()
     training: str = ""
-    numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=dict)
+    numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=dict)
 
-    def open_numbers(self, use: Use) -> list[Number]:
+    def open_numbers(self, use: Use) -> list[BoundedNumber]:
         """Return the numbers that a behavior takes and is not given."""
         given = {argument.partition("=")[0] for argument in use.arguments if "=" in argument}
         return [n for n in self.numbers.get(use.name, ()) if n.name not in given]
 
     def open_parameter(self, use: Use) -> int | None:
-        """Return the place of a parameter that is bound to no target; None: there is none."""
+        """Return the place of a parameter that is bound to no target; None if there is none."""
         use = without_numbers(use)
         for declared in map(Use.parse, self.behaviors):
             if declared.name == use.name and len(declared.arguments) == len(use.arguments):
@@ -52,13 +52,13 @@ class Words:
                 )
         return None
 
-    def open_part(self, pressed: Pressed) -> Asked | None:
+    def open_part(self, pressed: Pressed) -> Prompt | None:
         """Return what a person can be asked for, of a behavior that needs a target or a number."""
         use = Use.parse(pressed.behavior)
         place, numbers = self.open_parameter(use), self.open_numbers(use)
         if place is not None:
-            return Asked(use, pressed, place, self.targets) if self.targets else None
-        return Asked(use, pressed, number=numbers[0]) if numbers else None
+            return Prompt(use, pressed, place, self.targets) if self.targets else None
+        return Prompt(use, pressed, number=numbers[0]) if numbers else None
 
     def check_bound(self, use: Use, agent: str) -> None:
         """Check that a behavior of an agent has all its targets.
@@ -92,18 +92,18 @@ class WordsOfAgents:
     def __init__(self, agents: SwarmClient, keys: Keys) -> None:
         self._agents = agents
         self._keys = keys
-        self._known: dict[str, tuple[tuple[str, ...], Words]] = {}
+        self._known: dict[str, tuple[tuple[str, ...], AgentVocabulary]] = {}
 
-    def known(self, agent: str) -> Words:
+    def known(self, agent: str) -> AgentVocabulary:
         """Return what is known of an agent's words, without waiting."""
-        return self._known.get(agent, ((), Words()))[1]
+        return self._known.get(agent, ((), AgentVocabulary()))[1]
 
     def is_old(self, agent: str) -> bool:
         """Whether an agent's words may have changed since it was asked."""
         status = self._agents.statuses.get(agent)
         return status is not None and self._known.get(agent, ((),))[0] != _state(status)
 
-    def ask(self, agent: str) -> Words:
+    def ask(self, agent: str) -> AgentVocabulary:
         """Return an agent's words; it is asked if they may have changed.
 
         Raises:
@@ -115,7 +115,7 @@ class WordsOfAgents:
             self._known[agent] = state, self._asked(agent, status)
         return self._known[agent][1]
 
-    def _asked(self, agent: str, status: AgentStatus) -> Words:
+    def _asked(self, agent: str, status: AgentStatus) -> AgentVocabulary:
         told = self._agents.vocabulary(agent)
         targets = list(told.targets)
         of_training: dict[str, Any] = {}
@@ -131,7 +131,7 @@ class WordsOfAgents:
         trained = {Use.parse(b.name).name for b in told.behaviors if b.trained}
         there = self._keys.commandable(told.domain, behaviors, trained, **of_training)
         keys = ((self._keys.of(told.domain, name), name) for name in there)
-        return Words(
+        return AgentVocabulary(
             told.domain,
             tuple(there),
             tuple(k for k in keys if k[0]),

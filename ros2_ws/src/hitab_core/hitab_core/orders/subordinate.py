@@ -1,4 +1,4 @@
-"""An agent under a commander: it obeys orders and reports what it is doing."""
+"""An agent under a commander: it obeys orders and reports its state."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from contextlib import suppress
 from dataclasses import replace
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.commanding.order import Order, Report
 from hitab_core.errors import HitabError, LostBehaviorError
-from hitab_core.running.senses import resolved, value_or_nan
+from hitab_core.orders.order import Order, Report
+from hitab_core.running.feature_cache import resolved, value_or_nan
 from hitab_core.use import Use
 
 NAN = math.nan
@@ -25,13 +25,13 @@ class Subordinate:
     behavior is missing; `settle` carries it out once nothing prevents it.
 
     Attributes:
-        order: the newest one received; None: none yet.
+        order: the newest one received, or None.
         stopped: whether its robot may not act.
-        ordered: what the agent should perform according to it; None: nothing was ordered.
+        ordered: the behavior that the order demands of the agent, or None.
         waits: whether the order is still pending.
         refusal: why the order cannot be obeyed, and the way out; empty if it can.
         episode, seed, seconds: of the last percept, for the reports.
-        round: in lockstep, number of the last percept; 0: in real time.
+        round: in lockstep, number of the last percept; 0 in real time.
     """
 
     def __init__(self, agent: Agent, role: str = "") -> None:
