@@ -15,13 +15,13 @@ from hitab_agent.agent_services import AgentServices
 from hitab_agent.command_receiver import CommandReceiver
 from hitab_agent.diagnosis import diagnosis_of_agent
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
+from hitab_agent.host_resources import Shared
 from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.percept_log import PerceptLog
-from hitab_agent.reach import Reach
+from hitab_agent.reach_watch import Reach
 from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.robot_link import OwnStop, link_class
 from hitab_agent.settings import AgentSettings
-from hitab_agent.shared import Shared
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.training_topic import TrainingTopic

@@ -2,7 +2,7 @@
 
 One message on a topic of the swarm reaches any number of receivers; each accepts all files or
 none and acknowledges on another topic. The agents of a process verify and read it once, see
-`hitab_agent.intake`.
+`hitab_agent.bundle_install`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import partial
 from hitab_msgs import msg, srv
 
 from hitab_agent.agent_base import AgentBase
-from hitab_agent.intake import Intake
+from hitab_agent.bundle_install import Intake
 from hitab_agent.slices import Slices
 from hitab_core import Use, VocabularyError, quantity
 from hitab_core.library import Bundle, make_bundle

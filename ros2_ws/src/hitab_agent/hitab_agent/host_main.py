@@ -22,7 +22,7 @@ from hitab_msgs.msg import AgentStatus
 from rclpy.parameter import Parameter
 
 from hitab_agent.host.roster import read_roster
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import Shared
 from hitab_ros import (
     NO_TYPE_DESCRIPTIONS,
     Spinner,

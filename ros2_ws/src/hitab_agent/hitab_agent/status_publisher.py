@@ -9,7 +9,7 @@ from typing import NamedTuple
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import Shared
 from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_core import Agent, Mode

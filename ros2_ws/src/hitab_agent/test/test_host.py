@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hitab_msgs import msg
 
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import Shared
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.learning.transition_tree import TransitionTree

@@ -9,8 +9,8 @@ import pytest
 from hitab_msgs import msg, srv
 
 from hitab_agent.agent_node import AgentNode
+from hitab_agent.host_resources import Shared
 from hitab_agent.restart_memory import RestartMemory
-from hitab_agent.shared import Shared
 from hitab_core import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.training import Curriculum

@@ -14,7 +14,7 @@ from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_sensor_data
 
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import Shared
 from hitab_core import (
     START,
     Automaton,

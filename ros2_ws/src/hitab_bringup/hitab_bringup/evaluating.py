@@ -39,8 +39,8 @@ from hitab_core import (
 from hitab_core.library.yaml_places import read_yaml
 from hitab_world import World
 from hitab_world.evaluation import Game
-from hitab_world.figures import GivenFigures
 from hitab_world.inprocess import AutomatonPlayer, Player
+from hitab_world.ros_parameters import GivenFigures
 
 NOTHING = "nothing"
 _VERSION = re.compile(r"(\w+)@(\d+)")

@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, TypeVar
 
-from hitab_bringup.command_tree import CommandTree, in_hosts
+from hitab_bringup.commander_tree import CommandTree, in_hosts
 from hitab_bringup.library_choice import known_libraries
 from hitab_bringup.swarm_description import (
     AGENT,
@@ -29,7 +29,7 @@ from hitab_bringup.swarm_lines import (
     WorldLine,
     module_exists,
 )
-from hitab_bringup.swarm_words import Words
+from hitab_bringup.swarm_vocabulary import Words
 from hitab_client import DescriptionError
 from hitab_client.run_folder import state_home
 from hitab_commander import CommanderKind, KindRecord, kind_in, read_kind

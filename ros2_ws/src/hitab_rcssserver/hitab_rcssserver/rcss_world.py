@@ -24,7 +24,7 @@ from hitab_rcssserver.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
 from hitab_rcssserver.server_settings import SEE, ServerSettings
 from hitab_rcssserver.trainer import Trainer
 from hitab_world import LOOK, RESTART, Action, Entity, EpisodeResult, Placement, Sensed, WorldError
-from hitab_world.figures import GivenFigures
+from hitab_world.ros_parameters import GivenFigures
 from keepaway_world.action import orders_of
 from keepaway_world.arranging import Place, entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters

@@ -10,7 +10,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.qos import QoSProfile
 
 from hitab_agent import AgentNode
-from hitab_robots.held_up import is_held_up
+from hitab_robots.process_state import is_held_up
 from hitab_robots.settings import COMMANDS, ODOMETRY, VELOCITY, RelaySettings
 from hitab_ros import names
 

@@ -32,8 +32,8 @@ from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from hitab_core import some
 from hitab_core.library.durable_files import write_durably
 from hitab_robots.bases import Bases, name_of
-from hitab_robots.held_up import is_held_up
 from hitab_robots.left_goals import LeftGoals
+from hitab_robots.process_state import is_held_up
 from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY, RelaySettings, declare
 from hitab_robots.velocity import STILL, Drive, Gate, Velocity
 from hitab_ros import GuardedNode, KnownStops, Spinner, Stop, names, qos, run, steady_timer

@@ -12,7 +12,7 @@ from hitab_agent import AgentNode
 from hitab_core import some
 from hitab_robots.bases import name_of
 from hitab_robots.settings import COMMANDS, VELOCITY
-from hitab_robots.words import ValueOf
+from hitab_robots.standard_domain import ValueOf
 from hitab_ros import fault_texts, names
 
 Reach = Mapping[str, float]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from hitab_client.run_processes import Silence
 from hitab_ros import names
-from hitab_studio.known import Known
+from hitab_studio.swarm_state import Known
 
 NOT_HEARD = "not heard yet"
 

@@ -25,9 +25,9 @@ from hitab_client.bootstrapping import (
 )
 from hitab_client.run_folder import state_home
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.known import Known
 from hitab_studio.swarm_finder import Target
 from hitab_studio.swarm_link import Connected, SwarmLink
+from hitab_studio.swarm_state import Known
 
 Step = Callable[[Bootstrapping], Generation]
 

@@ -25,7 +25,6 @@ from hitab_client.identity import BY_HAND
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
 from hitab_studio.agent_watch import AgentWatch
-from hitab_studio.known import Known
 from hitab_studio.markers import Markers
 from hitab_studio.processes import Processes
 from hitab_studio.remembered_scenes import RememberedScenes
@@ -33,6 +32,7 @@ from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.scene import scene_of
 from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_state import Known
 
 STOPS_S = 0.5
 """Between two looks for who can be stopped, s: each lists all topics."""

@@ -16,9 +16,9 @@ from hitab_client import Training
 from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.actions import ACTIONS, REPEATED, URGENT, Data
-from hitab_studio.remedy_words import told
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.studio import Studio
+from hitab_studio.ui_remedies import told
 from hitab_studio.views import PANELS, render
 
 STATIC = Path(__file__).parent / "static"

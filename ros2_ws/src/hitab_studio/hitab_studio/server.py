@@ -15,9 +15,9 @@ from hitab_client import SwarmError
 from hitab_client.recording.recordings import recording
 from hitab_studio.access import AccessControl, is_loopback
 from hitab_studio.launching import NONE
-from hitab_studio.remedy_words import told
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Finder
+from hitab_studio.ui_remedies import told
 
 TITLE = "HiTAB studio"
 DEMONSTRATOR = "hitab_demonstrator"

@@ -9,14 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hitab_client import SwarmError, user_name
-from hitab_studio.known import Known
 from hitab_studio.launching import NONE
+from hitab_studio.page_state import Session, Shared
 from hitab_studio.people import checked
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import said_message
-from hitab_studio.session import Session, Shared
 from hitab_studio.swarm_finder import Target
 from hitab_studio.swarm_link import SwarmLink
+from hitab_studio.swarm_state import Known
 
 REPLAY_SECONDS = 0.1
 

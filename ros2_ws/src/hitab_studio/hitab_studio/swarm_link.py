@@ -29,10 +29,10 @@ from hitab_client.identity import BY_HAND
 from hitab_core import HitabError
 from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.known import Known
 from hitab_studio.observer import Observer, Viewing
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_state import Known
 
 T = TypeVar("T")
 

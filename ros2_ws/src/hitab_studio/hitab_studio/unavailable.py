@@ -7,7 +7,7 @@ from jinja2.utils import markupsafe
 from hitab_core import START
 from hitab_ros import names
 from hitab_studio.absence import absence
-from hitab_studio.session import CHOOSE_FIRST, REAL, Session
+from hitab_studio.page_state import CHOOSE_FIRST, REAL, Session
 
 RECORDING = "This is a recording: close it first (Esc)."
 

@@ -1,6 +1,6 @@
 """A page shows each message once, says how often it came, and lets it be closed."""
 
-from hitab_studio.messages import MOST, SECONDS, Messages
+from hitab_studio.notices import MOST, SECONDS, Messages
 
 
 class Clock:

@@ -12,7 +12,7 @@ import pytest
 
 from hitab_client.errors import SwarmError
 from hitab_studio.page import perform
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.studio import Studio
 from hitab_studio.views import render
 

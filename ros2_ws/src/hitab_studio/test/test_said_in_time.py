@@ -11,12 +11,12 @@ from hitab_core import Example
 from hitab_core.example import ExampleKind
 from hitab_studio.actions import teaching
 from hitab_studio.agent_watch import Watched
-from hitab_studio.known import Known
 from hitab_studio.learned import Vocabulary
 from hitab_studio.page import RequestQueue, perform
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_state import Known
 from hitab_studio.views import render
 
 ONE = "keeper_1"

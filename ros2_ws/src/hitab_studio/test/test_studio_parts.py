@@ -17,14 +17,14 @@ from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
 from hitab_studio.agent_watch import Watched
-from hitab_studio.known import Known
 from hitab_studio.learned import Vocabulary, effect, is_contradicted
 from hitab_studio.page import perform
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of, state_shown
-from hitab_studio.store import Store
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_state import Known
+from hitab_studio.swarm_store import Store
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views import render
 

@@ -11,11 +11,11 @@ from hitab_msgs.msg import AgentStatus, WorldStatus
 from hitab_client import SwarmError
 from hitab_ros import KnownStops
 from hitab_studio.actions import ACTIONS
-from hitab_studio.known import JOINING_SECONDS, Known
 from hitab_studio.page import perform
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_state import JOINING_SECONDS, Known
 from hitab_studio.views import render
 from hitab_studio.views.side import TABS
 

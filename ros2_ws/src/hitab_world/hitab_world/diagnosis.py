@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_core import some
 from hitab_ros import Guard
 from hitab_ros.diagnostics import Diagnosis, Level
-from hitab_world.course import Course
+from hitab_world.run_state import Course
 
 NAMED_MAX = 10  # most agents that a message names
 

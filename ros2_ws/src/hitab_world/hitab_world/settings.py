@@ -8,8 +8,8 @@ from types import MappingProxyType
 from hitab_msgs.msg import WorldStatus
 from rclpy.node import Node
 
-from hitab_world.figures import declare
 from hitab_world.parameters import NOT_NEGATIVE, Parameters, between, one_of
+from hitab_world.ros_parameters import declare
 
 DESCRIPTIONS = {
     "pace": "lockstep: the next cycle begins when every agent has answered; realtime",

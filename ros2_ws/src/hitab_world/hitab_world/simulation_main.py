@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from rclpy.node import Node
 
-from hitab_world.figures import declare_figures
+from hitab_world.ros_parameters import declare_figures
 from hitab_world.simulation import SimulationFigures, SimulationWorld
 from hitab_world.world_node import run_world
 

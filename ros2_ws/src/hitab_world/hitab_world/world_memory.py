@@ -17,7 +17,7 @@ from typing import Any
 
 from hitab_core.library.durable_files import UNFINISHED, file_errors, write_durably
 from hitab_world.control import Control
-from hitab_world.course import Course
+from hitab_world.run_state import Course
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LiveWorld
 

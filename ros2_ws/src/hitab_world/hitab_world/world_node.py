@@ -33,10 +33,10 @@ from hitab_ros.emergency_stop import stopped_by
 from hitab_ros.fault_texts import STOPPED
 from hitab_ros.stamps import NANOSECONDS, time_of
 from hitab_world.control import Control
-from hitab_world.course import Course
 from hitab_world.diagnosis import diagnosis_of_world
 from hitab_world.lockstep import RoundAnswers
 from hitab_world.percept_sender import PerceptSender
+from hitab_world.run_state import Course
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, World
 from hitab_world.world_memory import WorldMemory

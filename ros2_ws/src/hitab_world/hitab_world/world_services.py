@@ -10,7 +10,7 @@ from hitab_msgs import srv
 from hitab_core import Do, HitabError, has, quantity, unknown
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
-from hitab_world.course import Course
+from hitab_world.run_state import Course
 from hitab_world.settings import WorldSettings
 from hitab_world.world import Placement
 from hitab_world.world_memory import WorldMemory

@@ -13,7 +13,7 @@ from std_msgs.msg import Header
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.conversions import remedy_messages
 from hitab_ros.stamps import NANOSECONDS, time_of
-from hitab_world.course import Course
+from hitab_world.run_state import Course
 from hitab_world.settings import WorldSettings
 
 

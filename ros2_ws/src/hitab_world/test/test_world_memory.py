@@ -9,8 +9,8 @@ from hitab_msgs.msg import WorldStatus
 
 from hitab_core.errors import HitabError
 from hitab_world.control import Control
-from hitab_world.course import Course
 from hitab_world.lockstep import RoundAnswers
+from hitab_world.run_state import Course
 from hitab_world.settings import WorldSettings
 from hitab_world.world_memory import LATEST, WorldMemory
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 
 @action("answer")

@@ -8,7 +8,7 @@ from hitab_msgs.msg import WorldState
 
 from hitab_client import SwarmError, WorldClient
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 MOST_UNDO = 100
 PAUSED = WorldState.PAUSED

@@ -6,7 +6,7 @@ from hitab_client import SwarmError
 from hitab_client.bootstrapping import Configuration, Evaluation
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.generations import Making, Step
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 MOST_EPISODES = 1000
 LONGEST_NOTE = 200

@@ -6,7 +6,7 @@ from hitab_client import SwarmClient, SwarmError
 from hitab_core import Use, numbered, with_numbers
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action, number_from
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 
 @action("undo", repeats=True)

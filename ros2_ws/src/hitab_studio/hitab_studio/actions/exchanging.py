@@ -8,8 +8,8 @@ from hitab_client import SwarmClient, SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
-from hitab_studio.remedy_words import told
-from hitab_studio.session import Session, nothing_in_training
+from hitab_studio.page_state import Session, nothing_in_training
+from hitab_studio.ui_remedies import told
 
 
 @action("features-dialog")

@@ -9,8 +9,8 @@ from hitab_core.showing import Span, Strip
 from hitab_studio.actions.library_changes import change_library
 from hitab_studio.actions.recording import meanwhile_busy, player_of
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.page_state import Session
 from hitab_studio.replay import Labels, Player
-from hitab_studio.session import Session
 
 
 @action("label-dialog")

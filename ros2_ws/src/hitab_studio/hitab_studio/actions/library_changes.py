@@ -11,7 +11,7 @@ from hitab_client.commands import called
 from hitab_client.run_folder import libraries_of
 from hitab_core import BehaviorLibrary, Use, load_domain
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.swarm_link import Connected
 
 

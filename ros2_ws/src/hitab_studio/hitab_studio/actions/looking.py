@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_studio import unavailable
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching import discard, give_target, targets_meant
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 MOST_REASON = 300
 """Characters."""

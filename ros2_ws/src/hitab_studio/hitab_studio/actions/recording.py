@@ -9,8 +9,8 @@ from typing import TypeVar
 from hitab_client import SwarmError
 from hitab_client.recording import recordings
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.page_state import Session
 from hitab_studio.replay import Player, Recording
-from hitab_studio.session import Session
 
 T = TypeVar("T")
 

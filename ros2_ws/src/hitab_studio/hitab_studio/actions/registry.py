@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 Data = Mapping[str, Any]
 Action = Callable[[Session, Data], Awaitable[None]]

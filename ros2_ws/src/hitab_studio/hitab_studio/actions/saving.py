@@ -6,8 +6,8 @@ from typing import Any
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.remedy_words import answered, told
-from hitab_studio.session import Session, nothing_in_training
+from hitab_studio.page_state import Session, nothing_in_training
+from hitab_studio.ui_remedies import answered, told
 
 
 def _chosen(values: Any) -> dict[str, Any]:

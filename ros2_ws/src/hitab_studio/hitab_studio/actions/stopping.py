@@ -5,7 +5,7 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_core import some
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 BUTTON = "emergency stop in the studio"
 """The reason that others are shown."""

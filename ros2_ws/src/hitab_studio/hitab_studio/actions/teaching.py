@@ -16,9 +16,7 @@ from hitab_client import (
 from hitab_core import Use, with_numbers
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action, number_from
-from hitab_studio.lost import TAKEN_SECONDS, Lost
-from hitab_studio.remedy_words import answered
-from hitab_studio.session import (
+from hitab_studio.page_state import (
     CHOOSE_FIRST,
     NumbersAsked,
     Session,
@@ -26,6 +24,8 @@ from hitab_studio.session import (
     nothing_in_training,
 )
 from hitab_studio.swarm_link import Connected
+from hitab_studio.ui_remedies import answered
+from hitab_studio.unanswered_command import TAKEN_SECONDS, Lost
 
 
 @action("command")

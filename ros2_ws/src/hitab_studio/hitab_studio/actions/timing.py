@@ -5,8 +5,8 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.page_state import Session
 from hitab_studio.people import checked
-from hitab_studio.session import Session
 from hitab_studio.swarm_link import Connected
 
 

@@ -14,7 +14,7 @@ from jinja2.utils import markupsafe
 from hitab_client.commands import called
 from hitab_core import quantity, unbroken
 from hitab_studio import unavailable
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.views import agents, dialog, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure, measured
 from hitab_studio.views.swarm import since

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from hitab_studio.absence import absence
+from hitab_studio.page_state import Session
 from hitab_studio.scene import state_shown
-from hitab_studio.session import Session
 
 MOST = 80
 """Rows that are shown; more are found by typing."""

@@ -10,8 +10,8 @@ from hitab_core import FLAGS, FeatureKind, Use, shown_unit
 from hitab_studio.actions.library_changes import users_of
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
+from hitab_studio.page_state import Session
 from hitab_studio.people import LONGEST_NAME
-from hitab_studio.session import Session
 from hitab_studio.views import generations
 from hitab_studio.views.numbers import counted, measure
 from hitab_studio.views.questions import WHEN_UNSURE

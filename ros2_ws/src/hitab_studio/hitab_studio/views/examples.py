@@ -8,7 +8,7 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import Example, Number, Use, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
-from hitab_studio.session import Session, Table
+from hitab_studio.page_state import Session, Table
 from hitab_studio.views.numbers import measure
 
 

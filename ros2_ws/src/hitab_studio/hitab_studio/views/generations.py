@@ -9,8 +9,8 @@ from hitab_client.bootstrapping import Generations
 from hitab_studio import unavailable
 from hitab_studio.actions.bootstrapping import AS_IT_IS, SNAPSHOT
 from hitab_studio.generations import known_generations
-from hitab_studio.remedy_words import told
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
+from hitab_studio.ui_remedies import told
 
 
 def context(session: Session) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Use, with_numbers
 from hitab_studio.graph import graph
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
 

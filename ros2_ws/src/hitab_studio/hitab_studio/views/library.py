@@ -6,7 +6,7 @@ from typing import Any
 
 from hitab_core import automaton_as_text
 from hitab_studio.generations import have_generations
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 
 def context(session: Session) -> dict[str, Any]:

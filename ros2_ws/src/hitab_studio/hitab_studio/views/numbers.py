@@ -16,7 +16,7 @@ from hitab_core import (
     shown_unit,
     shown_value,
 )
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 MANY = 100.0
 """Numbers from here on are written with one decimal less."""

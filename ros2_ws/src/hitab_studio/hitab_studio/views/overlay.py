@@ -10,7 +10,7 @@ from hitab_ros.names import WORLD
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_asked, targets_meant
 from hitab_studio.launching import NONE, unknown
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.views import sensors
 from hitab_studio.views.perceived import plotted
 from hitab_studio.views.strip import strip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from hitab_core import OWN_NAMES, Use
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 Readings = Mapping[tuple[str, str], tuple[float, ...]]
 

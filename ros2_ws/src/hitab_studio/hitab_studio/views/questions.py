@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitab_msgs.msg import Question
 
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 WHEN_UNSURE = {
     "go_on": ("go on", "it decides all the same"),

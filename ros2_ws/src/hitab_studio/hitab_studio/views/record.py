@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 from hitab_client.recording.recordings import recordings, recordings_folder
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 MOST = 30
 

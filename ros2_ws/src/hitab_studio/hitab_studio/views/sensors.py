@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from hitab_studio.page_state import Session
 from hitab_studio.robots.topics import CAMERA
 from hitab_studio.robots.watch import Sensor
-from hitab_studio.session import Session
 
 
 def rows(session: Session) -> Sequence[Sensor]:

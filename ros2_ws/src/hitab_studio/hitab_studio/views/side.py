@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_studio.absence import absence
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.views import examples, learned, library, record, swarm, teach
 
 TABS = {

@@ -7,7 +7,7 @@ from typing import Any
 from hitab_core import Domain, Use
 from hitab_core.showing import UNSURE
 from hitab_studio.learned import uses
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 
 
 def strip(session: Session) -> dict[str, Any] | None:

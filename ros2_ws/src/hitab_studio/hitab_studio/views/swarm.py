@@ -9,10 +9,10 @@ from typing import Any
 
 from hitab_core import natural, some
 from hitab_studio.absence import NOT_HEARD, absence
-from hitab_studio.known import Known
+from hitab_studio.page_state import Session
 from hitab_studio.scene import state_shown
-from hitab_studio.session import Session
 from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_state import Known
 
 DAY = 24 * 3600
 

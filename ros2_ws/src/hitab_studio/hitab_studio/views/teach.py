@@ -7,8 +7,8 @@ from typing import Any
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio.learned import superseding
-from hitab_studio.remedy_words import in_studio
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
+from hitab_studio.ui_remedies import in_studio
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
 from hitab_studio.views.perceived import perceived

@@ -8,7 +8,7 @@ from typing import Any
 from hitab_ros import names
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
-from hitab_studio.session import Session
+from hitab_studio.page_state import Session
 from hitab_studio.views.overlay import empty
 from hitab_studio.views.swarm import absent
 

@@ -7,8 +7,8 @@ import pytest
 
 from hitab_core.errors import HitabError
 from hitab_ros.spinning import make_node, spinner
-from hitab_world.figures import declare_figures
 from hitab_world.parameters import Parameters
+from hitab_world.ros_parameters import declare_figures
 
 
 @dataclass(frozen=True)

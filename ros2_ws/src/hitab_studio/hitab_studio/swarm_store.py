@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from hitab_studio.known import Known
 from hitab_studio.scene import Palette
+from hitab_studio.swarm_state import Known
 
 
 @dataclass

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
 from hitab_bringup.swarm_lines import CommanderLine
-from hitab_bringup.swarm_words import Words
+from hitab_bringup.swarm_vocabulary import Words
 from hitab_commander import CommanderKind, OrderMap
 from hitab_core import Use, has, unknown
 from hitab_core.commanding import OTHERS

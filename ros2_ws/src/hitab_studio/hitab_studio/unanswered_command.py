@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hitab_client import is_answered
-from hitab_studio.known import Known
+from hitab_studio.swarm_state import Known
 
 TAKEN_SECONDS = 2.0
 """How long to wait for the agent's acknowledgement before a command is said to be lost."""

@@ -17,16 +17,16 @@ from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import Watched
+from hitab_studio.field_frame import EMPTY, Present
 from hitab_studio.generations import GenerationMaker
 from hitab_studio.launching import NONE, Launcher
-from hitab_studio.lost import Lost
-from hitab_studio.messages import Messages
+from hitab_studio.notices import Messages
 from hitab_studio.people import told_apart
-from hitab_studio.present import EMPTY, Present
 from hitab_studio.replay import Player
 from hitab_studio.scene import frame, roster, said_message
-from hitab_studio.store import Store
 from hitab_studio.swarm_link import Connected, SwarmLink
+from hitab_studio.swarm_store import Store
+from hitab_studio.unanswered_command import Lost
 
 T = TypeVar("T")
 
