@@ -10,7 +10,7 @@ from typing import Any
 
 from hitab_core import Automaton, Domain, Repertoire, Target, Use
 from hitab_core.running import Change, RunContext, RunningAutomaton, Senses
-from hitab_export.hierarchy_form import OWN, Hierarchy, Test
+from hitab_export.hierarchy_form import OWN, Hierarchy, TestForm
 
 Percept = Mapping[str, float]
 Step = tuple[Percept, float, bool]
@@ -111,7 +111,7 @@ def all_transitions(hierarchy: Hierarchy) -> set[Taken]:
         for automaton in hierarchy.automata
         for index, state in enumerate(automaton.states)
         for leaf in state.tree or ()
-        if not isinstance(leaf, Test)
+        if not isinstance(leaf, TestForm)
         for _, to in leaf.chances
         if to != index
     }
@@ -124,7 +124,7 @@ def steered_steps(hierarchy: Hierarchy, count: int, seed: str) -> list[Step]:
     for automaton in hierarchy.automata:
         for state in automaton.states:
             for node in state.tree or ():
-                if isinstance(node, Test):
+                if isinstance(node, TestForm):
                     numbers.setdefault(node.feature, []).extend((node.low, node.high))
     choices: dict[str, list[float]] = {}
     for index, feature in enumerate(hierarchy.features, len(OWN)):

@@ -9,7 +9,7 @@ from hitab_msgs import msg
 
 from hitab_agent.guarded_tick import Action
 from hitab_agent.robot_link import RobotStop
-from hitab_agent.settings import AgentSettings
+from hitab_agent.settings import AgentParameters
 from hitab_core import Agent
 from hitab_ros import GuardedNode
 from hitab_ros.diagnostics import Diagnosis, Level
@@ -22,7 +22,7 @@ class AgentBase(GuardedNode):
         agent: the engine's agent.
         agent_name: its name.
         settings: its parameters.
-        shared: what it shares with the other agents of its process, a `Shared`.
+        shared: what it shares with the other agents of its process, a `HostResources`.
         status: its status, a `StatusPublisher`.
         percept_log: publishes its percepts for recorders, a `PerceptLog`.
         stop: of its robot; None if it has none.
@@ -30,7 +30,7 @@ class AgentBase(GuardedNode):
 
     agent: Agent
     agent_name: str
-    settings: AgentSettings
+    settings: AgentParameters
     shared: Any
     status: Any
     percept_log: Any

@@ -15,13 +15,13 @@ from hitab_agent.agent_services import AgentServices
 from hitab_agent.command_receiver import CommandReceiver
 from hitab_agent.diagnosis import diagnosis_of_agent
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
-from hitab_agent.host_resources import Shared
+from hitab_agent.host_resources import HostResources
 from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.percept_log import PerceptLog
-from hitab_agent.reach_watch import Reach
+from hitab_agent.reach_watch import ReachWatch
 from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.robot_link import OwnStop, link_class
-from hitab_agent.settings import AgentSettings
+from hitab_agent.settings import AgentParameters
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.training_topic import TrainingTopic
@@ -59,7 +59,7 @@ class AgentNode(AgentBase):
         self,
         node_name: str = "agent",
         *,
-        shared: Shared | None = None,
+        shared: HostResources | None = None,
         **options: Any,
     ) -> None:
         """Create the node, load the library and resume an interrupted training.
@@ -75,9 +75,9 @@ class AgentNode(AgentBase):
         self._joined = False
         # In a host it would cost two endpoints and more for each of many agents.
         super().__init__(node_name, **{"enable_rosout": shared is None, **options})
-        self.settings = settings = AgentSettings.declare(self)
+        self.settings = settings = AgentParameters.declare(self)
         self.agent_name = names.own_name(self)
-        self.shared = shared or Shared(self)
+        self.shared = shared or HostResources(self)
         self.ticker = self.shared.ticker
         domain = self.load_domain(settings.domain)
         if uses_actions(domain):
@@ -111,7 +111,7 @@ class AgentNode(AgentBase):
         self.actions: actions.ActionClients | None = None
         self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
-        self._reach: Reach | None = None
+        self._reach: ReachWatch | None = None
         self._start_error = ""
         self.memory = RestartMemory(state, settings.swarm)
         if self.memory.damage:
@@ -174,7 +174,7 @@ class AgentNode(AgentBase):
             self.stop_changed()
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if settings.when_out_of_reach == "halt":
-            self._reach = Reach(self)
+            self._reach = ReachWatch(self)
         training, performed = self.agent.session, self.memory.performed
         if training is not None:
             self.training.offer()

@@ -40,7 +40,7 @@ they are now, empty if it was refused, and why it was refused or what went wrong
 
 
 @dataclass(eq=False)
-class _Shelf:
+class _LibraryInstall:
     """A library with the agents that use it, and the state of its change."""
 
     library: BehaviorLibrary
@@ -62,7 +62,7 @@ class _Shelf:
         return self.edition
 
 
-class Intake:
+class BundleInstall:
     """One distribution, taken in by its receivers in a process."""
 
     def __init__(
@@ -88,10 +88,10 @@ class Intake:
         self._taken_in = taken_in
         self._digests: dict[Edition, str] = {}
         self._read_files: list[object] = []
-        shelves: dict[BehaviorLibrary, _Shelf] = {}
+        shelves: dict[BehaviorLibrary, _LibraryInstall] = {}
         for receiver in receivers:
             library = receiver.agent.library
-            shelves.setdefault(library, _Shelf(library)).receivers.append(receiver)
+            shelves.setdefault(library, _LibraryInstall(library)).receivers.append(receiver)
         self._shelves = list(shelves.values())
 
     def job(self) -> Job:
@@ -109,7 +109,7 @@ class Intake:
 
     def _read(self) -> Job:
         """Verify and learn the bundle, once per domain."""
-        groups: dict[Editions, list[_Shelf]] = {}
+        groups: dict[Editions, list[_LibraryInstall]] = {}
         for shelf in self._shelves:
             groups.setdefault(shelf.library.editions, []).append(shelf)
         for editions, shelves in groups.items():
@@ -139,7 +139,7 @@ class Intake:
                 shelf.refuse_all(error)
             yield None
 
-    def _announce(self, shelf: _Shelf) -> None:
+    def _announce(self, shelf: _LibraryInstall) -> None:
         library = shelf.library
         with library.change(patience=0.0, sync=False) as change:
             edition = plan_bundle(change, self._bundle)
@@ -170,7 +170,7 @@ class Intake:
                     shelf.refuse_all(error)
                     shelf.library.load(strict=False)
 
-    def _swap(self, shelf: _Shelf, receiver: Any) -> None:
+    def _swap(self, shelf: _LibraryInstall, receiver: Any) -> None:
         agent = receiver.agent
         digest, why = "", shelf.refused.get(receiver, "")
         if not why:
@@ -190,7 +190,7 @@ class Intake:
             self._digests[edition] = digest_in(edition, names)
         return self._digests[edition]
 
-    def _noted(self) -> list[_Shelf]:
+    def _noted(self) -> list[_LibraryInstall]:
         return [shelf for shelf in self._shelves if shelf.note]
 
 

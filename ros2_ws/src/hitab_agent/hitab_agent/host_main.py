@@ -22,7 +22,7 @@ from hitab_msgs.msg import AgentStatus
 from rclpy.parameter import Parameter
 
 from hitab_agent.host.roster import read_roster
-from hitab_agent.host_resources import Shared
+from hitab_agent.host_resources import HostResources
 from hitab_ros import (
     NO_TYPE_DESCRIPTIONS,
     Spinner,
@@ -52,7 +52,7 @@ def start(spinning: Spinner) -> None:
         use_global_arguments=False,
     )
     spinning.executor.add_node(desk)
-    shared = Shared(desk, len(entries), swarm)
+    shared = HostResources(desk, len(entries), swarm)
     nodes = []
     for entry in entries:
         parameters = {"swarm": swarm, **entry.parameters}

@@ -31,7 +31,7 @@ REPORTS_PERIOD_S = 0.01
 """How long a report waits for others of the same host."""
 
 
-class Shared:
+class HostResources:
     """Timers, publishers and whatever else a process needs once, however many agents it runs.
 
     Attributes:

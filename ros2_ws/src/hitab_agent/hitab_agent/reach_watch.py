@@ -13,7 +13,7 @@ LOOK_S = 0.5
 """Between two looks, s."""
 
 
-class Reach:
+class ReachWatch:
     """Listens to the signs of life of an agent's commander; without one, to people's consoles.
 
     A console or a commander that was never there cannot be lost.

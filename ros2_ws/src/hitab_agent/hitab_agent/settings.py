@@ -19,7 +19,7 @@ def _is(default: Any, description: str) -> Any:
 
 
 @dataclass(frozen=True)
-class AgentSettings:
+class AgentParameters:
     """How one agent is set up; each field is a ROS parameter."""
 
     domain: str = _is("", "name of an installed domain: what the agent can do and perceive")
@@ -48,7 +48,7 @@ class AgentSettings:
             raise HitabError(f'when_out_of_reach is "{given}"; it must be go_on or halt')
 
     @classmethod
-    def declare(cls, node: Node) -> AgentSettings:
+    def declare(cls, node: Node) -> AgentParameters:
         """Declare the parameters and return their values."""
         return cls(**{one.name: _declared(node, one) for one in fields(cls)})
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
-from hitab_agent.host_resources import Shared
+from hitab_agent.host_resources import HostResources
 from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_core import Agent, Mode
@@ -46,7 +46,7 @@ class StatusPublisher:
         node: GuardedNode,
         agent: Agent,
         swarm: str,
-        shared: Shared,
+        shared: HostResources,
         transitions: TransitionLog,
         prepare: Callable[[], None],
     ) -> None:

@@ -12,7 +12,7 @@ from hitab_msgs import msg, srv
 
 from hitab_agent import bundle_install
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.host_resources import Shared
+from hitab_agent.host_resources import HostResources
 from hitab_agent.slices import Slices
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
@@ -75,7 +75,7 @@ class Host:
 
     def __post_init__(self) -> None:
         self.desk = self.process.node
-        self.shared = Shared(self.desk, self.size)
+        self.shared = HostResources(self.desk, self.size)
         self.nodes = [self._node(number) for number in range(self.size)]
         self.agents = [node.agent for node in self.nodes]
         self._sent = 0

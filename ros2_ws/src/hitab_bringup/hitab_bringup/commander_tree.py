@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
 from hitab_bringup.swarm_lines import CommanderLine
-from hitab_bringup.swarm_vocabulary import Words
+from hitab_bringup.swarm_vocabulary import SwarmVocabulary
 from hitab_commander import CommanderKind, OrderMap
 from hitab_core import Use, has, unknown
 from hitab_core.commanding import OTHERS
@@ -21,7 +21,7 @@ Complain = Callable[[str, str, str], None]
 """Called with the name of a line, a key in it, or "", and what is wrong."""
 
 
-class CommandTree:
+class CommanderTree:
     """Builds the commanders, and complains about anything that is not a tree.
 
     Args:
@@ -42,7 +42,7 @@ class CommandTree:
         lines: Mapping[str, CommanderLine],
         kinds: Mapping[str, CommanderKind],
         make: Callable[[str, str], CommanderDescription],
-        words: Words,
+        words: SwarmVocabulary,
         complain: Complain,
     ) -> None:
         self.superiors: dict[str, str] = {}

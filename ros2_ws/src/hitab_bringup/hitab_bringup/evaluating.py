@@ -38,16 +38,16 @@ from hitab_core import (
 )
 from hitab_core.library.yaml_places import read_yaml
 from hitab_world import World
-from hitab_world.evaluation import Game
+from hitab_world.evaluation import GameSetup
 from hitab_world.inprocess import AutomatonPlayer, Player
-from hitab_world.ros_parameters import GivenFigures
+from hitab_world.ros_parameters import GivenParameters
 
-NOTHING = "nothing"
+UNTRAINED = "nothing"
 _VERSION = re.compile(r"(\w+)@(\d+)")
 
 
 @dataclass(frozen=True)
-class Part:
+class CastMember:
     """What an agent performs.
 
     Attributes:
@@ -74,7 +74,7 @@ def part_of(
     domain: str = "",
     kind: CommanderKind | None = None,
     versions: Mapping[str, int] | None = None,
-) -> Part:
+) -> CastMember:
     """Return what an agent performs that has a library.
 
     Args:
@@ -92,7 +92,7 @@ def part_of(
         repertoire = Repertoire(load_domain(domain))
         if use is not None:
             repertoire.check_performable(use)
-        return Part(repertoire, use)
+        return CastMember(repertoire, use)
     opened = (
         open_library(library) if kind is None else BehaviorLibrary(library, commander_domain(kind))
     )
@@ -106,10 +106,10 @@ def part_of(
             there = [*automata, *opened.domain.automata]
             raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
         repertoire.check_performable(use)
-    return Part(repertoire, use, opened, library, opened.digest, versions)
+    return CastMember(repertoire, use, opened, library, opened.digest, versions)
 
 
-def players_of(world: World, parts: Mapping[str, Part]) -> dict[str, Player]:
+def players_of(world: World, parts: Mapping[str, CastMember]) -> dict[str, Player]:
     """Return what plays the agents of a world; other agents than the world has are left out.
 
     Raises:
@@ -126,7 +126,7 @@ def players_of(world: World, parts: Mapping[str, Part]) -> dict[str, Player]:
     }
 
 
-def _there(world: World, parts: Mapping[str, Part]) -> dict[str, Part]:
+def _there(world: World, parts: Mapping[str, CastMember]) -> dict[str, CastMember]:
     there = {name: parts[name] for name in world.agents if name in parts}
     if not there:
         raise DescriptionError(f"the world has none of {some([*parts])} {has(world.agents)}")
@@ -145,7 +145,7 @@ def world_of(described: WorldDescription) -> Iterator[World]:
         raise DescriptionError(
             f"{described.module} has no make_world(node, seed), which makes a world without ROS"
         )
-    made: World = module.make_world(GivenFigures(described.parameters), described.seed)
+    made: World = module.make_world(GivenParameters(described.parameters), described.seed)
     with ExitStack() as leaving:
         if close := getattr(made, "close", None):
             leaving.callback(close)
@@ -234,7 +234,7 @@ class Cast:
         for agents, text in map(self._whose, texts):
             if agents == [*self._agents]:
                 self._behaviors |= dict.fromkeys(self._commanders, "")
-            self._behaviors |= dict.fromkeys(agents, "" if text == NOTHING else text)
+            self._behaviors |= dict.fromkeys(agents, "" if text == UNTRAINED else text)
 
     def _whose(self, text: str) -> tuple[list[str], str]:
         """Return whom a choice is for, and the choice; without a name it is for all agents."""
@@ -245,7 +245,7 @@ class Cast:
             raise HitabError(f'no agent "{name}" {has(self._members, name)}')
         return [*self._agents], text
 
-    def parts(self) -> dict[str, Part]:
+    def parts(self) -> dict[str, CastMember]:
         """Return what agents and commanders perform; who does nothing is left out.
 
         Raises:
@@ -286,7 +286,9 @@ class Cast:
 
 
 @contextmanager
-def games_of(swarm: SwarmDescription, casts: Sequence[Mapping[str, Part]]) -> Iterator[list[Game]]:
+def games_of(
+    swarm: SwarmDescription, casts: Sequence[Mapping[str, CastMember]]
+) -> Iterator[list[GameSetup]]:
     """Yield a game for each way to cast the agents of a swarm; all worlds begin alike.
 
     Raises:
@@ -304,14 +306,14 @@ def games_of(swarm: SwarmDescription, casts: Sequence[Mapping[str, Part]]) -> It
 
 def _commanded(
     world: World,
-    parts: Mapping[str, Part],
+    parts: Mapping[str, CastMember],
     commanders: Sequence[CommanderDescription],
     leaving: ExitStack,
-) -> Game:
+) -> GameSetup:
     """Return a game in which those commanders give orders that perform something."""
     by_name = {one.name: one for one in commanders if one.name in parts}
     if not by_name:
-        return Game(world, players_of(world, parts))
+        return GameSetup(world, players_of(world, parts))
     agents = _there(world, parts)
     there, made = {*agents}, []
     for name in TopologicalSorter(
@@ -331,10 +333,10 @@ def _commanded(
         for name, part in agents.items()
     ]
     hierarchy = HierarchyPlayers(members, made, world.cycle_seconds)
-    return Game(world, hierarchy.players, hierarchy.confer)
+    return GameSetup(world, hierarchy.players, hierarchy.confer)
 
 
-def _library(part: Part, leaving: ExitStack) -> BehaviorLibrary:
+def _library(part: CastMember, leaving: ExitStack) -> BehaviorLibrary:
     """Return a library with what a part can perform, a copy if that is not what its own has."""
     domain = part.repertoire.domain
     if part.opened is not None and not part.versions:

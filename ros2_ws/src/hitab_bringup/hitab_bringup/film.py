@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from hitab_client import Thing
     from hitab_client.console import Advance
     from hitab_world import World
-    from hitab_world.evaluation import Game
+    from hitab_world.evaluation import GameSetup
 
 SUFFIXES = (".gif", ".png", ".webp")
 INCHES = 3.6  # width of the drawing; text and lines are as large in it
@@ -58,7 +58,7 @@ def check_film(path: Path) -> None:
     check_folder(path, "filmed")
 
 
-def film(game: Game, episode: int, begin: float, seconds: float) -> Filmed:
+def film(game: GameSetup, episode: int, begin: float, seconds: float) -> Filmed:
     """Play an episode and keep a part of it.
 
     Args:

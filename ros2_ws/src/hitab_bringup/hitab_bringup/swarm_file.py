@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, TypeVar
 
-from hitab_bringup.commander_tree import CommandTree, in_hosts
+from hitab_bringup.commander_tree import CommanderTree, in_hosts
 from hitab_bringup.library_choice import known_libraries
 from hitab_bringup.swarm_description import (
     AGENT,
@@ -29,7 +29,7 @@ from hitab_bringup.swarm_lines import (
     WorldLine,
     module_exists,
 )
-from hitab_bringup.swarm_vocabulary import Words
+from hitab_bringup.swarm_vocabulary import SwarmVocabulary
 from hitab_client import DescriptionError
 from hitab_client.run_folder import state_home
 from hitab_commander import CommanderKind, KindRecord, kind_in, read_kind
@@ -87,7 +87,7 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
     # In a namespace its name, and so its run folder's, is longer.
     runs = (run_dir,) if run_dir is not None else state_home().glob(f"{name}*")
     kept = (file for run in runs for file in run.glob(f"libraries/*/*{SUFFIX}"))
-    words = Words(frozenset(file.name.removesuffix(SUFFIX) for file in kept))
+    words = SwarmVocabulary(frozenset(file.name.removesuffix(SUFFIX) for file in kept))
     return _Reader(file, Complaints(document), path, words).swarm(name)
 
 
@@ -128,7 +128,9 @@ def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT) -> dict[str, An
 class _Reader:
     """Makes a swarm of the lines of a file, and complains about what does not fit together."""
 
-    def __init__(self, file: SwarmLines, complaints: Complaints, path: Path, words: Words) -> None:
+    def __init__(
+        self, file: SwarmLines, complaints: Complaints, path: Path, words: SwarmVocabulary
+    ) -> None:
         self._file = file
         self._complaints = complaints
         self._path = path
@@ -147,7 +149,7 @@ class _Reader:
         world = self._world(file.world) if file.world is not None else None
         self._check_folders(file)
         groups = self._agents()
-        tree = CommandTree(
+        tree = CommanderTree(
             groups, file.commanders, self._kinds(), self._commander, self._words, self._tell
         )
         lines = self._commanders(tree)
@@ -304,7 +306,7 @@ class _Reader:
                 self._tell(name, "", str(error), "kinds")
         return kinds
 
-    def _commanders(self, tree: CommandTree) -> dict[str, list[CommanderDescription]]:
+    def _commanders(self, tree: CommanderTree) -> dict[str, list[CommanderDescription]]:
         for key, line in self._file.commanders.items():
             self._check_folders(line, "commanders", key)
             if line.kind not in self._file.kinds:

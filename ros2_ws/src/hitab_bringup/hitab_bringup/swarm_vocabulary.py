@@ -22,7 +22,7 @@ Repertoire = Mapping[str, tuple[str, ...]]
 """The parameters of behaviors, by name."""
 
 
-class Words:
+class SwarmVocabulary:
     """The behaviors that members of a swarm can perform.
 
     Args:

@@ -90,7 +90,7 @@ class Student:
         return library.files[behavior]
 
 
-class Saved(Record):
+class BehaviorSaved(Record):
     """A behavior is saved."""
 
     behavior: str
@@ -126,7 +126,7 @@ class Saved(Record):
         return "; ".join(file.broken)
 
 
-class Decides(Record):
+class BehaviorDecides(Record):
     """A behavior decides something in a situation."""
 
     behavior: str = Field(alias="decides")
@@ -154,7 +154,7 @@ class Decides(Record):
         return f"{broken}; arrange this situation and command {self.go_to}" if broken else ""
 
 
-class Shared(Record):
+class BehaviorShared(Record):
     """Other agents have learned the same."""
 
     behavior: str = Field(alias="shared")
@@ -171,7 +171,7 @@ class Shared(Record):
         return f"{', '.join(other)} learned otherwise; distribute it again" if other else ""
 
 
-class Reaches(Record):
+class ConditionReached(Record):
     """In episodes where only the agent acts, a condition comes to hold."""
 
     condition: Condition = Field(alias="reaches")
@@ -208,8 +208,13 @@ class Reaches(Record):
         return f"it does in {len(reached)}, and not in episode {failed}; watch it, and correct it"
 
 
-KINDS = {"behavior": Saved, "decides": Decides, "shared": Shared, "reaches": Reaches}
-Requirement = Saved | Decides | Shared | Reaches
+KINDS = {
+    "behavior": BehaviorSaved,
+    "decides": BehaviorDecides,
+    "shared": BehaviorShared,
+    "reaches": ConditionReached,
+}
+Requirement = BehaviorSaved | BehaviorDecides | BehaviorShared | ConditionReached
 """What an exercise requires: `told` says it, and `missing` what is missing, "" if nothing is.
 
 `missing` raises `HitabError` if it cannot be looked at; the error says what is missing.

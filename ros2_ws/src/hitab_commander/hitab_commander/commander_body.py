@@ -15,7 +15,7 @@ NAN = math.nan
 
 
 @dataclass(slots=True)
-class Member:
+class GroupMember:
     """A subordinate.
 
     Attributes:
@@ -48,7 +48,7 @@ class CommanderBody:
     def __init__(self, name: str, kind: CommanderKind) -> None:
         self.name = name
         self.kind = kind
-        self.members: dict[str, Member] = {}
+        self.members: dict[str, GroupMember] = {}
         self.roll = RollCall(())
         self._asks_position = kind.asks_position
         self.order = self._blank(0)
@@ -75,7 +75,7 @@ class CommanderBody:
             asks_position: have them report their positions because a superior asks for them.
         """
         self._asks_position = asks_position or self.kind.asks_position
-        self.members = {name: Member(role, heard_at=now) for name, role in roles.items()}
+        self.members = {name: GroupMember(role, heard_at=now) for name, role in roles.items()}
         self.roll = RollCall(self.members)
         self.order = self._blank(epoch)
         self.given = ""
@@ -131,7 +131,7 @@ class CommanderBody:
         member.latest, member.heard_at = report, now
         return before is None or was_silent or _activity(before) != _activity(report)
 
-    def _change_time(self, report: Report, member: Member) -> None:
+    def _change_time(self, report: Report, member: GroupMember) -> None:
         """Switch to lockstep or to real time if a report shows that its world has."""
         roll = self.roll
         if report.round and not roll.round:

@@ -102,14 +102,15 @@ Behaviors = dict[Annotated[str, AfterValidator(_receiver)], Behavior]
 Time = Annotated[float, Field(ge=1.0 / LONGEST, le=LONGEST)]
 
 
-class Active(Record):
+class ActiveState(Record):
     """An active state, as what is observed."""
 
     active: str
 
 
 Observed = Annotated[
-    Active | str, MappingOr(Active, Annotated[str, AfterValidator(lambda t: str(read_use(t)))])
+    ActiveState | str,
+    MappingOr(ActiveState, Annotated[str, AfterValidator(lambda t: str(read_use(t)))]),
 ]
 
 
@@ -124,14 +125,14 @@ class Observing(Record):
 
     def observation(self) -> Observation:
         """Return what is observed in each subordinate."""
-        if isinstance(self.of, Active):
+        if isinstance(self.of, ActiveState):
             return Observation(active=self.of.active)
         if self.of in FLAGS:
             return Observation(flag=self.of)
         return Observation(feature=self.of, below=self.below, above=self.above)
 
 
-class Part(Record):
+class PositionsPart(Record):
     """The line of a feature of the positions."""
 
     part: Annotated[str, among(GROUP_PARTS)] = Field(alias="group")
@@ -155,7 +156,7 @@ def _over(over: Over) -> type[Record]:
 
 
 _OVER = {over.value: _over(over) for over in Over if over is not Over.GROUP}
-_FEATURES = {**_OVER, Over.GROUP.value: Part}
+_FEATURES = {**_OVER, Over.GROUP.value: PositionsPart}
 _TARGETS = {**{over.value: _OVER[over] for over in EXTREMES}, "number": Numbered}
 
 
@@ -169,7 +170,7 @@ class KindRecord(Record):
         NONE_IS_EMPTY,
     ] = Field(default_factory=dict)
     features: Annotated[
-        dict[Label, Annotated[Observing | Part, OneOf(_FEATURES)]], NONE_IS_EMPTY
+        dict[Label, Annotated[Observing | PositionsPart, OneOf(_FEATURES)]], NONE_IS_EMPTY
     ] = Field(default_factory=dict)
     targets: Annotated[
         dict[Label, Annotated[Observing | Numbered, OneOf(_TARGETS)]], NONE_IS_EMPTY
@@ -270,7 +271,7 @@ def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
     return OrderMap(name, behaviors, parameter)
 
 
-def _feature(use: Use, line: Observing | Part) -> GroupFeature:
+def _feature(use: Use, line: Observing | PositionsPart) -> GroupFeature:
     name, parameter = use.name, "".join(use.arguments)
     of_one = isinstance(line, Observing) and line.over is Over.VALUE
     if of_one and not parameter:
@@ -280,7 +281,7 @@ def _feature(use: Use, line: Observing | Part) -> GroupFeature:
             f'"{use}" is about all subordinates: write `{name}:` without a parameter, or use '
             "`value:`"
         )
-    if isinstance(line, Part):
+    if isinstance(line, PositionsPart):
         return GroupFeature(name, Over.GROUP, part=line.part)
     of = line.observation()
     if not of.feature and (line.below is not None or line.above is not None):

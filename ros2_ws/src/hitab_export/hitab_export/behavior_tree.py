@@ -18,7 +18,7 @@ from hitab_export.hierarchy_form import (
     AutomatonForm,
     Hierarchy,
     StateForm,
-    Test,
+    TestForm,
 )
 from hitab_export.names import identifiers
 
@@ -130,7 +130,7 @@ class _Writer:
         is_idle = _any(state, (s.label for s in automaton.states if s.performs is None))
         _script(body, "", f"{state} := ({is_idle}) ? '{START}' : {state}", name="leave flags")
         nodes = [node for form in automaton.states for node in form.tree or ()]
-        if not any(isinstance(node, Test) and node.feature < len(OWN) for node in nodes):
+        if not any(isinstance(node, TestForm) and node.feature < len(OWN) for node in nodes):
             return
         _script(body, "", *(f"{self._prefix}{flag} := 0.0" for flag in FLAGS))
         for form in automaton.states:
@@ -171,7 +171,7 @@ class _Writer:
             _script(there, "", f"{node_at} := {first}", name="begin")
             for number, node in enumerate(form.tree, first):
                 elsewhere = f"{node_at} != {number}"
-                if isinstance(node, Test):
+                if isinstance(node, TestForm):
                     self._test(there, node, first, elsewhere)
                     continue
                 *others, (_, last) = node.chances
@@ -186,7 +186,7 @@ class _Writer:
                 _script(there, elsewhere, *script, name=f"{form.label} {shown}")
             first += len(form.tree)
 
-    def _test(self, body: Element, test: Test, first: int, elsewhere: str) -> None:
+    def _test(self, body: Element, test: TestForm, first: int, elsewhere: str) -> None:
         node_at, value = f"{self._prefix}node", self._value(test.feature)
         label = self.labels.get(value, value.removeprefix(self._prefix))
         yes, no = first + test.yes, first + test.no

@@ -33,7 +33,7 @@ OWN = tuple(map(str, OWN_FEATURES))
 
 
 @dataclass(frozen=True, slots=True)
-class Test:
+class TestForm:
     """``low < value <= high``, after ``value %= period`` if there is one; see `compiled_tree`.
 
     Attributes:
@@ -52,13 +52,13 @@ class Test:
 
 
 @dataclass(frozen=True, slots=True)
-class Leaf:
+class LeafForm:
     """Pairs: the state with this index is drawn below this number; the last number is 1."""
 
     chances: tuple[tuple[float, int], ...]
 
 
-Tree = tuple[Test | Leaf, ...]
+Tree = tuple[TestForm | LeafForm, ...]
 """The root first, each node before those that it leads to."""
 
 
@@ -85,7 +85,7 @@ class NumbersForm:
     """What gives the numbers of a state, see `hitab_core.regression`.
 
     Attributes:
-        features: indices as in `Test.feature`, one for each axis of the table.
+        features: indices as in `TestForm.feature`, one for each axis of the table.
         table: what was learned.
         wanted: the numbers.
     """
@@ -259,14 +259,14 @@ def _tree(function: TransitionTree, slots: list[int], indices: dict[str, int]) -
     queue: list[Compiled] = [
         compiled(function.root_, slots, lambda counts: leaf_choice(counts, states))
     ]
-    nodes: list[Test | Leaf] = []
+    nodes: list[TestForm | LeafForm] = []
     for node in queue:  # which grows
         if type(node) is tuple:
             slot, period, low, high, yes, no, share = node
-            nodes.append(Test(slot, period, low, high, len(queue), len(queue) + 1, share))
+            nodes.append(TestForm(slot, period, low, high, len(queue), len(queue) + 1, share))
             queue += [yes, no]
         elif isinstance(node, Draw):
-            nodes.append(Leaf(tuple(zip(node.cumulative, node.choices, strict=True))))
+            nodes.append(LeafForm(tuple(zip(node.cumulative, node.choices, strict=True))))
         else:
-            nodes.append(Leaf(((1.0, node),)))
+            nodes.append(LeafForm(((1.0, node),)))
     return tuple(nodes)

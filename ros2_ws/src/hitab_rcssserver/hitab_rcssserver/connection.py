@@ -25,7 +25,7 @@ ANSWER_SECONDS = 0.5
 
 _DATAGRAM = 65_536
 
-Readable = TypeVar("Readable", "Connection", socket.socket)
+Readable = TypeVar("Readable", "ServerConnection", socket.socket)
 
 WAY_OUT = (
     f"restart it: it must speak protocol version {VERSION}, has room for two teams, whose players "
@@ -41,7 +41,7 @@ class NoAnswer(ServerError):
     """The server does not answer: it is not up yet, or no longer."""
 
 
-class Connection:
+class ServerConnection:
     """A client that the server has accepted.
 
     Attributes:
@@ -135,7 +135,7 @@ def connect(
     *,
     goalie: bool = False,
     answer_seconds: float = ANSWER_SECONDS,
-) -> Connection:
+) -> ServerConnection:
     """Register a client with the server.
 
     Args:
@@ -157,7 +157,7 @@ def connect(
         sock.sendto(f"(init {' '.join(words)})".encode("ascii") + b"\0", address)
         init, dedicated = _answer(sock, where, answer_seconds)
         sock.connect(dedicated)  # from now on the system reports when the server is gone
-        return Connection(sock, where, init)
+        return ServerConnection(sock, where, init)
     except OSError as error:
         sock.close()
         raise NoAnswer(f"no rcssserver can be reached at {where}: {error}") from None

@@ -58,7 +58,7 @@ def parameters_of(server: Settings, ours: KeepawayParameters, rules: Rules) -> K
         raise ServerError(f"the server's settings do not fit {rules.name}: {error}") from None
 
 
-class Field:
+class ReportedField:
     """Everything on the field.
 
     Args:

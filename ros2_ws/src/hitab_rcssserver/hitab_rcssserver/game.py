@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from hitab_rcssserver.field import Field
+from hitab_rcssserver.field import ReportedField
 from hitab_rcssserver.link import Link
 from hitab_rcssserver.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
 from hitab_world import Sensed
@@ -45,7 +45,7 @@ class Turn:
     began: bool
 
 
-class Game:
+class ReportedGame:
     """A game, as reported to its players.
 
     Args:
@@ -61,12 +61,14 @@ class Game:
     """
 
     def __init__(self, parameters: KeepawayParameters, rules: Rules, *, by_sight: bool) -> None:
-        self.field = Field(parameters, rules)
+        self.field = ReportedField(parameters, rules)
         self.agents = tuple(keeper.name for keeper in self.field.physics.keepers)
         self.mode = ""
         self.time = -1
         exact = replace(parameters, sight="full")  # the server has already rounded what is seen
-        self._seen = {name: Field(exact, rules) for name in self.agents} if by_sight else {}
+        self._seen = (
+            {name: ReportedField(exact, rules) for name in self.agents} if by_sight else {}
+        )
         self._stops = rules.stops
         self._referee = rules.referee(self.field.physics)
         self._began = 0

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from hitab_rcssserver.connection import (
-    Connection,
     NoAnswer,
+    ServerConnection,
     ServerError,
     connect,
     parsed,
@@ -55,7 +55,7 @@ class Client:
         sighting: interprets what it sees; None if that is not used.
     """
 
-    connection: Connection
+    connection: ServerConnection
     told: bool = False
     thinking: bool = False
     time: int = -1

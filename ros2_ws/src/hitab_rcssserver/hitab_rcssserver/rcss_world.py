@@ -18,13 +18,13 @@ from hitab_core import world_seed
 from hitab_rcssserver import sentences
 from hitab_rcssserver.connection import NoAnswer, ServerError, kick_off
 from hitab_rcssserver.field import parameters_of
-from hitab_rcssserver.game import Game, Turn
+from hitab_rcssserver.game import ReportedGame, Turn
 from hitab_rcssserver.link import Link
 from hitab_rcssserver.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
 from hitab_rcssserver.server_settings import SEE, ServerSettings
 from hitab_rcssserver.trainer import Trainer
 from hitab_world import LOOK, RESTART, Action, Entity, EpisodeResult, Placement, Sensed, WorldError
-from hitab_world.ros_parameters import GivenFigures
+from hitab_world.ros_parameters import GivenParameters
 from keepaway_world.action import orders_of
 from keepaway_world.arranging import Place, entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
@@ -42,9 +42,9 @@ SERVER_START_S = 30.0
 """How long a world without ROS waits for the server to begin an episode, s."""
 
 
-def patience_of(node: Node | GivenFigures) -> float:
+def patience_of(node: Node | GivenParameters) -> float:
     """Return how long `RcssWorld.reset` waits for an episode, s; a node calls `idle` instead."""
-    return SERVER_START_S if isinstance(node, GivenFigures) else 0.0
+    return SERVER_START_S if isinstance(node, GivenParameters) else 0.0
 
 
 class RcssWorld:
@@ -96,7 +96,7 @@ class RcssWorld:
         """Clear everything known about the field."""
         self.size = self.parameters.width, self.parameters.height
         by_sight = self.server.percepts == SEE
-        self._game = Game(self.parameters, self._rules, by_sight=by_sight)
+        self._game = ReportedGame(self.parameters, self._rules, by_sight=by_sight)
         self._takers = self._rules.takers(self._game.field.physics)
         self._said: dict[str, str] = {}
         self._result: EpisodeResult | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 
-def is_held_up(pid: int) -> bool:
+def waits_for_cpu_or_disk(pid: int) -> bool:
     """Whether a process would go on if it only got a processor, or its disk."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][:1]

@@ -10,7 +10,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.qos import QoSProfile
 
 from hitab_agent import AgentNode
-from hitab_robots.process_state import is_held_up
+from hitab_robots.process_state import waits_for_cpu_or_disk
 from hitab_robots.settings import COMMANDS, ODOMETRY, VELOCITY, RelaySettings
 from hitab_ros import names
 
@@ -66,7 +66,7 @@ class RelayProcess:
             unheard_s: since its last sign of life, s.
         """
         status = self._process.poll()
-        patience = BUSY_S if is_held_up(self._process.pid) else HUNG_S
+        patience = BUSY_S if waits_for_cpu_or_disk(self._process.pid) else HUNG_S
         if status is None and unheard_s < patience:
             return ""
         if status is None:

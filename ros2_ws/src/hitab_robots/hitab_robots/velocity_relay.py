@@ -33,7 +33,7 @@ from hitab_core import some
 from hitab_core.library.durable_files import write_durably
 from hitab_robots.bases import Bases, name_of
 from hitab_robots.left_goals import LeftGoals
-from hitab_robots.process_state import is_held_up
+from hitab_robots.process_state import waits_for_cpu_or_disk
 from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY, RelaySettings, declare
 from hitab_robots.velocity import STILL, Drive, Gate, Velocity
 from hitab_ros import GuardedNode, KnownStops, Spinner, Stop, names, qos, run, steady_timer
@@ -184,7 +184,7 @@ class VelocityRelay(GuardedNode):
         if self._agent_pid and os.getppid() != self._agent_pid and not self._gate.closed:
             self._gate.closed = self._goals.closed = True
             self._gate.rest(now)  # also if it stands still: its goals are to be canceled
-        is_near = self._agent_pid and not is_held_up(self._agent_pid)
+        is_near = self._agent_pid and not waits_for_cpu_or_disk(self._agent_pid)
         if self._unheard_s >= (HUNG_S if is_near else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")
         if self._unheard_s >= GONE_S and self._kills and not self._gate.closed:

@@ -1,7 +1,7 @@
 """What is known of the viewed agents: what they perceive, decide and have learned.
 
 Requests cost an agent a little, so only the viewed agents are asked, each by name. What pages read
-of it, `Watched`, is replaced as a whole and never changed.
+of it, `AgentState`, is replaced as a whole and never changed.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ AGAIN_SECONDS = 1.0
 
 
 @dataclass(frozen=True)
-class Watched:
+class AgentState:
     """One viewed agent.
 
     Attributes:
@@ -87,7 +87,7 @@ class AgentWatch:
         changed: Callable[[], None],
         failed: Callable[..., None],
     ) -> None:
-        self.known = Watched()
+        self.known = AgentState()
         self.training: Training | None = None
         self._agents = agents
         self._agent = agent

@@ -25,9 +25,9 @@ from hitab_client.bootstrapping import (
 )
 from hitab_client.run_folder import state_home
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_link import Connected, SwarmLink
-from hitab_studio.swarm_state import Known
+from hitab_studio.swarm_state import SwarmState
 
 Step = Callable[[Bootstrapping], Generation]
 
@@ -84,7 +84,7 @@ class GenerationMaker:
             return ""
         return BUSY.format(making.agent, making.behavior)
 
-    def begin(self, making: Making, step: Step, known: Known, who: str) -> None:
+    def begin(self, making: Making, step: Step, known: SwarmState, who: str) -> None:
         """Have a step of bootstrapping done; pages see how far it is.
 
         Args:
@@ -113,7 +113,7 @@ class GenerationMaker:
             self.making = None
             self._changed()
 
-    async def _follow(self, making: Making, step: Step, known: Known, who: str) -> None:
+    async def _follow(self, making: Making, step: Step, known: SwarmState, who: str) -> None:
         loop, stopping = asyncio.get_running_loop(), self._stopping
 
         def show(done: int, total: int, doing: str) -> None:
@@ -156,12 +156,12 @@ class GenerationMaker:
         self._changed()
 
 
-def kept_in(target: Target | None) -> Path:
+def kept_in(target: SwarmTarget | None) -> Path:
     """Return the folder that keeps a swarm's generations; one for robots started by hand."""
     return Path(target.folder) if target is not None and target.folder else state_home()
 
 
-def known_generations(target: Target | None, agent: str, behavior: str) -> Generations:
+def known_generations(target: SwarmTarget | None, agent: str, behavior: str) -> Generations:
     """Return the generations of a behavior; none if there are none yet.
 
     Raises:
@@ -175,7 +175,7 @@ def known_generations(target: Target | None, agent: str, behavior: str) -> Gener
     return _read(folder, agent, behavior, written)
 
 
-def have_generations(target: Target | None, agent: str) -> list[str]:
+def have_generations(target: SwarmTarget | None, agent: str) -> list[str]:
     """Return the behaviors of an agent that have generations."""
     return behaviors_in(folder_of(kept_in(target), agent))
 

@@ -16,7 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from hitab_client import RosLink
 from hitab_ros import qos
 from hitab_ros.stamps import time_of
-from hitab_studio.scene import NO_COLOR, STATE_COLORS, Look, Scene
+from hitab_studio.scene import NO_COLOR, STATE_COLORS, Appearance, Scene
 
 TOPIC = "/studio/markers"
 FRAME = "field"
@@ -113,7 +113,7 @@ def _thing(
     header: Header,
     number: int,
     name: str,
-    look: Look,
+    look: Appearance,
     place: tuple[float, float, float],
     radius: float,
 ) -> list[Any]:

@@ -6,15 +6,15 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
+NOTICE_SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
 """How long a message stays if nobody closes it."""
 
-MOST = 3
+NOTICES_MAX = 3
 """Messages that are shown at once; an older one makes room."""
 
 
 @dataclass
-class Message:
+class Notice:
     """A short message.
 
     Attributes:
@@ -31,7 +31,7 @@ class Message:
     until: float
 
 
-class Messages:
+class Notices:
     """What a page shows at present, oldest first; the same text is there once.
 
     Args:
@@ -39,20 +39,20 @@ class Messages:
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self.shown: list[Message] = []
+        self.shown: list[Notice] = []
         self._clock = clock
         self._numbers = 0
 
     def say(self, text: str, kind: str = "good") -> None:
         """Show a message, or count it if it is shown already."""
-        until = self._clock() + SECONDS[kind]
+        until = self._clock() + NOTICE_SECONDS[kind]
         for message in self.shown:
             if message.text == text and message.kind == kind:
                 message.times += 1
                 message.until = until
                 return
         self._numbers += 1
-        self.shown = [*self.shown[1 - MOST :], Message(self._numbers, kind, text, 1, until)]
+        self.shown = [*self.shown[1 - NOTICES_MAX :], Notice(self._numbers, kind, text, 1, until)]
 
     def close(self, number: int) -> None:
         """Remove a message."""

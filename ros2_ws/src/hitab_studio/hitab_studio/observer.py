@@ -31,8 +31,8 @@ from hitab_studio.remembered_scenes import RememberedScenes
 from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.scene import scene_of
-from hitab_studio.swarm_finder import Target
-from hitab_studio.swarm_state import Known
+from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm_state import SwarmState
 
 STOPS_S = 0.5
 """Between two looks for who can be stopped, s: each lists all topics."""
@@ -86,7 +86,7 @@ class Observer:
         link: RosLink,
         agents: SwarmClient,
         world: WorldClient,
-        known: Known,
+        known: SwarmState,
         viewing: Viewing,
         colors: Mapping[str, int],
         complain: Callable[..., None],
@@ -224,7 +224,7 @@ class Observer:
             if self._remembered.kept is not self.known.moments:
                 self._know(moments=self._remembered.kept)
 
-    def may_show(self, choices: tuple[Target, ...]) -> None:
+    def may_show(self, choices: tuple[SwarmTarget, ...]) -> None:
         """Know which swarms a person may choose."""
         target = self.known.target
         if target is not None and choices != target.choices:

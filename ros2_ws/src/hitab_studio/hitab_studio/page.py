@@ -16,7 +16,7 @@ from hitab_client import Training
 from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.actions import ACTIONS, REPEATED, URGENT, Data
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.studio import Studio
 from hitab_studio.ui_remedies import told
 from hitab_studio.views import PANELS, render
@@ -84,7 +84,7 @@ class RequestQueue:
             self._queue.get_nowait()
         self._queue.put_nowait(None)
 
-    async def perform(self, session: Session, done: Callable[[], None]) -> None:
+    async def perform(self, session: PageState, done: Callable[[], None]) -> None:
         """Handle one request after the other until the page has gone.
 
         Args:
@@ -105,7 +105,7 @@ def _same(one: Data, other: Data) -> bool:
     return {**one, "seen": 0, "hotkey": ""} == {**other, "seen": 0, "hotkey": ""}
 
 
-async def perform(session: Session, data: Data) -> None:
+async def perform(session: PageState, data: Data) -> None:
     """Handle a request of a page; show errors on it."""
     wanted = ACTIONS.get(str(data.get("do")))
     if wanted is None:
@@ -122,7 +122,7 @@ async def perform(session: Session, data: Data) -> None:
     session.touch()
 
 
-class Panel(Element, component="static/panel.js"):
+class PagePanel(Element, component="static/panel.js"):
     """A part of the page with HTML from the server."""
 
     def __init__(self, name: str) -> None:
@@ -148,7 +148,7 @@ TELL_REFUSAL = (
 class Page:
     """One page: shows a session, and passes on the person's actions."""
 
-    def __init__(self, studio: Studio, session: Session, client: Client) -> None:
+    def __init__(self, studio: Studio, session: PageState, client: Client) -> None:
         self._studio = studio
         self._session = session
         self._client = client
@@ -173,11 +173,11 @@ class Page:
         )
         ui.query(".nicegui-content").classes(remove="nicegui-content")
         with ui.element("div").props('id="studio"'):
-            self._panels = [Panel(name) for name in PANELS if name != "overlay"]
+            self._panels = [PagePanel(name) for name in PANELS if name != "overlay"]
             # The server's frame around all of this is the page's <main> already.
             with ui.element("section").props('id="stage" aria-label="The field"'):
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
-                self._panels.append(Panel("overlay"))
+                self._panels.append(PagePanel("overlay"))
                 ui.element("div").props('id="field-told" role="status"').classes("unseen")
         ui.on("studio", lambda event: self._wish(event.args))
         self._refresh()

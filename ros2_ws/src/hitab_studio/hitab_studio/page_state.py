@@ -16,21 +16,21 @@ from hitab_core import natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
-from hitab_studio.agent_watch import Watched
-from hitab_studio.field_frame import EMPTY, Present
+from hitab_studio.agent_watch import AgentState
+from hitab_studio.field_frame import EMPTY, FieldFrame
 from hitab_studio.generations import GenerationMaker
 from hitab_studio.launching import NONE, Launcher
-from hitab_studio.notices import Messages
+from hitab_studio.notices import Notices
 from hitab_studio.people import told_apart
-from hitab_studio.replay import Player
+from hitab_studio.replay import ReplayPlayer
 from hitab_studio.scene import frame, roster, said_message
 from hitab_studio.swarm_link import Connected, SwarmLink
-from hitab_studio.swarm_store import Store
-from hitab_studio.unanswered_command import Lost
+from hitab_studio.swarm_store import SwarmStore
+from hitab_studio.unanswered_command import UnansweredCommand
 
 T = TypeVar("T")
 
-NOTHING = Watched()
+NO_AGENT = AgentState()
 CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
 REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
 
@@ -58,7 +58,7 @@ class NumbersAsked:
 
 
 @dataclass
-class Table:
+class ExamplesTable:
     """How the table of examples is shown; `hidden` features have no column."""
 
     automaton: str = ""
@@ -70,7 +70,7 @@ class Table:
     hidden: set[str] = field(default_factory=set)
 
 
-class Shared:
+class StudioState:
     """What all pages share, including each other.
 
     Attributes:
@@ -86,16 +86,16 @@ class Shared:
 
     def __init__(self, link: SwarmLink, startable: Mapping[str, str] = NONE) -> None:
         self.link = link
-        self.store = Store()
+        self.store = SwarmStore()
         self.launcher = Launcher(startable, self.store.touch)
         self.generations = GenerationMaker(link, self.store.touch)
-        self.held: dict[str, Session] = {}
+        self.held: dict[str, PageState] = {}
         self.keys = behavior_keys.Keys(behavior_keys.file())
-        self.present = Present(self.store.palette)
-        self.sessions: dict[str, Session] = {}
+        self.present = FieldFrame(self.store.palette)
+        self.sessions: dict[str, PageState] = {}
 
 
-class Session:
+class PageState:
     """One page in one browser.
 
     Attributes:
@@ -120,7 +120,7 @@ class Session:
         sent: the frame that the browser has.
     """
 
-    def __init__(self, shared: Shared, key: str, demonstrator: str) -> None:
+    def __init__(self, shared: StudioState, key: str, demonstrator: str) -> None:
         self.shared = shared
         self.id = self.browser = key
         self.demonstrator = self.name = ""
@@ -134,17 +134,17 @@ class Session:
         self.folds: dict[str, bool] = {}
         self.asked: TargetsAsked | None = None
         self.showing: NumbersAsked | None = None
-        self.lost: Lost | None = None
+        self.lost: UnansweredCommand | None = None
         self.unseen = UnseenOutcomes()
-        self.table = Table()
+        self.table = ExamplesTable()
         self.dialog: dict[str, Any] = {}
         self.behavior = ""
         self.compare: tuple[str, Learned] | None = None
-        self.player: Player | None = None
+        self.player: ReplayPlayer | None = None
         self.connected = False
         self.leave: Callable[[], None] = lambda: None
         self.sent = b""
-        self.messages = Messages()
+        self.messages = Notices()
         self.version = 0
         self.busy = 0
         self.outgoing: deque[str] = deque(maxlen=50)
@@ -164,7 +164,7 @@ class Session:
         self.name = told_apart(self.demonstrator, others)
         self.shared.store.touch()
 
-    def is_same(self, page: Session) -> bool:
+    def is_same(self, page: PageState) -> bool:
         """Whether another page is the same person's."""
         return page.browser == self.browser
 
@@ -178,9 +178,9 @@ class Session:
         return self.shared.store.known.statuses.get(self.agent)
 
     @property
-    def watched(self) -> Watched:
+    def watched(self) -> AgentState:
         """What else is known of the agent."""
-        return self.shared.store.known.watched.get(self.agent, NOTHING)
+        return self.shared.store.known.watched.get(self.agent, NO_AGENT)
 
     @property
     def training(self) -> Training | None:
@@ -217,7 +217,7 @@ class Session:
             self.level = self.state = self.behavior = ""
             self.asked = self.showing = None
             self.compare = None
-            self.table = Table()
+            self.table = ExamplesTable()
         self.shared.link.viewing.focus[self.id] = agent
         self.touch()
 
@@ -392,7 +392,7 @@ class Session:
         self.news.set()
 
 
-def nothing_in_training(session: Session) -> str:
+def nothing_in_training(session: PageState) -> str:
     """Return why what concerns a training cannot be done without one."""
     if not session.agent:
         return CHOOSE_FIRST

@@ -130,7 +130,7 @@ class Labels:
 
 
 @dataclass
-class Player:
+class ReplayPlayer:
     """Plays a recording for one page.
 
     Attributes:

@@ -42,8 +42,8 @@ KNOWN_FIELDS = ("x", "y", "heading", "vx", "vy")
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
-    """How a kind of thing is drawn; see the message `Look`.
+class Appearance:
+    """How a kind of thing is drawn; see the message `Appearance`.
 
     Kinds that their world declares no look for are drawn like agents.
     """
@@ -78,7 +78,7 @@ class Scene:
     kinds: tuple[str, ...]
     radii: tuple[float, ...]
     places: NDArray[np.float64]
-    looks: Mapping[str, Look]
+    looks: Mapping[str, Appearance]
     world: str = ""
     cycle: int = 0
     episode: int = 0
@@ -126,10 +126,10 @@ def scene_of(state: Any) -> Scene:
     )
 
 
-def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
+def _looks(state: Any, kinds: set[str]) -> dict[str, Appearance]:
     """Return the look of each kind; one that the world has not declared has the usual one."""
     declared = {
-        look.kind: Look(
+        look.kind: Appearance(
             color=look.color or AGENT_COLOR,
             shape=look.shape,
             faces=look.faces,
@@ -139,7 +139,7 @@ def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
         )
         for look in state.looks
     }
-    return {kind: declared.get(kind, Look()) for kind in sorted(kinds)}
+    return {kind: declared.get(kind, Appearance()) for kind in sorted(kinds)}
 
 
 class Palette:

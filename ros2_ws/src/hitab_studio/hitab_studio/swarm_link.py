@@ -31,8 +31,8 @@ from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.observer import Observer, Viewing
 from hitab_studio.robots.topics import Options
-from hitab_studio.swarm_finder import Target
-from hitab_studio.swarm_state import Known
+from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm_state import SwarmState
 
 T = TypeVar("T")
 
@@ -141,8 +141,8 @@ class SwarmLink:
 
     def __init__(
         self,
-        find: Callable[[], Target],
-        tell: Callable[[Known], None],
+        find: Callable[[], SwarmTarget],
+        tell: Callable[[SwarmState], None],
         complain: Callable[..., None],
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
@@ -154,7 +154,7 @@ class SwarmLink:
         self._complain = complain
         self._choose = choose
         self._options = options
-        self._known = Known()
+        self._known = SwarmState()
         self._why_not = UNCONNECTED
         self._connected: Connected | None = None
         self._observer: Observer | None = None
@@ -267,15 +267,15 @@ class SwarmLink:
             except Exception as error:  # the loop must outlive whatever goes wrong
                 logging.getLogger(__name__).exception("the link to the swarm")
                 why = f"The connection was lost: {what_went_wrong(error)}"
-                self._begin(Target(0, problem=why))
+                self._begin(SwarmTarget(0, problem=why))
                 await asyncio.sleep(FIND_SECONDS)
 
-    def _begin(self, target: Target) -> None:
+    def _begin(self, target: SwarmTarget) -> None:
         """Forget the previous swarm: another one, or another start of it, takes its place."""
         self._chosen = False
         self._why_not = target.problem
         before = self._known  # an emergency stop is not the swarm's: it outlasts it
-        self._known = Known(
+        self._known = SwarmState(
             target,
             before.revision + 1,
             emergency=before.emergency,
@@ -284,7 +284,7 @@ class SwarmLink:
         )
         self._tell(self._known)
 
-    async def _connect(self, target: Target) -> None:
+    async def _connect(self, target: SwarmTarget) -> None:
         link = await asyncio.to_thread(SharedLink, target.domain_id, name=NODE)
         space, identity = target.namespace, target.identity
         why = "The connection was lost meanwhile: look whether it was done."
@@ -323,7 +323,7 @@ class SwarmLink:
                 await asyncio.wait(self._jobs, timeout=LEAVE_SECONDS)
             link.close()
 
-    async def _serve(self, target: Target, swarm: Connected, observer: Observer) -> None:
+    async def _serve(self, target: SwarmTarget, swarm: Connected, observer: Observer) -> None:
         """Spin the node and observe the swarm until another one is meant."""
         link, failures = swarm.link, 0
         next_look = next_find = 0.0
@@ -356,7 +356,7 @@ class SwarmLink:
             self._known = self._observer.known
             self._tell(self._known)
 
-    def _is_still(self, target: Target) -> bool:
+    def _is_still(self, target: SwarmTarget) -> bool:
         """Whether the same swarm is meant; if that cannot be found out at the moment, it is.
 
         Nodes that were started by hand are meant while any of them answers, whatever else starts,
@@ -392,7 +392,7 @@ class SwarmLink:
             self._complain(text, **whose)
 
 
-def _gone(target: Target) -> str:
+def _gone(target: SwarmTarget) -> str:
     """Return the error of a job whose swarm has gone."""
     name = f'Swarm "{target.swarm}"' if target.swarm else "The swarm"
     what = "went down meanwhile, was started again, or is not shown any more"

@@ -12,19 +12,19 @@ from typing import Any
 from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
-from hitab_studio.agent_watch import Watched
+from hitab_studio.agent_watch import AgentState
 from hitab_studio.learned import NOTHING
 from hitab_studio.remembered_scenes import Key
 from hitab_studio.robots.watch import Robots
 from hitab_studio.scene import SILENT, Scene, state_shown
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
 
 JOINING_SECONDS = 15.0
 """Agents that were not heard yet may come as long as others do, and for this long afterwards."""
 
 
 @dataclass(frozen=True)
-class Known:
+class SwarmState:
     """All that is known of a swarm at one moment.
 
     Attributes:
@@ -50,7 +50,7 @@ class Known:
         robots: what is known of real robots; None: there is a world, or nothing was heard yet.
     """
 
-    target: Target | None = None
+    target: SwarmTarget | None = None
     revision: int = 0
     world: Any = None
     scene: Scene | None = None
@@ -60,7 +60,7 @@ class Known:
     silent: Mapping[str, float] = field(default_factory=lambda: NOTHING)
     why: Mapping[str, Silence] = field(default_factory=lambda: NOTHING)
     groups: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
-    watched: Mapping[str, Watched] = field(default_factory=lambda: NOTHING)
+    watched: Mapping[str, AgentState] = field(default_factory=lambda: NOTHING)
     moments: Mapping[Key, Scene] = field(default_factory=lambda: NOTHING)
     elsewhere: tuple[str, ...] = ()
     emergency: KnownStops = field(default_factory=KnownStops)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hitab_client import is_answered
-from hitab_studio.swarm_state import Known
+from hitab_studio.swarm_state import SwarmState
 
 TAKEN_SECONDS = 2.0
 """How long to wait for the agent's acknowledgement before a command is said to be lost."""
 
 
 @dataclass(frozen=True)
-class Lost:
+class UnansweredCommand:
     """A behavior that was asked of an agent, which has not acknowledged it.
 
     Attributes:
@@ -26,7 +26,7 @@ class Lost:
     behavior: str
     sequence: int
 
-    def is_taken(self, known: Known) -> bool:
+    def is_taken(self, known: SwarmState) -> bool:
         """Whether the agent's status shows that it has taken the command after all."""
         status = known.statuses.get(self.agent)
         if status is None or not known.answers(self.agent):

@@ -13,7 +13,7 @@ from hitab_world.inprocess import Between, Player, play
 from hitab_world.world import MORE, SECONDS, EpisodeResult, Measure, World
 
 
-class Game(NamedTuple):
+class GameSetup(NamedTuple):
     """A world in this process, and what plays its agents.
 
     Attributes:
@@ -91,7 +91,7 @@ def measures_of(world: World, results: Sequence[EpisodeResult]) -> Sequence[Meas
 
 
 def play_alike(
-    games: Sequence[Game], episodes: int, *, longest: float = 0.0
+    games: Sequence[GameSetup], episodes: int, *, longest: float = 0.0
 ) -> Iterator[tuple[EpisodeResult, ...]]:
     """Play the same episodes in each game; yield the results of each episode, in order of games.
 

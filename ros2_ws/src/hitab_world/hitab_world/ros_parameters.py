@@ -16,7 +16,7 @@ from hitab_core import HitabError, has
 GROUP = "parameters"
 
 
-class GivenFigures:
+class GivenParameters:
     """Stands in for the node with whose parameters a world is made, where ROS is not started.
 
     Args:
@@ -31,7 +31,7 @@ class GivenFigures:
         return SimpleNamespace(value=self._parameter_overrides.get(name, default))
 
 
-def declare_figures(node: Node, *kinds: type[Any]) -> Any:
+def declare_parameters(node: Node, *kinds: type[Any]) -> Any:
     """Return the figures that a node's parameters give, such as ``-p parameters.width:=30.0``.
 
     Args:

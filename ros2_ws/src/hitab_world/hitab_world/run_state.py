@@ -1,4 +1,4 @@
-"""The course of a world: how it is run, its agents and its episodes."""
+"""The run state of a world: how it is run, its agents and its episodes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hitab_world.lockstep import RoundAnswers
 from hitab_world.world import World
 
 
-class Course:
+class RunState:
     """The state shared by the parts that run, publish, save and change a world.
 
     Attributes:

@@ -127,7 +127,7 @@ def simulation_in(path: Path) -> type[Simulation]:
 
 
 @dataclass(frozen=True)
-class SimulationFigures(Parameters):
+class SimulationParameters(Parameters):
     """The file of a simulation, and how many agents; 0: as many as it says."""
 
     WORLD: ClassVar[str] = "simulation"
@@ -144,7 +144,7 @@ class SimulationWorld:
     done again.
     """
 
-    def __init__(self, figures: SimulationFigures, seed: int = 0) -> None:
+    def __init__(self, figures: SimulationParameters, seed: int = 0) -> None:
         kind = simulation_in(Path(figures.file))
         self._place = f"{figures.file}: {kind.__name__}"
         self.parameters = figures

@@ -24,7 +24,7 @@ from hitab_world.parameters import Parameters
 from hitab_world.world import World, WorldError
 
 
-class WorldOfFigures(World, Protocol):
+class ParameterizedWorld(World, Protocol):
     """A world whose state depends on its figures."""
 
     @property
@@ -33,7 +33,7 @@ class WorldOfFigures(World, Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class SnapshotHeader:
     """When a snapshot was taken; the fields are those of `World`."""
 
     seed: int
@@ -52,7 +52,7 @@ class Moment:
 COUNTS = ("seed", "episode", "cycle", "episode_cycle")
 
 
-def header(world: WorldOfFigures, version: int) -> dict[str, Any]:
+def header(world: ParameterizedWorld, version: int) -> dict[str, Any]:
     """Return the first fields of a snapshot.
 
     Args:
@@ -64,7 +64,9 @@ def header(world: WorldOfFigures, version: int) -> dict[str, Any]:
 
 
 @contextmanager
-def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) -> Iterator[Moment]:
+def reading(
+    snapshot: Mapping[str, Any], world: ParameterizedWorld, version: int
+) -> Iterator[SnapshotHeader]:
     """Check a snapshot's header, and refuse the snapshot if reading the rest of it fails.
 
     Args:
@@ -85,7 +87,7 @@ def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) ->
                 )
                 raise WorldError(f"{_difference(key, snapshot.get(key), mine)}; {way_out}")
         counts = {name: whole(snapshot[name]) for name in COUNTS}
-        yield Moment(**counts, ended=text(snapshot["ended"]))
+        yield SnapshotHeader(**counts, ended=text(snapshot["ended"]))
     except WorldError:
         raise
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -147,7 +149,7 @@ def _difference(key: str, there: Any, here: Any) -> str:
     return f"the snapshot was taken with other {key} ({some(told)})"
 
 
-def _origin(world: WorldOfFigures, version: int) -> dict[str, Any]:
+def _origin(world: ParameterizedWorld, version: int) -> dict[str, Any]:
     """Return what must match in the world where a snapshot is restored."""
     figures = world.parameters.as_dict()
     return {"world": world.name, "version": version, "parameters": figures}

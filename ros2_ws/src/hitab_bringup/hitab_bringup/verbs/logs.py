@@ -14,7 +14,7 @@ from hitab_core import Do, has
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from hitab_bringup.run_logs import Line, LogFile
+    from hitab_bringup.run_logs import LogFile, LogLine
     from hitab_client import RunFolder, RunRecord
 
 Level = Literal["debug", "info", "warn", "error", "fatal"]
@@ -64,7 +64,7 @@ def logs(
         time.sleep(LOOK_SECONDS)
 
 
-def _say(lines: Iterable[Line], names: bool) -> None:
+def _say(lines: Iterable[LogLine], names: bool) -> None:
     for line in lines:
         console.say(f"{line.process} | {line.text}" if names else line.text)
 

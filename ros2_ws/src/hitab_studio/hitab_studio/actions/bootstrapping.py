@@ -6,7 +6,7 @@ from hitab_client import SwarmError
 from hitab_client.bootstrapping import Configuration, Evaluation
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.generations import Making, Step
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 
 MOST_EPISODES = 1000
 LONGEST_NOTE = 200
@@ -18,7 +18,7 @@ SNAPSHOT = "snapshot "
 
 
 @action("generations-dialog")
-async def generations_dialog(session: Session, data: Data) -> None:
+async def generations_dialog(session: PageState, data: Data) -> None:
     """List the generations of a behavior, to make the next one or to go back."""
     agent, training = str(data.get("agent") or session.agent), session.training
     behavior = str(data.get("name") or (training.name if training is not None else ""))
@@ -32,7 +32,7 @@ async def generations_dialog(session: Session, data: Data) -> None:
 
 
 @action("generation-next")
-async def generation_next(session: Session, data: Data) -> None:
+async def generation_next(session: PageState, data: Data) -> None:
     """Make the next generation of what is being trained."""
     values, agent = data["values"], session.dialog["agent"]
     note = str(values.get("note", "")).strip()[:LONGEST_NOTE]
@@ -44,7 +44,7 @@ async def generation_next(session: Session, data: Data) -> None:
 
 
 @action("generation-back")
-async def generation_back(session: Session, data: Data) -> None:
+async def generation_back(session: PageState, data: Data) -> None:
     """Go back to a generation: the team performs it again, and the training goes on from it."""
     values, number = data["values"], int(data["number"])
     agent, behavior = session.dialog["agent"], session.dialog["behavior"]
@@ -64,18 +64,18 @@ async def generation_back(session: Session, data: Data) -> None:
 
 
 @action("generation-stop")
-async def generation_stop(session: Session, data: Data) -> None:
+async def generation_stop(session: PageState, data: Data) -> None:
     """Stop what is under way."""
     session.shared.generations.stop()
 
 
 @action("generation-dismiss")
-async def generation_dismiss(session: Session, data: Data) -> None:
+async def generation_dismiss(session: PageState, data: Data) -> None:
     """Close what the last one has said."""
     session.shared.generations.dismiss()
 
 
-def _begin(session: Session, step: Step) -> None:
+def _begin(session: PageState, step: Step) -> None:
     known, agent = session.shared.store.known, session.dialog["agent"]
     if session.player is not None:
         raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")

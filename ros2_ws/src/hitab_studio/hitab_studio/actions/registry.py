@@ -6,10 +6,10 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 
 Data = Mapping[str, Any]
-Action = Callable[[Session, Data], Awaitable[None]]
+Action = Callable[[PageState, Data], Awaitable[None]]
 
 ACTIONS: dict[str, Action] = {}
 REPEATED: set[str] = set()

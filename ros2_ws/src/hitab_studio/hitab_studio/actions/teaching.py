@@ -19,17 +19,17 @@ from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.page_state import (
     CHOOSE_FIRST,
     NumbersAsked,
-    Session,
+    PageState,
     TargetsAsked,
     nothing_in_training,
 )
 from hitab_studio.swarm_link import Connected
 from hitab_studio.ui_remedies import answered
-from hitab_studio.unanswered_command import TAKEN_SECONDS, Lost
+from hitab_studio.unanswered_command import TAKEN_SECONDS, UnansweredCommand
 
 
 @action("command")
-async def command(session: Session, data: Data) -> None:
+async def command(session: PageState, data: Data) -> None:
     """Command a behavior; first ask for targets and numbers, if it takes some."""
     keys = dict(zip("123456789", targets_asked(session), strict=False))
     if (given := keys.get(str(data.get("hotkey")))) is not None:
@@ -53,7 +53,7 @@ async def command(session: Session, data: Data) -> None:
 
 
 @action("show", repeats=True)
-async def show(session: Session, data: Data) -> None:
+async def show(session: PageState, data: Data) -> None:
     """Command the behavior that is shown with the numbers of its form, or of an arrow."""
     showing = session.showing
     if showing is None:
@@ -66,7 +66,7 @@ async def show(session: Session, data: Data) -> None:
     await _commanded(session, str(meant), int(data.get("seen") or 0))
 
 
-async def _commanded(session: Session, behavior: str, seen: int, sequence: int = 0) -> None:
+async def _commanded(session: PageState, behavior: str, seen: int, sequence: int = 0) -> None:
     """Command a behavior, and offer to send the command again if it is lost.
 
     Args:
@@ -109,7 +109,7 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
             raise
         if not learns and known.answers(agent):
             raise
-        session.lost = Lost(agent, behavior, number if learns else 0)
+        session.lost = UnansweredCommand(agent, behavior, number if learns else 0)
     else:
         if not learns:
             session.tell(f"{agent} performs {behavior}")
@@ -118,7 +118,7 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
 
 
 @action("send-again")
-async def send_again(session: Session, data: Data) -> None:
+async def send_again(session: PageState, data: Data) -> None:
     """Send a lost command again."""
     lost = session.lost
     if lost is None:
@@ -130,12 +130,12 @@ async def send_again(session: Session, data: Data) -> None:
 
 
 @action("leave-lost")
-async def leave_lost(session: Session, data: Data) -> None:
+async def leave_lost(session: PageState, data: Data) -> None:
     """Do not send a lost command again."""
     session.lost = None
 
 
-def targets_meant(session: Session, name: str) -> list[str]:
+def targets_meant(session: PageState, name: str) -> list[str]:
     """Return the targets that a click on a thing may mean: itself, or its kind."""
     targets = session.watched.vocabulary.targets
     if name in targets:
@@ -146,7 +146,7 @@ def targets_meant(session: Session, name: str) -> list[str]:
     return [t for t in targets if words & set(t.split("_"))]
 
 
-def targets_asked(session: Session) -> list[str]:
+def targets_asked(session: PageState) -> list[str]:
     """Return the targets that may be given to what was commanded; none if it needs none."""
     if session.asked is None:
         return []
@@ -155,7 +155,7 @@ def targets_asked(session: Session) -> list[str]:
     return [*session.watched.vocabulary.targets, *parameters]
 
 
-async def give_target(session: Session, target: str) -> None:
+async def give_target(session: PageState, target: str) -> None:
     """Bind a requested target; command after the last one."""
     asked = session.asked
     if asked is None:
@@ -168,13 +168,13 @@ async def give_target(session: Session, target: str) -> None:
 
 
 @action("target")
-async def target(session: Session, data: Data) -> None:
+async def target(session: PageState, data: Data) -> None:
     """Bind a requested target."""
     await give_target(session, str(data["name"]))
 
 
 @action("toggle")
-async def toggle(session: Session, data: Data) -> None:
+async def toggle(session: PageState, data: Data) -> None:
     """Switch between testing what was learned and taking over, without a reset."""
     status = session.status
     if (
@@ -190,19 +190,19 @@ async def toggle(session: Session, data: Data) -> None:
 
 
 @action("restart")
-async def restart(session: Session, data: Data) -> None:
+async def restart(session: PageState, data: Data) -> None:
     """Test from Start."""
     await session.request(SwarmClient.set_mode, "testing", restart=True)
 
 
 @action("idle")
-async def idle(session: Session, data: Data) -> None:
+async def idle(session: PageState, data: Data) -> None:
     """Have the agent perform nothing; a training is kept."""
     await session.request(SwarmClient.perform, "")
 
 
 @action("perform")
-async def perform_behavior(session: Session, data: Data) -> None:
+async def perform_behavior(session: PageState, data: Data) -> None:
     """Perform a behavior of the library from its beginning."""
     behavior = str(data["behavior"])
     await session.request(SwarmClient.perform, behavior)
@@ -210,7 +210,7 @@ async def perform_behavior(session: Session, data: Data) -> None:
 
 
 @action("take")
-async def take(session: Session, data: Data) -> None:
+async def take(session: PageState, data: Data) -> None:
     """Take an agent from another demonstrator and notify that one."""
     before = session.shared.held.get(session.agent, session)
     session.shared.held[session.agent] = session
@@ -221,7 +221,7 @@ async def take(session: Session, data: Data) -> None:
 
 
 @action("release")
-async def release(session: Session, data: Data) -> None:
+async def release(session: PageState, data: Data) -> None:
     """Release an agent."""
     if not session.locked:
         session.shared.held.pop(session.agent, None)
@@ -229,7 +229,7 @@ async def release(session: Session, data: Data) -> None:
 
 
 @action("new")
-async def new(session: Session, data: Data) -> None:
+async def new(session: PageState, data: Data) -> None:
     """Ask what to train."""
     if not session.agent:
         raise SwarmError(CHOOSE_FIRST)
@@ -245,7 +245,7 @@ async def new(session: Session, data: Data) -> None:
 
 
 @action("discard")
-async def discard(session: Session, data: Data) -> None:
+async def discard(session: PageState, data: Data) -> None:
     """Give up the training; ask first if examples would be lost."""
     status = session.status
     if status is None or not session.is_training:
@@ -262,7 +262,7 @@ async def discard(session: Session, data: Data) -> None:
 
 
 @action("discard-now")
-async def discard_now(session: Session, data: Data) -> None:
+async def discard_now(session: PageState, data: Data) -> None:
     """Give up the training and its examples."""
     answer = await session.request(SwarmClient.discard)
     session.dialog = {}
@@ -271,7 +271,7 @@ async def discard_now(session: Session, data: Data) -> None:
 
 
 @action("new-name", repeats=True)
-async def new_name(session: Session, data: Data) -> None:
+async def new_name(session: PageState, data: Data) -> None:
     """Say it if a behavior of this name is saved already."""
     if session.dialog.get("kind") != "new":
         return  # it was closed before the last key was heard of
@@ -281,14 +281,14 @@ async def new_name(session: Session, data: Data) -> None:
 
 
 @action("new-parameter", repeats=True)
-async def new_parameter(session: Session, data: Data) -> None:
+async def new_parameter(session: PageState, data: Data) -> None:
     """Also offer features and behaviors of a parameter."""
     if session.dialog.get("kind") == "new":
         session.dialog["parameter"] = str(data["value"]).strip()
 
 
 @action("begin")
-async def begin(session: Session, data: Data) -> None:
+async def begin(session: PageState, data: Data) -> None:
     """Begin a training."""
     values: Mapping[str, Any] = data["values"]
     name = str(values.get("name", "")).strip()

@@ -27,7 +27,7 @@ from hitab_studio.robots.topics import (
     map_topic,
     robots_topics,
 )
-from hitab_studio.scene import Look, Scene
+from hitab_studio.scene import Appearance, Scene
 
 LOOK_SECONDS = 0.1
 """Between two looks: no page shows more."""
@@ -49,7 +49,7 @@ Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Sensor:
+class SensorStatus:
     """A sensor for people: its topic and type, the age of its last message, and what is wrong."""
 
     topic: str
@@ -73,7 +73,9 @@ class Robots:
 
     scene: Scene | None = None
     lost: frozenset[str] = frozenset()
-    sensors: Mapping[str, tuple[Sensor, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    sensors: Mapping[str, tuple[SensorStatus, ...]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
     layers: Mapping[str, bytes] = field(default_factory=lambda: MappingProxyType({}))
 
@@ -241,14 +243,14 @@ class RobotWatch:
             found.append(applied(pose @ mount, scan.points))
         return found
 
-    def _sensors(self, agent: str) -> tuple[Sensor, ...]:
+    def _sensors(self, agent: str) -> tuple[SensorStatus, ...]:
         robot = self._topics[agent]
         found = []
         for topic, kind in {**robot.sensors, robot.camera: CAMERA, self._map_topic: MAP}.items():
             reading = self._readings.get(topic)
             if reading is not None:
                 age = "no message yet" if reading.age is None else f"{reading.age:.1f} s ago"
-                found.append(Sensor(topic, kind, age, reading.trouble))
+                found.append(SensorStatus(topic, kind, age, reading.trouble))
         return tuple(found)
 
 
@@ -274,7 +276,7 @@ def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scen
         kinds=("robot",) * len(names),
         radii=(RADIUS,) * len(names),
         places=rows,
-        looks=MappingProxyType({"robot": Look()}),
+        looks=MappingProxyType({"robot": Appearance()}),
         center=tuple(((low + high) / 2).tolist()),
         real=True,
     )

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from hitab_studio.absence import absence
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.scene import state_shown
 
 MOST = 80
@@ -18,7 +18,7 @@ FEW = 40
 DEEPEST = 8
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the list shows."""
     known, player = session.shared.store.known, session.player
     statuses = known.statuses if player is None else player.recording.statuses(player.at)
@@ -92,7 +92,7 @@ def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, li
     return found
 
 
-def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
+def _row(session: PageState, status: Any, name: str) -> dict[str, Any]:
     """Return what an agent does; of a commander, its order and how many obey it."""
     store, live = session.shared.store, session.player is None
     holder = session.shared.held.get(name) if live else None

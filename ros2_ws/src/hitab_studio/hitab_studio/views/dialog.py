@@ -10,7 +10,7 @@ from hitab_core import FLAGS, FeatureKind, Use, shown_unit
 from hitab_studio.actions.library_changes import users_of
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.people import LONGEST_NAME
 from hitab_studio.views import generations
 from hitab_studio.views.numbers import counted, measure
@@ -26,7 +26,7 @@ Feature = tuple[str, str, str, str]
 """A feature with its targets, what it is, its kind with its unit, and its present value."""
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the dialog shows."""
     dialog = session.dialog
     kind = dialog.get("kind", "")
@@ -81,7 +81,7 @@ def context(session: Session) -> dict[str, Any]:
     return found
 
 
-def _saved(session: Session) -> tuple[str, str]:
+def _saved(session: PageState) -> tuple[str, str]:
     """Return the typed name and the examples it has, if a behavior of this name is saved."""
     name = session.dialog.get("typed", "")
     if session.dialog["resume"] or name not in session.watched.vocabulary.trained:
@@ -90,7 +90,7 @@ def _saved(session: Session) -> tuple[str, str]:
     return (name, counted(behavior.examples) if behavior is not None else "")
 
 
-def _features(session: Session, arguments: Sequence[str]) -> list[Feature]:
+def _features(session: PageState, arguments: Sequence[str]) -> list[Feature]:
     """Return the features to choose from, with these targets and parameters."""
     words = session.watched.vocabulary
     return [
@@ -99,7 +99,7 @@ def _features(session: Session, arguments: Sequence[str]) -> list[Feature]:
     ]
 
 
-def _graph(session: Session) -> Graph | None:
+def _graph(session: PageState) -> Graph | None:
     """Return the drawing of what would be learned from the chosen features."""
     preview = session.dialog["preview"]
     if preview is None or preview.automaton is None:
@@ -107,7 +107,7 @@ def _graph(session: Session) -> Graph | None:
     return graph(preview.automaton, [*session.watched.behaviors])
 
 
-def _feature(session: Session, text: str, use: Use) -> Feature:
+def _feature(session: PageState, text: str, use: Use) -> Feature:
     """Return a feature of the vocabulary with targets, as the dialog offers it."""
     watched = session.watched
     vocabulary, name, label = watched.vocabulary, use.name, str(use)

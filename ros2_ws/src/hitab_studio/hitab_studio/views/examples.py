@@ -8,11 +8,11 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import Example, Number, Use, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
-from hitab_studio.page_state import Session, Table
+from hitab_studio.page_state import ExamplesTable, PageState
 from hitab_studio.views.numbers import measure
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the tab shows."""
     training, table = session.training, session.table
     if training is None:
@@ -76,7 +76,7 @@ def overruled_by(numbers: list[int]) -> str:
     return f"overruled by {by}: this was only assumed, so nothing is learned from it"
 
 
-def _shown(example: Example, table: Table, against: Mapping[int, Any]) -> bool:
+def _shown(example: Example, table: ExamplesTable, against: Mapping[int, Any]) -> bool:
     if table.kind == "contradicting":
         right = example.number in against
     else:
@@ -84,7 +84,7 @@ def _shown(example: Example, table: Table, against: Mapping[int, Any]) -> bool:
     return right and table.text.lower() in f"{example.state} {example.next_state}".lower()
 
 
-def _key(example: Example, training: Learned, table: Table) -> tuple[Any, int]:
+def _key(example: Example, training: Learned, table: ExamplesTable) -> tuple[Any, int]:
     columns = {"state": example.state, "next": example.next_state, "ago": example.ago}
     columns |= dict(zip(training.features, example.features, strict=True))
     return columns.get(table.sort, 0), example.number

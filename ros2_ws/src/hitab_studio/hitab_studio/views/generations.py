@@ -9,11 +9,11 @@ from hitab_client.bootstrapping import Generations
 from hitab_studio import unavailable
 from hitab_studio.actions.bootstrapping import AS_IT_IS, SNAPSHOT
 from hitab_studio.generations import known_generations
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.ui_remedies import told
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the dialog shows."""
     agent, behavior = session.dialog["agent"], session.dialog["behavior"]
     store, training = session.shared.store, session.training

@@ -8,7 +8,7 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Use, with_numbers
 from hitab_studio.graph import graph
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
 
@@ -18,7 +18,7 @@ SHOWN = 8
 DEEPEST = 6
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the tab shows."""
     levels = _levels(session)
     chosen = (level for level in levels if level["name"] == session.level)
@@ -47,14 +47,14 @@ def context(session: Session) -> dict[str, Any]:
     }
 
 
-def _behavior(session: Session, name: str) -> Learned | None:
+def _behavior(session: PageState, name: str) -> Learned | None:
     training = session.training
     if training is not None and training.name == name and session.is_training:
         return training
     return session.watched.behaviors.get(name)
 
 
-def _levels(session: Session) -> list[dict[str, Any]]:
+def _levels(session: PageState) -> list[dict[str, Any]]:
     """Return the hierarchy below what the agent performs, active or not, outermost first.
 
     Each automaton has the label of the path of active states, such as ``GoTo(ball)``.
@@ -82,7 +82,7 @@ def _levels(session: Session) -> list[dict[str, Any]]:
     return list(found.values())
 
 
-def _values(session: Session, label: str, behavior: Learned | None) -> list[float]:
+def _values(session: PageState, label: str, behavior: Learned | None) -> list[float]:
     """Return the values that the automaton's features have now, if it is active."""
     if behavior is None or session.player is not None:
         return []
@@ -107,7 +107,7 @@ def _numbers(behavior: Learned | None, state: str, values: list[float]) -> str:
     return f"Now {here}: as in {'example' if len(like) == 1 else 'examples'} {', '.join(like)}"
 
 
-def _events(session: Session) -> list[Any]:
+def _events(session: PageState) -> list[Any]:
     """Return the last `TransitionEvent`s of the agent, the newest first."""
     if session.player is not None:
         return session.player.recording.events(session.player.at, session.agent)
@@ -119,7 +119,7 @@ def _label(event: Any) -> str:
     return event.automaton[-1] if event.automaton else ""
 
 
-def _because(session: Session, event: Any) -> str:
+def _because(session: PageState, event: Any) -> str:
     """Say why a state changed."""
     seen = ", ".join(
         f"{feature} = {measured(session, feature, value)}"

@@ -6,10 +6,10 @@ from typing import Any
 
 from hitab_core import automaton_as_text
 from hitab_studio.generations import have_generations
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the tab shows."""
     watched = session.watched
     behavior = watched.behaviors.get(session.behavior)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitab_msgs.msg import Question
 
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 
 WHEN_UNSURE = {
     "go_on": ("go on", "it decides all the same"),
@@ -18,7 +18,7 @@ TITLES = {
 }
 
 
-def when_unsure(session: Session) -> str:
+def when_unsure(session: PageState) -> str:
     """Return what the agent does when it is unsure, for people."""
     status = session.status
     return WHEN_UNSURE.get(status.when_unsure if status is not None else "", ("go on", ""))[0]

@@ -6,12 +6,12 @@ import time
 from typing import Any
 
 from hitab_client.recording.recordings import recordings, recordings_folder
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 
 MOST = 30
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the tab shows."""
     known = session.shared.store.known
     done = [r for r in recordings() if not known.recording.endswith(f"/{r.path.name}")]

@@ -7,7 +7,7 @@ from typing import Any
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio.learned import superseding
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.ui_remedies import in_studio
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
@@ -18,7 +18,7 @@ SHOWN = 6
 """Edits of the history that are shown on either side of now."""
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the tab shows."""
     watched = session.watched
     training = session.training
@@ -47,7 +47,7 @@ def context(session: Session) -> dict[str, Any]:
     }
 
 
-def _given_up(session: Session) -> int:
+def _given_up(session: PageState) -> int:
     """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
     training = session.training
     if training is None or training.cost is None:
@@ -55,7 +55,7 @@ def _given_up(session: Session) -> int:
     return max(0, training.cost.wasted - sum(not e.is_learned for e in training.examples))
 
 
-def _values(session: Session, example: Example) -> list[tuple[str, str]]:
+def _values(session: PageState, example: Example) -> list[tuple[str, str]]:
     """Return what the agent perceived: names of features, and values for people."""
     training = session.training
     if training is None:

@@ -8,14 +8,14 @@ from typing import Any
 from hitab_ros import names
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
-from hitab_studio.page_state import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.views.overlay import empty
 from hitab_studio.views.swarm import absent
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the bar shows."""
     store = session.shared.store
     known = store.known
@@ -44,7 +44,7 @@ def context(session: Session) -> dict[str, Any]:
     }
 
 
-def emergency(session: Session) -> dict[str, Any]:
+def emergency(session: PageState) -> dict[str, Any]:
     """Return what the button of the emergency stop and the band below the header show."""
     known = session.shared.store.known
     return {
