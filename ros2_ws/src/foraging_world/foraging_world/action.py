@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 DRIVE, TURN, GRIP = range(3)
-LENGTH = 3
+ACTION_LENGTH = 3
 RELEASE = -1.0
 
 Commands = NDArray[np.float64]
@@ -37,7 +37,7 @@ def parse_all(
         actions: by agent; agents that are missing do nothing.
         index: row of each forager.
     """
-    commands = np.zeros((len(index), LENGTH))
+    commands = np.zeros((len(index), ACTION_LENGTH))
     refused: dict[str, str] = {}
     for name, action in actions.items():
         if name not in index:

@@ -26,7 +26,7 @@ Boxes and obstacles are seen within a range; what a squad or company knows is sh
 everywhere. The direction is counter-clockwise, on [-pi, pi].
 """
 
-FAR = 1000.0
+NOT_SEEN_M = 1000.0
 
 NUMBER, X, Y, HEADING, HELD, HELD_SIZE, HANDS, WAITED, RESTED, REACH = range(10)
 (
@@ -42,5 +42,5 @@ NUMBER, X, Y, HEADING, HELD, HELD_SIZE, HANDS, WAITED, RESTED, REACH = range(10)
     SCOUT,
     SCOUTED_BOX,
 ) = range(10, 43, 3)
-LENGTH = 43
+PERCEPT_LENGTH = 43
 SMALL, LARGE = 1.0, 2.0

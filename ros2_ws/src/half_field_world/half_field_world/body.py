@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from half_field_world import field
-from keepaway_world.body import CORNERS, NOBODY, KeeperBody
+from keepaway_world.body import CORNERS, NO_PLAYER, KeeperBody
 from keepaway_world.kicking import off_place, pass_speed
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import BALL
@@ -109,7 +109,7 @@ class AttackerBody(KeeperBody):
             free = slack > 0.0
             return free, -math.dist(self.at(mate), self.at(GOAL)) if free else slack
 
-        return max(self.others, key=worth, default=NOBODY)
+        return max(self.others, key=worth, default=NO_PLAYER)
 
     def near_wing(self) -> int:
         """Return the place on the wing on the ball's side."""

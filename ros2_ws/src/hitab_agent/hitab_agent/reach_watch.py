@@ -9,7 +9,7 @@ from hitab_msgs import msg
 from hitab_agent.agent_base import AgentBase
 from hitab_ros import names, qos
 
-LOOK_S = 0.5
+SILENCE_PERIOD_S = 0.5
 """Between two looks, s."""
 
 
@@ -31,14 +31,14 @@ class ReachWatch:
         self._unheard_s = -math.inf
         topic = names.in_swarm(node, names.ALIVE if self._commander else names.OPERATORS)
         node.create_subscription(msg.Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
-        node.shared.ticker.every(LOOK_S, self._look, node.guard)
+        node.shared.ticker.every(SILENCE_PERIOD_S, self._look, node.guard)
 
     def _hear(self, sign: msg.Alive) -> None:
         if sign.process == self._commander or not self._commander:
             self._unheard_s = 0.0
 
     def _look(self) -> None:
-        self._unheard_s += LOOK_S
+        self._unheard_s += SILENCE_PERIOD_S
         after = self._node.settings.out_of_reach_after
         who = self._commander or "whoever operates it"
         lost = f"{who} is out of reach: silent for {after:g} s"

@@ -17,7 +17,7 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import cost_message, remark_messages
 
-PERIOD_S = 0.1
+TRAINING_PERIOD_S = 0.1
 """At least this long passes between two messages."""
 
 CALM_S = 1.0
@@ -67,7 +67,7 @@ class TrainingTopic:
                 msg.Training, names.TRAINING, qos.LATCHED
             )
             self._slices = Slices(self._node)
-            self._ticker.every(PERIOD_S, self.look, self._node.guard)
+            self._ticker.every(TRAINING_PERIOD_S, self.look, self._node.guard)
 
     def notice(self) -> int:
         """Notice what has changed, and who decides; return the revision."""
@@ -99,7 +99,7 @@ class TrainingTopic:
             self._publish(msg.Training(agent=self._agent.name, revision=self._last), state)
         elif self._publisher.get_subscription_count():
             self._publish(self._message(session), state)
-            self._next = time.monotonic() + PERIOD_S
+            self._next = time.monotonic() + TRAINING_PERIOD_S
 
     def _publish(self, message: msg.Training, state: tuple[int, bool]) -> None:
         self._published = state

@@ -32,7 +32,7 @@ from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Do, each_once, some
 
-START_SECONDS = 60.0
+SWARM_START_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
 COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
@@ -40,7 +40,7 @@ DOMAINS_TRIED = 3  # if the names are taken there
 SENSORS_SECONDS = 1.5  # for robots to look for their sensors after they are up
 VALUES_SECONDS = 2.0  # for agents to perceive, commanders the values of their subordinates
 STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
-LOOK_SECONDS = 0.3  # between two looks at the processes
+PROCESS_PERIOD_SECONDS = 0.3  # between two looks at the processes
 
 Progress = Callable[[int, int, str], None]
 """Called with the number of nodes that are up, the expected number and the missing names."""
@@ -235,11 +235,13 @@ def _answering(
                 progress(total - len(names), total, ", ".join(names[:3]))
             if names and time.monotonic() >= next_look:
                 _refuse_failed(record, folder, agents, world)
-                next_look = time.monotonic() + LOOK_SECONDS
+                next_look = time.monotonic() + PROCESS_PERIOD_SECONDS
             return not names
 
         running = len({member.process for member in swarm.members})
-        allowed = START_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
+        allowed = (
+            SWARM_START_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
+        )
         if not link.spin_until(complete, allowed):
             names = missing()
             lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))

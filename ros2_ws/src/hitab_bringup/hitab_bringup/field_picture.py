@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 COLOR = "#1f5fb4"
 """Of agents, and of all for which the world declares none."""
-BALL = "ball"
+BALL_SHAPE = "ball"
 """The shape of what viewers follow with their eyes; see `hitab_world.Look`."""
 GROUND = "#5d9150"
 

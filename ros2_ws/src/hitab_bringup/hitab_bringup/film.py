@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_bringup.field_picture import BALL, draw_moment, shape_of
+from hitab_bringup.field_picture import BALL_SHAPE, draw_moment, shape_of
 from hitab_bringup.plots import check_folder, figure
 from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".gif", ".png", ".webp")
 INCHES = 3.6  # width of the drawing; text and lines are as large in it
-TITLE = 0.25  # inches, above the field
+TITLE_INCHES = 0.25  # inches, above the field
 TRAIL = 10  # moments of the ball's path
 
 
@@ -117,9 +117,9 @@ def draw_film(
     check_film(path)
     (width, height), looks = filmed.world.size, filmed.world.looks
     cycle_seconds = filmed.world.cycle_seconds
-    drawing, axes = figure(INCHES, INCHES * height / width + TITLE)
+    drawing, axes = figure(INCHES, INCHES * height / width + TITLE_INCHES)
     drawing.set_layout_engine("none")  # the same in all pictures
-    axes.set_position((0.0, 0.0, 1.0, 1.0 - TITLE / drawing.get_figheight()))
+    axes.set_position((0.0, 0.0, 1.0, 1.0 - TITLE_INCHES / drawing.get_figheight()))
     rate: Any = speed / cycle_seconds  # need not be whole
     writer = PillowWriter(fps=rate)
     try:
@@ -131,7 +131,7 @@ def draw_film(
                 advance(number, len(filmed.moments), "drawing pictures")
                 axes.clear()
                 recent = filmed.moments[max(0, number - TRAIL) : number + 1]
-                paths = {t.name: recent for t in moment if shape_of(t, looks) == BALL}
+                paths = {t.name: recent for t in moment if shape_of(t, looks) == BALL_SHAPE}
                 draw_moment(axes, moment, width, height, looks, paths)
                 axes.set_axis_off()
                 at = filmed.begin + number * cycle_seconds

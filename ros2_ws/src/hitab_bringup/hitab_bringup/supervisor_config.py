@@ -16,15 +16,15 @@ from hitab_ros.exit_codes import FINAL, FINAL_AFTER
 SOCKET_VARIABLE = "HITAB_SUPERVISOR_SOCKET"
 """Environment variable of supervisord with the path of the socket where it listens."""
 
-COMMANDS = "commands"
+COMMANDS_FOLDER = "commands"
 """Folder in the run folder, which is where supervisord runs, with the command of each process."""
 
-START_SECONDS = 3
+PROCESS_START_SECONDS = 3
 
 
 def write_commands(processes: Sequence[Process], folder: Path) -> None:
     """Write the command of each process, for a shell, to a file of its name."""
-    commands = folder / COMMANDS
+    commands = folder / COMMANDS_FOLDER
     commands.mkdir(exist_ok=True)
     for process in processes:
         line = f"exec {shlex.join(process.command)}\n"
@@ -62,9 +62,9 @@ def _program(name: str) -> str:
     """
     return f"""
 [program:{name}]
-command=/bin/sh {COMMANDS}/{name}
-environment={FINAL_AFTER}="{START_SECONDS}"
-startsecs={START_SECONDS}
+command=/bin/sh {COMMANDS_FOLDER}/{name}
+environment={FINAL_AFTER}="{PROCESS_START_SECONDS}"
+startsecs={PROCESS_START_SECONDS}
 startretries=12
 exitcodes={FINAL}
 stopwaitsecs=5

@@ -47,10 +47,10 @@ from hitab_commander import CommanderKind
 from hitab_core import NAME, NAME_RULE
 
 PACES = ("lockstep", "realtime")
-AGENT = "{agent}"
+AGENT_PLACEHOLDER = "{agent}"
 """Placeholder for the agent's name, in names and texts."""
 
-CLOCK = "/clock"
+CLOCK_TOPIC = "/clock"
 SIM_TIME = "use_sim_time"
 
 
@@ -215,7 +215,7 @@ class SwarmDescription:
 
     def remap(self, given: Mapping[str, str]) -> dict[str, str]:
         """Return the remappings of a node: in a namespace, each swarm has its own clock."""
-        own = {CLOCK: self.full_name("clock")} if self.namespace else {}
+        own = {CLOCK_TOPIC: self.full_name("clock")} if self.namespace else {}
         return {**own, **given}
 
     def in_namespace(self, namespace: str) -> SwarmDescription:

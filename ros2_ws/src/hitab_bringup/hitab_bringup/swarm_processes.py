@@ -22,7 +22,7 @@ from hitab_ros.names import WORLD
 AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
-FEW = 25
+EAGER_PROCESSES_MAX = 25
 """In swarms with more processes, each creates its services only on request."""
 
 COMPANIONS = "hitab.companions"
@@ -45,7 +45,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     own = {"swarm": identity} if identity else {}
     found = [] if swarm.world is None else [_world(swarm, swarm.world, folder, own)]
     shared = _shared(swarm)
-    alone = {**own, "services_on_demand": True} if len(shared) > FEW else own
+    alone = {**own, "services_on_demand": True} if len(shared) > EAGER_PROCESSES_MAX else own
     for name, members in shared.items():
         first = members[0]
         names = tuple(member.name for member in members)

@@ -21,7 +21,7 @@ from hitab_client.commands import with_commands
 from hitab_core import Do, natural, quantity
 from hitab_core.training import JOURNAL_FILE, TrainingJournal
 
-UNSAVED = "unsaved"
+UNSAVED_STATUS = "unsaved"
 LIBRARY = "library"
 TOLD_MAX = 5
 """Trainings that are described individually."""
@@ -57,7 +57,7 @@ def bring_back(now: Mapping[str, Path], folder: Path) -> None:
 
 def waiting(folder: Path) -> Iterator[tuple[str, Path]]:
     """Yield the agents that have trainings set aside, each with the library of one."""
-    for kept in sorted(folder.glob(f"state/*/{UNSAVED}/*/{JOURNAL_FILE}")):
+    for kept in sorted(folder.glob(f"state/*/{UNSAVED_STATUS}/*/{JOURNAL_FILE}")):
         library = (kept.parent / LIBRARY).read_text(encoding="utf-8").strip()
         yield kept.parents[2].name, Path(library)
 
@@ -121,4 +121,4 @@ def _state(folder: Path, agent: str) -> Path:
 
 def _place(folder: Path, agent: str, library: Path) -> Path:
     digest = hashlib.sha256(str(library).encode()).hexdigest()[:8]
-    return _state(folder, agent) / UNSAVED / f"{library.name}-{digest}"
+    return _state(folder, agent) / UNSAVED_STATUS / f"{library.name}-{digest}"

@@ -208,7 +208,7 @@ class ConditionReached(Record):
         return f"it does in {len(reached)}, and not in episode {failed}; watch it, and correct it"
 
 
-KINDS = {
+REQUIREMENTS = {
     "behavior": BehaviorSaved,
     "decides": BehaviorDecides,
     "shared": BehaviorShared,
@@ -229,7 +229,7 @@ class Exercise(Record):
     description: str
     swarm: str
     agent: str
-    requires: list[Annotated[Requirement, OneOf(KINDS)]] = Field(min_length=1)
+    requires: list[Annotated[Requirement, OneOf(REQUIREMENTS)]] = Field(min_length=1)
 
     @property
     def agents(self) -> list[str]:

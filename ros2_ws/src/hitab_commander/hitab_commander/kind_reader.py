@@ -61,7 +61,7 @@ FORMAT = 1
 """The newest format version that is read."""
 
 KEEP = "keep"
-NOTHING = "nothing"
+NO_BEHAVIOR = "nothing"
 OTHERS_WORD = "others"
 KIND_FILE = "commander.yaml"
 """The file in a commander's library folder that describes its kind."""
@@ -87,11 +87,11 @@ def _receiver(text: str) -> str:
 
 
 def _behavior(text: Any) -> str | None:
-    if text in (KEEP, NOTHING):
+    if text in (KEEP, NO_BEHAVIOR):
         return None if text == KEEP else ""
     if not isinstance(text, str):
         told = kind_of(text)
-        raise ValueError(f"must be a behavior, `{NOTHING}` or `{KEEP}`, not {told}")
+        raise ValueError(f"must be a behavior, `{NO_BEHAVIOR}` or `{KEEP}`, not {told}")
     return str(read_use(text))
 
 
@@ -267,7 +267,7 @@ def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
             f"{{{parameter}: ..., {OTHERS_WORD}: {KEEP}}}"
         )
     if not behaviors:
-        raise ValueError(f'the order "{name}" orders nothing; write `{name}: {NOTHING}`')
+        raise ValueError(f'the order "{name}" orders nothing; write `{name}: {NO_BEHAVIOR}`')
     return OrderMap(name, behaviors, parameter)
 
 

@@ -17,7 +17,7 @@ throw true try typedef typeid typename union unsigned using virtual void volatil
 INFINITY NAN Features
 """
 
-BEGIN = """\
+CPP_HEADER = """\
 //
 //     {space}::Behavior robot;
 //     {space}::Features features;  // all missing (NaN) until they are set
@@ -214,7 +214,7 @@ def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
     required = [automaton.required for automaton in hierarchy.automata]
     parts = [
         "\n".join(f"// {line}".rstrip() for line in origin.splitlines()),
-        "\n" + BEGIN.format(space=space, members=members),
+        "\n" + CPP_HEADER.format(space=space, members=members),
         TYPES,
         _table("Feature", "FEATURES", features),
         _table("Action", "BASICS", basics),

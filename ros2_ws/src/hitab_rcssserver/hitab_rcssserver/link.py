@@ -38,7 +38,7 @@ GOALIE = "goalie"
 
 PARAMETERS_SECONDS = 1.0  # for the server's settings, which follow the answer to (init ...)
 STRAGGLER_SECONDS = 0.3  # after this, a client without the message that others have has lost it
-REPEAT_SECONDS = 0.4  # after this much silence, (done) is sent again
+DONE_REPEAT_SECONDS = 0.4  # after this much silence, (done) is sent again
 GONE_SECONDS = 4.0  # a server waits 1.25 s for a (done), so a longer silence means it is gone
 REALTIME_STRAGGLER_SECONDS = 0.02
 
@@ -275,7 +275,7 @@ class Link:
                 some_since = some_since or now
                 if now - some_since > straggler:
                     return  # the others' messages were lost
-            elif self.synch and now - repeated > REPEAT_SECONDS:
+            elif self.synch and now - repeated > DONE_REPEAT_SECONDS:
                 repeated = now  # the server may not have got it
                 for client in self.clients.values():
                     client.connection.send("(done)")

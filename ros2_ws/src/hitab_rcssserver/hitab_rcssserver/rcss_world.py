@@ -28,10 +28,10 @@ from hitab_world.ros_parameters import GivenParameters
 from keepaway_world.action import orders_of
 from keepaway_world.arranging import Place, entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
-from keepaway_world.rules import KEEPAWAY, Rules
+from keepaway_world.rules import KEEPAWAY_RULES, Rules
 
 RETRY_SECONDS = 0.5  # between two attempts to reach a server
-REFUSED_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
+JOIN_RETRY_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
 HOLD_SECONDS = 0.9  # how long to hold a server while paused; it waits 1.25 s for an answer
 NEW_EPISODE = ("(change_mode drop_ball)", "(change_mode play_on)", "(recover)")
 """What a trainer begins an episode with: the first makes the server forget earlier kicks."""
@@ -70,7 +70,7 @@ class RcssWorld:
         server: ServerSettings = ServerSettings(),  # noqa: B008  (frozen)
         parameters: KeepawayParameters = PAPER,
         seed: int = 0,
-        rules: Rules = KEEPAWAY,
+        rules: Rules = KEEPAWAY_RULES,
         *,
         patience: float = 0.0,
     ) -> None:
@@ -263,7 +263,7 @@ class RcssWorld:
                 else:
                     kick_off(self.server.host, self.server.port)
         elif self._game.mode != PLAYING and not self._rules.stops:
-            self.waiting = sentences.STOPPED.format(self.server.where, self._game.mode)
+            self.waiting = sentences.SERVER_STOPPED.format(self.server.where, self._game.mode)
         elif missing:
             self.waiting = missing
         elif turn.began:
@@ -336,7 +336,7 @@ class RcssWorld:
             self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
         except ServerError as error:
             self._leave(
-                str(error), RETRY_SECONDS if isinstance(error, NoAnswer) else REFUSED_SECONDS
+                str(error), RETRY_SECONDS if isinstance(error, NoAnswer) else JOIN_RETRY_SECONDS
             )
 
     def _leave(self, why: str, pause: float = RETRY_SECONDS) -> None:

@@ -12,7 +12,7 @@ from hitab_world.parameters import ParameterError, Parameters, between, one_of
 from keepaway_world.parameters import KeepawayParameters
 
 FULL_STATE, SEE = "fullstate", "see"
-PERCEPTS = (FULL_STATE, SEE)
+PERCEPT_MODES = (FULL_STATE, SEE)
 
 _TEAM = re.compile(r"[-+_a-zA-Z0-9]{1,15}")
 
@@ -37,7 +37,7 @@ class ServerSettings(Parameters):
         {
             "port": between(1, 65535),
             "trainer_port": between(0, 65535),
-            "percepts": one_of(*PERCEPTS),
+            "percepts": one_of(*PERCEPT_MODES),
         }
     )
 

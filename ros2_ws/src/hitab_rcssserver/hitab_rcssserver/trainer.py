@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 
 from hitab_rcssserver.connection import (
-    ANSWER_SECONDS,
+    INIT_TIMEOUT_SECONDS,
     NoAnswer,
     ServerError,
     connect,
@@ -59,7 +59,7 @@ class Trainer:
             self._connection.send(
                 f"(move {thing} {x + center:.6f} {-y:.6f} {angle:.6f} {vx:.6f} {-vy:.6f})"
             )
-        count, deadline = len(before) + len(places), time.monotonic() + ANSWER_SECONDS
+        count, deadline = len(before) + len(places), time.monotonic() + INIT_TIMEOUT_SECONDS
         while count:
             left = deadline - time.monotonic()
             if left <= 0.0:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-AHEAD_S = 0.1
+CLOCK_TOLERANCE_S = 0.1
 """How far a stamp may be ahead of the clock before the two clocks count as different, s."""
 
 
@@ -21,7 +21,7 @@ class Freshness:
         trouble: what is wrong with the stamps, for people; empty: nothing.
     """
 
-    def __init__(self, count: int, patience: float, ahead: float = AHEAD_S) -> None:
+    def __init__(self, count: int, patience: float, ahead: float = CLOCK_TOLERANCE_S) -> None:
         """Start without a reading.
 
         Args:

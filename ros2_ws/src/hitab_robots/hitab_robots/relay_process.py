@@ -11,12 +11,12 @@ from rclpy.qos import QoSProfile
 
 from hitab_agent import AgentNode
 from hitab_robots.process_state import waits_for_cpu_or_disk
-from hitab_robots.settings import COMMANDS, ODOMETRY, VELOCITY, RelaySettings
+from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC, ODOMETRY_TOPIC, RelaySettings
 from hitab_ros import names
 
 MODULE = "hitab_robots.velocity_relay"
 
-HUNG_S = 0.4
+RELAY_HUNG_S = 0.4
 """A relay that waits or is suspended, and gives no sign of life for so long, s, hangs."""
 
 BUSY_S = 2.0
@@ -39,9 +39,9 @@ class RelayProcess:
         self._command = [
             *(sys.executable, "-m", MODULE, "--ros-args", "--disable-external-lib-logs"),
             *("-r", f"__ns:={node.get_namespace()}"),
-            *("-r", f"{COMMANDS}:={node.resolve_topic_name(COMMANDS)}"),
-            *("-r", f"{VELOCITY}:={node.resolve_topic_name(VELOCITY)}"),
-            *("-r", f"{ODOMETRY}:={node.resolve_topic_name(odometry)}"),
+            *("-r", f"{BASE_TOPIC}:={node.resolve_topic_name(BASE_TOPIC)}"),
+            *("-r", f"{AGENT_VELOCITY_TOPIC}:={node.resolve_topic_name(AGENT_VELOCITY_TOPIC)}"),
+            *("-r", f"{ODOMETRY_TOPIC}:={node.resolve_topic_name(odometry)}"),
             *("-p", f"state_dir:={node.settings.state_dir}"),
             *("-p", f"agent_pid:={os.getpid()}"),
             # Outside of a swarm nobody would start the agent again.
@@ -52,7 +52,7 @@ class RelayProcess:
         self._still = TwistStamped() if settings.drive.enable_stamped_cmd_vel else Twist()
         self._base = None
         if settings.drive.moves:
-            self._base = node.create_publisher(type(self._still), COMMANDS, QoSProfile(depth=10))
+            self._base = node.create_publisher(type(self._still), BASE_TOPIC, QoSProfile(depth=10))
         self.start()
 
     def start(self) -> None:
@@ -66,7 +66,7 @@ class RelayProcess:
             unheard_s: since its last sign of life, s.
         """
         status = self._process.poll()
-        patience = BUSY_S if waits_for_cpu_or_disk(self._process.pid) else HUNG_S
+        patience = BUSY_S if waits_for_cpu_or_disk(self._process.pid) else RELAY_HUNG_S
         if status is None and unheard_s < patience:
             return ""
         if status is None:

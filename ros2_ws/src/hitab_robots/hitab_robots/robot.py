@@ -11,12 +11,12 @@ from itertools import pairwise
 
 from hitab_core import FeatureValueError, VocabularyError, quantity, some, unknown
 from hitab_robots.sensors import Sensor
-from hitab_robots.velocity import STILL, Drive, Velocity, is_velocity
+from hitab_robots.velocity import NO_VELOCITY, Drive, Velocity, is_velocity
 
-MEMORY_S = 10.0
+MOTION_MEMORY_S = 10.0
 """How far back a body remembers how it moved, s."""
 
-TIME = "time"
+TIME_LABEL = "time"
 """The first value of each percept: when it is, s."""
 
 
@@ -54,7 +54,7 @@ class Robot:
     def __post_init__(self) -> None:
         names = [sensor.name for sensor in self.sensors]
         for name in names:
-            if names.count(name) > 1 or name == TIME:
+            if names.count(name) > 1 or name == TIME_LABEL:
                 raise VocabularyError(
                     f'a second sensor "{name}" of a robot; give it another `name`, and the topic '
                     "as `topic`"
@@ -71,7 +71,7 @@ class Robot:
     @cached_property
     def values(self) -> tuple[str, ...]:
         """The names of the numbers of a percept."""
-        return (TIME, *(value for sensor in self.sensors for value in sensor.values))
+        return (TIME_LABEL, *(value for sensor in self.sensors for value in sensor.values))
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -168,7 +168,7 @@ class RobotBody:
                 f"{some(missing) or 'nothing'}"
             )
         velocity = self.robot.drive.clipped(velocity)
-        for name, places in self.robot.needed.items() if velocity != STILL else ():
+        for name, places in self.robot.needed.items() if velocity != NO_VELOCITY else ():
             if all(math.isnan(self._values[i]) for i in places):
                 raise FeatureValueError(f"{name} has no value, and it must not drive without it")
         self.velocity = velocity
@@ -193,15 +193,15 @@ class RobotBody:
         time, past = self._values[0], self._past
         if past and not past[-1].time < time <= past[-1].time + 1.0:
             past.clear()  # it was not driven meanwhile, or the clock was set
-        past.append(_Moment(time, *self.place, self.velocity or STILL))
-        while time - past[0].time > MEMORY_S:
+        past.append(_Moment(time, *self.place, self.velocity or NO_VELOCITY))
+        while time - past[0].time > MOTION_MEMORY_S:
             past.popleft()
 
     def moved(self, seconds: float) -> Motion | None:
         """Return how far the robot was told to move of late, and how far it did.
 
         Args:
-            seconds: how far to look back, at most `MEMORY_S`.
+            seconds: how far to look back, at most `MOTION_MEMORY_S`.
 
         Returns:
             None if it was not told to move all that time, or does not remember that long.
@@ -212,7 +212,7 @@ class RobotBody:
             return None
         motion = Motion()
         for before, after in pairwise(recent):
-            if after.told == STILL:
+            if after.told == NO_VELOCITY:
                 return None
             step = after.time - before.time
             motion.told_way += math.hypot(after.told[0], after.told[1]) * step

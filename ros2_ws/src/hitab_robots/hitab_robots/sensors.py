@@ -16,8 +16,8 @@ from typing import Any, ClassVar
 from hitab_core import VocabularyError
 from hitab_robots.mount import Mount
 
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
-NAME_RULE = "use letters, digits and _, not beginning with a digit"
+SENSOR_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+SENSOR_NAME_RULE = "use letters, digits and _, not beginning with a digit"
 CHARGING = 1
 """`POWER_SUPPLY_STATUS_CHARGING` of `sensor_msgs/BatteryState`."""
 
@@ -28,8 +28,8 @@ def check_name(what: str, name: str) -> None:
     Raises:
         VocabularyError: if it cannot.
     """
-    if NAME.match(name) is None:
-        raise VocabularyError(f'"{name}" is not a name for {what}; {NAME_RULE}')
+    if SENSOR_NAME.match(name) is None:
+        raise VocabularyError(f'"{name}" is not a name for {what}; {SENSOR_NAME_RULE}')
 
 
 @dataclass(frozen=True, kw_only=True)

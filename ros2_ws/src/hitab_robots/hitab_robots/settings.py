@@ -13,16 +13,16 @@ from rclpy.node import Node
 from hitab_core import HitabError
 from hitab_robots.velocity import Drive
 
-COMMANDS = "cmd_vel"
+BASE_TOPIC = "cmd_vel"
 """Topic to the base; relative to the robot's namespace."""
 
-VELOCITY = "cmd_vel_agent"
+AGENT_VELOCITY_TOPIC = "cmd_vel_agent"
 """Topic from an agent to its relay, `TwistStamped`; relative to the agent's namespace."""
 
 HEARTBEAT = "agent_heartbeat"
 """Topic from an agent to its relay, several times a second; relative to the agent's namespace."""
 
-ODOMETRY = "odom"
+ODOMETRY_TOPIC = "odom"
 """Topic on which a relay looks whether the robot stands still; relative to its namespace."""
 
 OF_RELAY = {
@@ -36,7 +36,7 @@ OF_RELAY = {
 }
 """Parameters that the link hands on to the relay that it starts."""
 
-DESCRIPTIONS = {
+RELAY_PARAMETERS = {
     **OF_RELAY,
     "rate": "Hz; how often the agent decides and acts",
     "relay": "start the relay; false: it is started elsewhere",
@@ -61,7 +61,7 @@ def declare(node: Node, name: str, default: Any) -> Any:
     if node.has_parameter(name):  # the agent's own
         return node.get_parameter(name).value
     sensor, _, field = name.rpartition(".")
-    description = OF_SENSOR[field] if sensor else DESCRIPTIONS[name]
+    description = OF_SENSOR[field] if sensor else RELAY_PARAMETERS[name]
     descriptor = ParameterDescriptor(description=description, read_only=True)
     return node.declare_parameter(name, default, descriptor).value
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_core import BasicBehavior, Feature, FeatureKind, Target, VocabularyError
-from hitab_robots.robot import MEMORY_S, RobotBody
+from hitab_robots.robot import MOTION_MEMORY_S, RobotBody
 
 Point = tuple[float, float]
 
@@ -310,9 +310,9 @@ def stuck(name: str = "Stuck", seconds: float = 2.0, fraction: float = 0.2) -> F
     Raises:
         VocabularyError: if that is longer than a body remembers.
     """
-    if not 0.0 < seconds <= MEMORY_S:
+    if not 0.0 < seconds <= MOTION_MEMORY_S:
         raise VocabularyError(
-            f'feature "{name}" looks back {seconds:g} s; it must be up to {MEMORY_S:g} s'
+            f'feature "{name}" looks back {seconds:g} s; it must be up to {MOTION_MEMORY_S:g} s'
         )
 
     def read(body: RobotBody) -> float:

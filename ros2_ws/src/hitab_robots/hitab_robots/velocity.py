@@ -13,7 +13,7 @@ from hitab_core import VocabularyError
 
 Velocity = tuple[float, float, float]
 
-STILL: Velocity = (0.0, 0.0, 0.0)
+NO_VELOCITY: Velocity = (0.0, 0.0, 0.0)
 
 REST_S = 1.0
 """How long a robot that has to stand still is sent zeros, s; then others may drive it."""
@@ -61,7 +61,7 @@ class Drive:
     def clipped(self, velocity: Sequence[float]) -> Velocity:
         """Return a velocity within the limits of speed; standing still if it is no velocity."""
         if not is_velocity(velocity):
-            return STILL
+            return NO_VELOCITY
         ahead, left, turn = (
             max(-most, min(most, wanted))
             for wanted, most in zip(velocity, self.max_velocity, strict=True)
@@ -109,7 +109,7 @@ class _Commanded:
     """
 
     def __init__(self) -> None:
-        self.velocity = STILL
+        self.velocity = NO_VELOCITY
         self.moved = False
         self.since = -math.inf
 
@@ -138,7 +138,7 @@ class Gate:
         self.silent = True
         self._drive = drive
         self._timeout = timeout
-        self._velocity = STILL
+        self._velocity = NO_VELOCITY
         self._agent, self._person = _Commanded(), _Commanded()
         self._before = now
         self.rest(now)
@@ -156,12 +156,12 @@ class Gate:
         commanded = self._person if by_hand else self._agent
         broke_off = commanded.moved and not by_hand and now - commanded.since > BREAK_S
         commanded.velocity = self._drive.clipped(velocity)
-        commanded.moved = commanded.velocity != STILL
+        commanded.moved = commanded.velocity != NO_VELOCITY
         commanded.since = now
         if is_velocity(velocity):
             return f"fell silent for over {BREAK_S:g} s while it moved" if broke_off else ""
         if commanded is self._counting(now):
-            self._velocity = STILL
+            self._velocity = NO_VELOCITY
         return f"commands {velocity}, which is no velocity"
 
     def velocity(self, now: float) -> Velocity | None:
@@ -170,12 +170,12 @@ class Gate:
         commanded = None if self.closed else self._counting(now)
         self.silent = commanded is None
         if self.held or commanded is None:
-            moved = self._velocity != STILL
-            self._velocity = self._agent.velocity = self._person.velocity = STILL
+            moved = self._velocity != NO_VELOCITY
+            self._velocity = self._agent.velocity = self._person.velocity = NO_VELOCITY
             self._agent.moved &= not self.held  # a person has it move again
             if moved or (self.held and self.insists and not self.closed):
                 self.rest(now)
-            return STILL if now <= self._rest_until else None
+            return NO_VELOCITY if now <= self._rest_until else None
         self._velocity = self._drive.towards(commanded.velocity, self._velocity, seconds)
         self.rest(now)
         return self._velocity

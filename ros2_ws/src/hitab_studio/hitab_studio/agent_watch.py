@@ -20,7 +20,7 @@ from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Use
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import (
-    NOTHING,
+    EMPTY_MAPPING,
     Effect,
     Vocabulary,
     effect,
@@ -37,7 +37,7 @@ SHELF_MAX = 40
 """Trained behaviors that are asked for before anybody looks at them."""
 
 READ_SECONDS = 0.15
-AGAIN_SECONDS = 1.0
+REFUSED_RETRY_SECONDS = 1.0
 """After a refusal until the same is asked again."""
 
 
@@ -56,8 +56,10 @@ class AgentState:
     """
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
-    behaviors: Mapping[str, Learned] = field(default_factory=lambda: NOTHING)
-    readings: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=lambda: NOTHING)
+    behaviors: Mapping[str, Learned] = field(default_factory=lambda: EMPTY_MAPPING)
+    readings: Mapping[tuple[str, str], tuple[float, ...]] = field(
+        default_factory=lambda: EMPTY_MAPPING
+    )
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
 
@@ -175,7 +177,7 @@ class AgentWatch:
             try:
                 take(await self._do(lambda swarm: verb(swarm.agents, agent, *given), needs=agent))
             except SwarmError:
-                await asyncio.sleep(AGAIN_SECONDS)
+                await asyncio.sleep(REFUSED_RETRY_SECONDS)
             except Exception as error:  # it is not the page that has to know how to read this
                 why = what_went_wrong(error)
                 told = f"The answer of {agent} about {key} cannot be read: {why}"

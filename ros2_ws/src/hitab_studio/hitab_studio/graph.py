@@ -27,7 +27,7 @@ LINE = 13.0
 WRAP = 26
 """Characters in a line of a label."""
 
-GAP = 2.0
+ARROW_GAP = 2.0
 """Between a state and an arrow."""
 
 
@@ -177,7 +177,10 @@ def _without_room(layout: Layout, height: float) -> list[int]:
 
 def _in(point: Floats, box: Box) -> bool:
     x, y = point
-    return bool(abs(x - box.x) <= box.width / 2 + GAP and abs(y - box.y) <= box.height / 2 + GAP)
+    return bool(
+        abs(x - box.x) <= box.width / 2 + ARROW_GAP
+        and abs(y - box.y) <= box.height / 2 + ARROW_GAP
+    )
 
 
 def _kind(state: str, automata: Collection[str]) -> str:

@@ -12,7 +12,7 @@ from hitab_client import Learned
 from hitab_core import OWN_FEATURES, START, Example, Number, Use, contradictions, with_numbers
 from hitab_ros.conversions import numbers_of_behaviors
 
-NOTHING: Mapping[Any, Any] = MappingProxyType({})
+EMPTY_MAPPING: Mapping[Any, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,14 @@ class Vocabulary:
 
     domain: str = ""
     behaviors: tuple[str, ...] = ()
-    behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: EMPTY_MAPPING)
     trained: frozenset[str] = frozenset()
     one_shot: frozenset[str] = frozenset()
-    numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=lambda: NOTHING)
+    numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=lambda: EMPTY_MAPPING)
     features: tuple[str, ...] = ()
-    units: Mapping[str, str] = field(default_factory=lambda: NOTHING)
-    kinds: Mapping[str, str] = field(default_factory=lambda: NOTHING)
-    feature_descriptions: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    units: Mapping[str, str] = field(default_factory=lambda: EMPTY_MAPPING)
+    kinds: Mapping[str, str] = field(default_factory=lambda: EMPTY_MAPPING)
+    feature_descriptions: Mapping[str, str] = field(default_factory=lambda: EMPTY_MAPPING)
     targets: tuple[str, ...] = ()
 
     @classmethod

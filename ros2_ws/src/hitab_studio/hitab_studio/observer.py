@@ -40,7 +40,7 @@ STOPS_S = 0.5
 ARM_S = 3.0
 """How long a robot may take to be found that is to act again, s."""
 
-EVENTS = 60
+STATE_CHANGES_KEPT = 60
 """Number of state changes of an agent that are kept."""
 
 FOLLOWED = 40
@@ -190,7 +190,7 @@ class Observer:
 
     def _follow(self, agent: str) -> None:
         """Keep the state changes of an agent from now on, whether a page views it or not."""
-        self._events[agent] = deque(maxlen=EVENTS)
+        self._events[agent] = deque(maxlen=STATE_CHANGES_KEPT)
         self._link.subscribe(
             TransitionEvent,
             names.of_agent(agent, names.TRANSITIONS, self._agents.prefix),

@@ -15,7 +15,7 @@ from nicegui.element import Element
 from hitab_client import Training
 from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.actions import ACTIONS, REPEATED, URGENT, Data
+from hitab_studio.actions import REGISTERED_ACTIONS, REPEATED, URGENT, Data
 from hitab_studio.page_state import PageState
 from hitab_studio.studio import Studio
 from hitab_studio.ui_remedies import told
@@ -23,7 +23,7 @@ from hitab_studio.views import PANELS, render
 
 STATIC = Path(__file__).parent / "static"
 REFRESH_SECONDS = 0.15
-SHOWN_SECONDS = 1.0
+REDRAW_SECONDS = 1.0
 """How long a page may take to show what was done."""
 
 ALSO_EVERY = 2
@@ -94,7 +94,7 @@ class RequestQueue:
         while (data := await self._queue.get()) is not None:
             await perform(session, data)
             self.waiting.remove(data)
-            self._shown_at = time.monotonic() + SHOWN_SECONDS
+            self._shown_at = time.monotonic() + REDRAW_SECONDS
             if not self.waiting:
                 session.unseen.clear()
             done()
@@ -107,7 +107,7 @@ def _same(one: Data, other: Data) -> bool:
 
 async def perform(session: PageState, data: Data) -> None:
     """Handle a request of a page; show errors on it."""
-    wanted = ACTIONS.get(str(data.get("do")))
+    wanted = REGISTERED_ACTIONS.get(str(data.get("do")))
     if wanted is None:
         session.tell(f"Unknown action {data.get('do')}", "bad")
         return

@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 
 from hitab_ros.stamps import seconds_of
 
-SILENT = "silent"
+SILENT_MODE = "silent"
 """In place of the mode of an agent that does not answer: what it does is not known."""
 
-MODES = ("idle", "performing", "training", "testing", SILENT)
+SHOWN_MODES = ("idle", "performing", "training", "testing", SILENT_MODE)
 NO_COLOR = 255
 STATE_COLORS = (
     "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
@@ -200,7 +200,7 @@ def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) 
     for i, name in enumerate(scene.names):
         mode, state = doing.get(name, ("", ""))
         colors[i] = palette.index(state)
-        modes[i] = MODES.index(mode) + 1 if mode in MODES else 0
+        modes[i] = SHOWN_MODES.index(mode) + 1 if mode in SHOWN_MODES else 0
     places = np.ascontiguousarray(scene.places[:, :3], dtype="<f4").tobytes()
     return struct.pack("<IId", 1, n, float(scene.cycle)) + places + bytes(colors) + bytes(modes)
 

@@ -19,7 +19,7 @@ from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Finder
 from hitab_studio.ui_remedies import told
 
-TITLE = "HiTAB studio"
+STUDIO_TITLE = "HiTAB studio"
 DEMONSTRATOR = "hitab_demonstrator"
 """Name of the cookie with the name of the person."""
 
@@ -151,7 +151,7 @@ def serve(
             raise HTTPException(404, str(error)) from None
         return FileResponse(path, filename=path.name)
 
-    @ui.page("/", title=TITLE, response_timeout=10.0)
+    @ui.page("/", title=STUDIO_TITLE, response_timeout=10.0)
     def index(client: Client, request: Request) -> None:
         demonstrator = unquote(request.cookies.get(DEMONSTRATOR, ""))
         Page(studio, studio.open(demonstrator), client)
@@ -163,7 +163,7 @@ def serve(
     ui.run(
         host=address.host,
         port=address.port,
-        title=TITLE,
+        title=STUDIO_TITLE,
         favicon=ICON,
         dark=None,
         reload=False,

@@ -36,16 +36,16 @@ from hitab_studio.swarm_state import SwarmState
 
 T = TypeVar("T")
 
-NODE = "hitab_studio"
+STUDIO_NODE = "hitab_studio"
 JOBS_MAX = 64
 SPIN_SECONDS = 0.01
-LOOK_SECONDS = 0.05
+LINK_PERIOD_SECONDS = 0.05
 FIND_SECONDS = 1.0
 LEAVE_SECONDS = 10.0
-AGAIN_SECONDS = 10.0
+ERROR_REPEAT_SECONDS = 10.0
 """Time until the same error is reported again."""
 
-ENDED = "The studio has ended."
+STUDIO_ENDED = "The studio has ended."
 UNCONNECTED = (
     "The studio is not connected to a swarm: start one, or choose one, in the middle of the page."
 )
@@ -172,7 +172,7 @@ class SwarmLink:
 
     async def stop(self) -> None:
         """Stop, and wait until the node has left."""
-        self._why_not = ENDED
+        self._why_not = STUDIO_ENDED
         if self._task is not None:
             self._task.cancel()
             with suppress(asyncio.CancelledError):
@@ -285,7 +285,7 @@ class SwarmLink:
         self._tell(self._known)
 
     async def _connect(self, target: SwarmTarget) -> None:
-        link = await asyncio.to_thread(SharedLink, target.domain_id, name=NODE)
+        link = await asyncio.to_thread(SharedLink, target.domain_id, name=STUDIO_NODE)
         space, identity = target.namespace, target.identity
         why = "The connection was lost meanwhile: look whether it was done."
         try:
@@ -310,7 +310,7 @@ class SwarmLink:
             await self._serve(target, swarm, self._observer)
             why = _gone(target)
         except asyncio.CancelledError:
-            why = ENDED
+            why = STUDIO_ENDED
             raise
         finally:
             if self._observer is not None:
@@ -338,7 +338,7 @@ class SwarmLink:
                 now = time.monotonic()
                 self._try(observer.see)
                 if now >= next_look:
-                    next_look = now + LOOK_SECONDS
+                    next_look = now + LINK_PERIOD_SECONDS
                     self._try(observer.look)
                     link.silent = observer.known.silent
                 if now >= next_find:
@@ -387,7 +387,7 @@ class SwarmLink:
         """Show an error: on a page, on those that view an agent, or on all."""
         now = time.monotonic()
         if now >= self._troubles.get(text, 0.0):
-            self._troubles[text] = now + AGAIN_SECONDS
+            self._troubles[text] = now + ERROR_REPEAT_SECONDS
             logging.getLogger(__name__).error("%s", text, exc_info=error)
             self._complain(text, **whose)
 

@@ -13,10 +13,10 @@ from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
 from hitab_studio.agent_watch import AgentState
-from hitab_studio.learned import NOTHING
+from hitab_studio.learned import EMPTY_MAPPING
 from hitab_studio.remembered_scenes import Key
 from hitab_studio.robots.watch import Robots
-from hitab_studio.scene import SILENT, Scene, state_shown
+from hitab_studio.scene import SILENT_MODE, Scene, state_shown
 from hitab_studio.swarm_finder import SwarmTarget
 
 JOINING_SECONDS = 15.0
@@ -54,14 +54,14 @@ class SwarmState:
     revision: int = 0
     world: Any = None
     scene: Scene | None = None
-    statuses: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
+    statuses: Mapping[str, Any] = field(default_factory=lambda: EMPTY_MAPPING)
     joined: float = -math.inf
-    gone: Mapping[str, float] = field(default_factory=lambda: NOTHING)
-    silent: Mapping[str, float] = field(default_factory=lambda: NOTHING)
-    why: Mapping[str, Silence] = field(default_factory=lambda: NOTHING)
-    groups: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
-    watched: Mapping[str, AgentState] = field(default_factory=lambda: NOTHING)
-    moments: Mapping[Key, Scene] = field(default_factory=lambda: NOTHING)
+    gone: Mapping[str, float] = field(default_factory=lambda: EMPTY_MAPPING)
+    silent: Mapping[str, float] = field(default_factory=lambda: EMPTY_MAPPING)
+    why: Mapping[str, Silence] = field(default_factory=lambda: EMPTY_MAPPING)
+    groups: Mapping[str, Any] = field(default_factory=lambda: EMPTY_MAPPING)
+    watched: Mapping[str, AgentState] = field(default_factory=lambda: EMPTY_MAPPING)
+    moments: Mapping[Key, Scene] = field(default_factory=lambda: EMPTY_MAPPING)
     elsewhere: tuple[str, ...] = ()
     emergency: KnownStops = field(default_factory=KnownStops)
     stopped_at: float = 0.0
@@ -114,12 +114,12 @@ class SwarmState:
     def doing(self) -> dict[str, tuple[str, str]]:
         """Return the mode and the active state of each agent.
 
-        It is `SILENT` if it does not answer, or if nobody says where its robot is now.
+        It is `SILENT_MODE` if it does not answer, or if nobody says where its robot is now.
         """
         lost = self.robots.lost if self.robots is not None else ()
         return {
             name: (s.mode, state_shown(s))
             if self.answers(name) and name not in lost
-            else (SILENT, "")
+            else (SILENT_MODE, "")
             for name, s in self.statuses.items()
         }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-GROUP = "hitab.demos"
+DEMO_ENTRY_POINTS = "hitab.demos"
 """The entry-point group; a demo has the name of its domain."""
 
 

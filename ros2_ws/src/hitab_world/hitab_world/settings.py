@@ -11,7 +11,7 @@ from rclpy.node import Node
 from hitab_world.parameters import NOT_NEGATIVE, Parameters, between, one_of
 from hitab_world.ros_parameters import declare
 
-DESCRIPTIONS = {
+WORLD_PARAMETERS = {
     "pace": "lockstep: the next cycle begins when every agent has answered; realtime",
     "factor": "speed in real-time pace, as a factor of real time",
     "seed": "of the run: episode i is seeded with it and i",
@@ -57,4 +57,6 @@ class WorldSettings(Parameters):
         Raises:
             HitabError: if one has another type, or is out of its range.
         """
-        return cls(**{s.name: declare(node, s.name, s, DESCRIPTIONS[s.name]) for s in fields(cls)})
+        return cls(
+            **{s.name: declare(node, s.name, s, WORLD_PARAMETERS[s.name]) for s in fields(cls)}
+        )

@@ -29,11 +29,11 @@ from hitab_world.world import (
     WorldError,
 )
 
-VERSION = 2
+SIMULATION_VERSION = 2
 PLACED = "placed"
 """What a placement is kept under, where a step has the actions of agents."""
 
-TIME = "time"
+ENDED_BY_TIME = "time"
 Values = Sequence[float]
 Things = Mapping[str, Mapping[str, float]]
 
@@ -296,7 +296,7 @@ class SimulationWorld:
         self.episode_cycle += 1
         self.ended = self._simulation.ended
         if not self.ended and self.episode_cycle >= self._kind.longest:
-            self.ended = self._simulation.ended = TIME
+            self.ended = self._simulation.ended = ENDED_BY_TIME
         return self.ended or None
 
     def entities(self) -> list[Entity]:
@@ -330,7 +330,7 @@ class SimulationWorld:
     def snapshot(self) -> dict[str, Any]:
         """Return what was done in the episode, as JSON-able data."""
         done = [dict(one) for one in self._done]
-        return {**snapshots.header(self, VERSION), "source": self._source, "done": done}
+        return {**snapshots.header(self, SIMULATION_VERSION), "source": self._source, "done": done}
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
         """Do again what was done until a snapshot.
@@ -338,7 +338,7 @@ class SimulationWorld:
         Raises:
             WorldError: if it is of another world, or damaged; then nothing has changed.
         """
-        with snapshots.reading(snapshot, self, VERSION) as moment:
+        with snapshots.reading(snapshot, self, SIMULATION_VERSION) as moment:
             if snapshots.text(snapshot["source"]) != self._source:
                 raise WorldError(
                     f"{self.parameters.file} is not as it was when the snapshot was taken; "
@@ -355,7 +355,7 @@ class SimulationWorld:
                 raise ValueError(f"{steps} steps in {moment.episode_cycle} cycles")
             again = self._played(done, moment.seed, moment.episode)
             if steps >= self._kind.longest and not again[0].ended:
-                again[0].ended = TIME
+                again[0].ended = ENDED_BY_TIME
             if again[0].ended != moment.ended:
                 raise ValueError("the episode does not end as it did")
         moment.bring_back(self)

@@ -49,7 +49,7 @@ class SnapshotHeader:
         world.refused = {}
 
 
-COUNTS = ("seed", "episode", "cycle", "episode_cycle")
+SNAPSHOT_COUNTS = ("seed", "episode", "cycle", "episode_cycle")
 
 
 def header(world: ParameterizedWorld, version: int) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def header(world: ParameterizedWorld, version: int) -> dict[str, Any]:
         world: the world.
         version: of the layout of this kind of world's snapshots.
     """
-    moment = {name: getattr(world, name) for name in (*COUNTS, "ended")}
+    moment = {name: getattr(world, name) for name in (*SNAPSHOT_COUNTS, "ended")}
     return {**_origin(world, version), **moment}
 
 
@@ -86,7 +86,7 @@ def reading(
                     else "restore it in a world like the one it was taken from"
                 )
                 raise WorldError(f"{_difference(key, snapshot.get(key), mine)}; {way_out}")
-        counts = {name: whole(snapshot[name]) for name in COUNTS}
+        counts = {name: whole(snapshot[name]) for name in SNAPSHOT_COUNTS}
         yield SnapshotHeader(**counts, ended=text(snapshot["ended"]))
     except WorldError:
         raise

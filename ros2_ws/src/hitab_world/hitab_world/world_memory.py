@@ -21,7 +21,7 @@ from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LiveWorld
 
-LATEST = "latest.json"
+LATEST_FILE = "latest.json"
 NAMED = "snapshot-"
 LEISURE = 50
 """Minimum time between two states, as a multiple of the time that saving one takes."""
@@ -70,7 +70,7 @@ class WorldMemory:
             return False
         for path in sorted(self._folder.glob(f"{NAMED}*.json")):
             self._read(path, lambda saved: self.named.update({saved["name"]: {**saved["state"]}}))
-        return bool(self._read(self._folder / LATEST, self._take_over))
+        return bool(self._read(self._folder / LATEST_FILE, self._take_over))
 
     def _take_over(self, latest: dict[str, Any]) -> bool:
         if latest["swarm"] != self._swarm:
@@ -114,7 +114,7 @@ class WorldMemory:
         if state == self._kept and not run_state.touched:
             return
         run_state.touched = False
-        path = self._folder / LATEST
+        path = self._folder / LATEST_FILE
         beside = path.with_suffix(UNFINISHED)
         try:
             saved = {"swarm": self._swarm, "control": control, "world": run_state.world.snapshot()}

@@ -48,7 +48,7 @@ FAULTS_PERIOD_NS = NANOSECONDS // 20  # between a change of the faults and its p
 LISTENER_S = 10.0  # how long a restarted world waits for subscribers to its episodes
 NAMED_MAX = 10  # most agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
-UNSAVED = "unsaved"  # another
+UNSAVED_FAULT = "unsaved"  # another
 STOP_PERIOD_S = 0.5  # between two reports whether an emergency stop holds the world
 STEPPED_DEADLINES = 3  # how long to wait in a cycle that a client steps
 UNREAD_MAX = 100  # most events that are handled after a deadline, in search of unread answers
@@ -86,7 +86,7 @@ class WorldNode(GuardedNode):
         self.round_answers = RoundAnswers(self.world.agents, self._percept_sender.has)
         self.run_state = RunState(self.world, self.control, self.round_answers)
         warn = self.get_logger().warning
-        unsaved = partial(self.guard.faults.set, UNSAVED)
+        unsaved = partial(self.guard.faults.set, UNSAVED_FAULT)
         self.memory = WorldMemory(names.own_name(self), self.run_state, settings, warn, unsaved)
         self._topics = WorldTopics(self, self.run_state, settings)
         self._stop_states = self.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)

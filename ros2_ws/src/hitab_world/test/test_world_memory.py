@@ -12,7 +12,7 @@ from hitab_world.control import Control
 from hitab_world.lockstep import RoundAnswers
 from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
-from hitab_world.world_memory import LATEST, WorldMemory
+from hitab_world.world_memory import LATEST_FILE, WorldMemory
 
 RUN, NEXT_RUN = "pond-1", "pond-2"
 
@@ -60,7 +60,7 @@ def test_a_request_is_saved_before_it_is_acknowledged_also_right_after_another(
     for episodes in range(1, 6):
         ask_for(memory_of, episodes)
         memory.save_now()
-        saved = json.loads((tmp_path / "world" / LATEST).read_bytes())
+        saved = json.loads((tmp_path / "world" / LATEST_FILE).read_bytes())
         assert saved["control"]["episodes_left"] == episodes
     assert set(memory_of.unsaved) == {""}
 
@@ -100,7 +100,7 @@ def test_saved_snapshots_are_there_under_any_name_until_they_are_deleted(memory_
 def test_damaged_files_are_ignored_with_a_warning_that_names_them(memory_of, tmp_path, damaged):
     memory_of().save("corner", {})
     (saved,) = (tmp_path / "world").iterdir()
-    latest = tmp_path / "world" / LATEST
+    latest = tmp_path / "world" / LATEST_FILE
     for file in (saved, latest):
         file.write_bytes(damaged)
     memory = memory_of()

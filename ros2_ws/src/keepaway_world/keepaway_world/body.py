@@ -12,7 +12,7 @@ from keepaway_world.angles import PI, wrapped
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import BALL, CYCLES_PER_SECOND, OTHERS
 
-NOBODY = -1
+NO_PLAYER = -1
 """The place of a missing player, such as the closest taker if there are none."""
 
 CORNERS = {-2: (-1.0, 1.0), -3: (1.0, 1.0), -4: (1.0, -1.0), -5: (-1.0, -1.0)}
@@ -165,11 +165,11 @@ class KeeperBody:
         return self._closest(self.others)
 
     def closest_taker(self) -> int:
-        """Return the place of the closest taker, or `NOBODY`."""
+        """Return the place of the closest taker, or `NO_PLAYER`."""
         return self._closest(self.takers)
 
     def _closest(self, places: range) -> int:
-        return min(places, key=self.values.__getitem__, default=NOBODY)
+        return min(places, key=self.values.__getitem__, default=NO_PLAYER)
 
     def vector_to(self, place: int) -> tuple[float, float]:
         """Return the ball's or a player's position relative to the keeper, in world axes, m."""

@@ -15,7 +15,7 @@ from hitab_core import START, Automaton, Domain, HandWritten, Use
 from keepaway_world.domain import DOMAIN as KEEPAWAY_WORDS
 
 OFF = math.radians(9.0)  # the keeper turns if the ball is farther off its heading
-NEAR = 4.5  # m: within this distance it goes slowly, so that it does not overshoot
+WALK_DISTANCE = 4.5  # m: within this distance it goes slowly, so that it does not overshoot
 PRESSED = 2.5  # m: it passes if a taker is this close
 
 
@@ -28,7 +28,7 @@ def goto_ball(distance: float, direction: float) -> str:
     """
     if abs(direction) > OFF:
         return "TurnToBall"
-    return "GoSlow" if distance <= NEAR else "GoFast"
+    return "GoSlow" if distance <= WALK_DISTANCE else "GoFast"
 
 
 def control_ball(taker: float, kickable: float) -> str:
@@ -92,7 +92,7 @@ CONTROL_BALL = Automaton(
     description="go to the ball, wait until a taker is near, pass it; raises Done (hand-written)",
 )
 
-KEEPAWAY = Automaton(
+KEEPAWAY_AUTOMATON = Automaton(
     "Keepaway",
     (Use("GetOpen"), Use("ControlBall")),
     (Use("ATeammateIsCloserToBall"), Use("IWasYelledAt"), Use("Done")),
@@ -111,5 +111,5 @@ DOMAIN = Domain.of(
     behaviors=KEEPAWAY_WORDS.behaviors.values(),
     features=KEEPAWAY_WORDS.features.values(),
     targets=KEEPAWAY_WORDS.targets.values(),
-    automata=(GOTO_BALL, CONTROL_BALL, KEEPAWAY),
+    automata=(GOTO_BALL, CONTROL_BALL, KEEPAWAY_AUTOMATON),
 )

@@ -13,7 +13,7 @@ from keepaway_world.referee import Referee, set_up
 from keepaway_world.takers import TakerTeam
 
 TAKER = Look("#c94f4f")
-BALL = Look("#f2c94c", "ball", faces=False, labelled=False, layer=1)
+BALL_LOOK = Look("#f2c94c", "ball", faces=False, labelled=False, layer=1)
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class Rules:
     stops: Sequence[tuple[str, str]] = ()
 
 
-KEEPAWAY = Rules(
+KEEPAWAY_RULES = Rules(
     "keepaway",
-    {"keeper": Look(), "taker": TAKER, "ball": BALL},
+    {"keeper": Look(), "taker": TAKER, "ball": BALL_LOOK},
     (Measure("seconds", "s"), Measure("passes")),
     lambda physics: Referee(physics.parameters),
     TakerTeam,

@@ -25,7 +25,7 @@ from keepaway_world.percept import perceive
 from keepaway_world.physics import Mover, Physics
 from keepaway_world.players import takers_of
 from keepaway_world.referee import drop_ball
-from keepaway_world.rules import KEEPAWAY, Rules
+from keepaway_world.rules import KEEPAWAY_RULES, Rules
 
 SNAPSHOT_VERSION = 2
 
@@ -49,7 +49,7 @@ class KeepawayWorld:
     cycle_seconds = 0.1
 
     def __init__(
-        self, parameters: KeepawayParameters = PAPER, seed: int = 0, rules: Rules = KEEPAWAY
+        self, parameters: KeepawayParameters = PAPER, seed: int = 0, rules: Rules = KEEPAWAY_RULES
     ) -> None:
         self.name, self.looks, self.measures = rules.name, rules.looks, rules.measures
         self.parameters = parameters

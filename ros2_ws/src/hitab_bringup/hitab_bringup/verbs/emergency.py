@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 CONFIRM_S = 10.0
 """How long all may take to confirm it, s."""
 
-LOOK_S = 3.0
+REARM_TIMEOUT_S = 3.0
 """How long to look for robots that wait to be re-armed, s."""
 
 
@@ -104,7 +104,7 @@ def arm(
     refused = []
     with _meant(swarm) as (end, prefix, own):
         where = f"in ROS domain {end.domain_id}"
-        Stops.listen([end], LOOK_S)
+        Stops.listen([end], REARM_TIMEOUT_S)
         waiting = {
             name: it
             for name, it in end.waiting().items()
@@ -121,7 +121,7 @@ def arm(
             try:
                 if own and name not in own:
                     raise SwarmError(f"{robot} is not in this swarm {has(own, name)}")
-                end.arm(name, LOOK_S)
+                end.arm(name, REARM_TIMEOUT_S)
                 console.say(f"{robot} may act {where}")
             except SwarmError as error:
                 refused.append(str(error))

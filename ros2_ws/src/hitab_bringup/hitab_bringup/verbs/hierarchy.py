@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from hitab_client import Branch, CommandView
 
 WAIT_SECONDS = 8.0
-STARTED_BY_HAND_SECONDS = 1.5  # for commanders of a swarm that has started none
+COMMANDER_DISCOVERY_SECONDS = 1.5  # for commanders of a swarm that has started none
 GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
-SHOWN = 12
+SUBORDINATES_SHOWN_MAX = 12
 """Up to this many agents of a commander are shown individually."""
 
 
@@ -73,7 +73,7 @@ def _await_commanders(swarm_up: Connection, view: CommandView) -> list[str]:
     started = swarm_up.record.commanders if swarm_up.record is not None else ()
     if not started:
         by_hand = swarm_up.record is None
-        view.await_groups(WAIT_SECONDS if by_hand else STARTED_BY_HAND_SECONDS)
+        view.await_groups(WAIT_SECONDS if by_hand else COMMANDER_DISCOVERY_SECONDS)
         return []
     from hitab_client.run_processes import sentences
 
@@ -163,7 +163,7 @@ def _style(branch: Branch) -> str:
 
 def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
     """Return one line per agent, or per behavior if there are many agents."""
-    if len(leaves) <= SHOWN:
+    if len(leaves) <= SUBORDINATES_SHOWN_MAX:
         return [console.line(line_of(leaf), _style(leaf)) for leaf in leaves]
     alike: dict[tuple[str, str], list[Branch]] = {}
     for leaf in leaves:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
 
 Level = Literal["debug", "info", "warn", "error", "fatal"]
-LOOK_SECONDS = 0.3  # between two looks for new lines
+LOG_PERIOD_SECONDS = 0.3  # between two looks for new lines
 
 
 def logs(
@@ -61,7 +61,7 @@ def logs(
         if not up:
             console.note(f"{folder.path.name} is down")
             return
-        time.sleep(LOOK_SECONDS)
+        time.sleep(LOG_PERIOD_SECONDS)
 
 
 def _say(lines: Iterable[LogLine], names: bool) -> None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 STATUS_S = 1.0
 """How long to wait for the status of the world, s."""
 
-LOOK_S = 0.5
+TOPIC_PERIOD_S = 0.5
 """Between two looks for new topics."""
 
 
@@ -105,7 +105,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
             now = time.monotonic()
             if seconds is not None and now - began >= seconds:
                 return
-            if now - looked < LOOK_S:
+            if now - looked < TOPIC_PERIOD_S:
                 continue
             looked = now
             recorder.look()

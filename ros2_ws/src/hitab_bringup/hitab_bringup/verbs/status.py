@@ -20,17 +20,17 @@ if TYPE_CHECKING:
     from hitab_client import SignsOfLife
     from hitab_client.run_processes import Silence
 
-AGENT = (
+AGENT_FIELDS = (
     "domain mode behavior active_path examples default_examples cycle library_digest last_error "
     "faults stopped note unsure questions remarks"
 )
-WORLD = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
+WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
 """Fields of statuses that are shown."""
 
 WAYS_MAX = 10
 """Ways out that are shown at most."""
 
-LOOK_SECONDS = 1.0  # for a world that was started by hand
+WORLD_DISCOVERY_SECONDS = 1.0  # for a world that was started by hand
 
 
 def status(
@@ -76,7 +76,7 @@ def _await_world(swarm_up: Connection) -> None:
 
     world = swarm_up.world
     if swarm_up.record is None:
-        swarm_up.link.spin_until(lambda: world.status is not None, LOOK_SECONDS)
+        swarm_up.link.spin_until(lambda: world.status is not None, WORLD_DISCOVERY_SECONDS)
     elif swarm_up.has_world:
         with suppress(SwarmError):  # shown with all that does not answer
             world.wait()
@@ -110,7 +110,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
         {
             "agent": name,
             "training": status.training,
-            **plain(status, AGENT),
+            **plain(status, AGENT_FIELDS),
             "remedies": list(map(as_command, remedies_of(status.remedies))),
             "refused_at": status.refused_at.sec or None,
         }
@@ -128,7 +128,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
             name: why.of(name) if why is not None else f"{name} does not answer"
             for name, why in silent.items()
         },
-        "world": None if world is None else plain(world, WORLD),
+        "world": None if world is None else plain(world, WORLD_FIELDS),
         "remedies": [] if world is None else list(map(as_command, remedies_of(world.remedies))),
     }
 

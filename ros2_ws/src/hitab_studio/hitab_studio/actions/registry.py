@@ -11,7 +11,7 @@ from hitab_studio.page_state import PageState
 Data = Mapping[str, Any]
 Action = Callable[[PageState, Data], Awaitable[None]]
 
-ACTIONS: dict[str, Action] = {}
+REGISTERED_ACTIONS: dict[str, Action] = {}
 REPEATED: set[str] = set()
 """Actions that fast clicking repeats."""
 
@@ -31,7 +31,7 @@ def action(
     """
 
     def register(function: Action) -> Action:
-        ACTIONS[name] = function
+        REGISTERED_ACTIONS[name] = function
         if repeats:
             REPEATED.add(name)
         if urgent:

@@ -31,7 +31,7 @@ PICTURE_SIDE = 4096
 """Pixels; a small file may claim more than a browser can hold."""
 
 MAP_CELLS = 16_777_216
-BYTES_MAX = MAP_CELLS + 10_000
+MESSAGE_BYTES_MAX = MAP_CELLS + 10_000
 """Of a message; what is larger is refused."""
 
 POINTS_MAX = 2000
@@ -44,7 +44,7 @@ FAST = 1
 """How much a map is compressed: it goes over a fast connection, and others wait."""
 
 OCCUPIED = 255
-UNKNOWN = 36
+UNKNOWN_OPACITY = 36
 """Opacities of cells; free ones have none."""
 
 
@@ -134,7 +134,7 @@ def _png(cells: NDArray[np.uint8]) -> bytes:
     Its first row is the farthest in y. The page gives it the color of its theme.
     """
     # A palette of opacities alone: what is read of the map need not be calculated with.
-    opacity = np.full(256, UNKNOWN, np.uint8)
+    opacity = np.full(256, UNKNOWN_OPACITY, np.uint8)
     opacity[:101] = np.round(np.linspace(0, OCCUPIED, 101))
     image = Image.fromarray(np.ascontiguousarray(cells[::-1]))
     image.putpalette(bytes(3 * 256))

@@ -12,19 +12,19 @@ from hitab_client import RosLink, SwarmError
 from hitab_client.recording import message_class
 from hitab_ros import qos
 from hitab_studio.robots.messages import (
-    BYTES_MAX,
+    MESSAGE_BYTES_MAX,
     Refused,
     map_of,
     odometry_of,
     picture_of,
     scan_of,
 )
-from hitab_studio.robots.topics import CAMERA, MAP, ODOMETRY, SCAN
+from hitab_studio.robots.topics import CAMERA, MAP, ODOMETRY_TYPE, SCAN
 
-SILENT_SECONDS = 2.0
+ROBOT_SILENT_SECONDS = 2.0
 """After that, nobody knows where a robot is, and what it has scanned is not drawn any more."""
 
-READERS = {ODOMETRY: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
+READERS = {ODOMETRY_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
 
 
 class Reading:
@@ -68,7 +68,7 @@ class Reading:
             self.value, self.trouble = None, str(error)
 
     def _message(self, data: bytes) -> Any:
-        if len(data) > BYTES_MAX:
+        if len(data) > MESSAGE_BYTES_MAX:
             raise Refused(f"sends {len(data) / 1e6:.0f} MB in one message, too many to show")
         try:
             return deserialize_message(data, self._class)
@@ -84,7 +84,7 @@ class Reading:
     @property
     def is_silent(self) -> bool:
         """Whether what it said last does not hold any more."""
-        return self.age is None or self.age > SILENT_SECONDS
+        return self.age is None or self.age > ROBOT_SILENT_SECONDS
 
     def close(self) -> None:
         """Stop listening."""

@@ -13,11 +13,11 @@ from typing import Any
 
 from hitab_core import natural
 
-ODOMETRY = "nav_msgs/msg/Odometry"
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 SCAN = "sensor_msgs/msg/LaserScan"
 MAP = "nav_msgs/msg/OccupancyGrid"
 CAMERA = "sensor_msgs/msg/CompressedImage"
-COMMAND = "hitab_msgs/msg/Command"
+COMMAND_TYPE = "hitab_msgs/msg/Command"
 """To what only agents subscribe."""
 
 NOT_LISTED = frozenset(
@@ -70,7 +70,9 @@ class RobotTopics:
 
 def is_sensor(kind: str) -> bool:
     """Whether messages of a type come from a robot's sensor."""
-    return kind == ODOMETRY or (kind.startswith("sensor_msgs/msg/") and kind not in NOT_LISTED)
+    return kind == ODOMETRY_TYPE or (
+        kind.startswith("sensor_msgs/msg/") and kind not in NOT_LISTED
+    )
 
 
 def _of_type(graph: Graph, kind: str) -> list[str]:
@@ -101,7 +103,7 @@ def robots_topics(
             subscribed = node.get_subscriber_names_and_types_by_node(name, space)
         except RuntimeError:  # it has gone meanwhile
             continue
-        if any(COMMAND in kinds for _, kinds in subscribed):
+        if any(COMMAND_TYPE in kinds for _, kinds in subscribed):
             nodes[agent] = f"{space}/{name}"
         heard[agent] |= {t: kind for t, kinds in subscribed for kind in filter(is_sensor, kinds)}
     return {
@@ -127,13 +129,15 @@ def _robot(
         near = [topic for topic in topics if topic.startswith(tuple(places))]
         return list(heard or near or (topics if alone else ()))
 
-    odometry = next(iter(sorted(of(ODOMETRY), key=lambda topic: not topic.endswith("/odom"))), "")
+    odometry = next(
+        iter(sorted(of(ODOMETRY_TYPE), key=lambda topic: not topic.endswith("/odom"))), ""
+    )
     places += [f"{odometry.rpartition('/')[0]}/"] if odometry.count("/") > 1 else []
     cameras = _of_type(graph, CAMERA)
     if options.cameras:
         cameras = [t for t in cameras if any(f"/{t}".endswith(f"/{c}") for c in options.cameras)]
     camera = next(iter(of(CAMERA, cameras)), "")
-    sensors |= dict.fromkeys(of(SCAN), SCAN) | ({odometry: ODOMETRY} if odometry else {})
+    sensors |= dict.fromkeys(of(SCAN), SCAN) | ({odometry: ODOMETRY_TYPE} if odometry else {})
     return RobotTopics(node, sensors, odometry, camera)
 
 

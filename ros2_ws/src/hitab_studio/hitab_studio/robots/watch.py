@@ -29,7 +29,7 @@ from hitab_studio.robots.topics import (
 )
 from hitab_studio.scene import Appearance, Scene
 
-LOOK_SECONDS = 0.1
+WATCH_PERIOD_SECONDS = 0.1
 """Between two looks: no page shows more."""
 
 MAP_FRAME = "map"  # as in REP 105
@@ -41,7 +41,7 @@ RADIUS = 0.2
 STEP = 5.0
 """m; the ground grows by so much at a time, lest the page move all the time."""
 
-LEAST = 2.0
+GROUND_MARGIN = 2.0
 """m; from a robot to the edge of the ground."""
 
 Place = tuple[float, float, float]
@@ -122,7 +122,7 @@ class RobotWatch:
         if not viewed:
             self.close()
         elif now >= self._next_look:
-            self._next_look = now + LOOK_SECONDS
+            self._next_look = now + WATCH_PERIOD_SECONDS
             self._listen(agents)
             self._known = self._look()
         return self._known
@@ -268,7 +268,7 @@ def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scen
     names = sorted(places, key=natural)
     rows = np.array([(*places[name], 0.0, 0.0) for name in names], dtype=np.float64)
     rows.setflags(write=False)
-    drawn = np.concatenate([rows[:, :2] - LEAST, rows[:, :2] + LEAST, *around])
+    drawn = np.concatenate([rows[:, :2] - GROUND_MARGIN, rows[:, :2] + GROUND_MARGIN, *around])
     low, high = np.floor(drawn.min(0) / STEP) * STEP, np.ceil(drawn.max(0) / STEP) * STEP
     return Scene(
         size=tuple((high - low).tolist()),

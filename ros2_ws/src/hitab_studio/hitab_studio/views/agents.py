@@ -9,13 +9,13 @@ from hitab_studio.absence import absence
 from hitab_studio.page_state import PageState
 from hitab_studio.scene import state_shown
 
-MOST = 80
+ROWS_MAX = 80
 """Rows that are shown; more are found by typing."""
 
-FEW = 40
+UNFOLDED_MAX = 40
 """Agents that are shown unfolded."""
 
-DEEPEST = 8
+AGENT_LEVELS_MAX = 8
 
 
 def context(session: PageState) -> dict[str, Any]:
@@ -36,10 +36,10 @@ def context(session: PageState) -> dict[str, Any]:
         "rows": [
             {"name": name, "depth": depth, "below": below, "is_open": is_open}
             | _row(session, statuses.get(name), name)
-            for name, depth, below, is_open in shown[:MOST]
+            for name, depth, below, is_open in shown[:ROWS_MAX]
         ],
         "count": len(shown if wanted else session.agents),
-        "more": max(0, len(shown) - MOST),
+        "more": max(0, len(shown) - ROWS_MAX),
     }
 
 
@@ -59,16 +59,16 @@ def unfolded(
     below: dict[str, set[str]] = {}
 
     def all_below(name: str, depth: int = 0) -> set[str]:
-        if name not in below and depth < DEEPEST:
+        if name not in below and depth < AGENT_LEVELS_MAX:
             subs = subordinates.get(name, ())
             below[name] = {*subs}.union(*(all_below(sub, depth + 1) for sub in subs))
         return below.get(name, set())
 
     def visible(name: str, depth: int) -> Iterator[tuple[str, int, int, bool]]:
         inside = all_below(name)
-        is_open = bool(inside) and folds.get(name, len(names) <= FEW or viewed in inside)
+        is_open = bool(inside) and folds.get(name, len(names) <= UNFOLDED_MAX or viewed in inside)
         yield name, depth, len(inside), is_open
-        if is_open and depth < DEEPEST:
+        if is_open and depth < AGENT_LEVELS_MAX:
             for sub in subordinates[name]:
                 yield from visible(sub, depth + 1)
 

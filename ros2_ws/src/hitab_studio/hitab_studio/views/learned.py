@@ -12,10 +12,10 @@ from hitab_studio.page_state import PageState
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
 
-SHOWN = 8
+TRANSITIONS_SHOWN_MAX = 8
 """Changes of state that are listed."""
 
-DEEPEST = 6
+TREE_LEVELS_MAX = 6
 
 
 def context(session: PageState) -> dict[str, Any]:
@@ -41,7 +41,7 @@ def context(session: PageState) -> dict[str, Any]:
         "rows": tree_rows(tree, names, dict(zip(names, values, strict=False))) if tree else [],
         "live": bool(values),
         "numbers": _numbers(behavior, state, values),
-        "changes": events[:SHOWN],
+        "changes": events[:TRANSITIONS_SHOWN_MAX],
         "because": lambda event: _because(session, event),
         "label": _label,
     }
@@ -69,7 +69,12 @@ def _levels(session: PageState) -> list[dict[str, Any]]:
     def visit(label: str, depth: int, *, active: bool) -> None:
         name = Use.parse(label).name
         behavior = _behavior(session, name)
-        if name in found or behavior is None or not behavior.is_automaton or depth > DEEPEST:
+        if (
+            name in found
+            or behavior is None
+            or not behavior.is_automaton
+            or depth > TREE_LEVELS_MAX
+        ):
             return
         state = path[depth] if active and depth < len(path) else ""
         found[name] = {"name": name, "label": label, "depth": depth, "state": state}

@@ -18,7 +18,7 @@ from hitab_core import (
 )
 from hitab_studio.page_state import PageState
 
-MANY = 100.0
+ONE_DECIMAL_FROM = 100.0
 """Numbers from here on are written with one decimal less."""
 
 
@@ -36,7 +36,7 @@ def measure(value: float, kind: str = "", unit: str = "") -> str:
         return "yes" if value else "no"
     if kind == FeatureKind.CATEGORICAL:
         return str(int(value))
-    digits = 2 if abs(value) < MANY else 1
+    digits = 2 if abs(value) < ONE_DECIMAL_FROM else 1
     if unit == RADIANS:
         digits = 1
     value, unit = shown_value(as_direction(value, unit, kind), unit), shown_unit(unit)

@@ -8,7 +8,7 @@ from typing import Any
 from hitab_client.recording.recordings import recordings, recordings_folder
 from hitab_studio.page_state import PageState
 
-MOST = 30
+RECORDINGS_MAX = 30
 
 
 def context(session: PageState) -> dict[str, Any]:
@@ -19,8 +19,8 @@ def context(session: PageState) -> dict[str, Any]:
         "folder": str(recordings_folder()),
         "files": [
             (r.path.name, time.strftime("%d %b %H:%M", time.localtime(r.when)), r.size)
-            for r in done[:MOST]
+            for r in done[:RECORDINGS_MAX]
         ],
-        "more": max(0, len(done) - MOST),
+        "more": max(0, len(done) - RECORDINGS_MAX),
         "shown": session.player.recording.path.name if session.player is not None else "",
     }
