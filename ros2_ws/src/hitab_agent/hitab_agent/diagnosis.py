@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from hitab_agent.agent_base import AgentBase
-from hitab_agent.guarded_tick import FEATURES, TICK, VALUES
+from hitab_agent.guarded_tick import FEATURES_FAULT, TICK, VALUES
 from hitab_ros.diagnostics import Diagnosis, Level
 
-MILD = (FEATURES, VALUES, "action ")
+MILD = (FEATURES_FAULT, VALUES, "action ")
 """How the keys of faults begin with which an agent still acts; with others it may not."""
 
 

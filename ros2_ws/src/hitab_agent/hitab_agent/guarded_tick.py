@@ -23,7 +23,7 @@ TICK = "tick"
 VALUES = "values"
 """The fault of an agent that decides without the values of some features."""
 
-FEATURES = "features"
+FEATURES_FAULT = "features"
 """The fault of an agent whose domain's code raises where it should read features."""
 
 
@@ -48,7 +48,7 @@ class GuardedTick:
 
     def perceived(self) -> None:
         """Report features that cannot be read, whether decisions need them or not."""
-        self._show(FEATURES, failing(self._agent))
+        self._show(FEATURES_FAULT, failing(self._agent))
 
     def act(self) -> Action:
         """Have the agent decide and act; return what it does and says, or nothing if it fails."""

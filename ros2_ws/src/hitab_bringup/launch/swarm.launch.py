@@ -32,14 +32,14 @@ try:
 except ImportError:
     Node = None
 
-FLAGS = ["true", "false"]
+BOOLEANS = ["true", "false"]
 ARGUMENTS = (
     ("swarm", "keepaway", "A swarm description, or the name of a shipped one", None),
     ("run_dir", "", "Folder for libraries and journals; empty: that of `hitab up`", None),
     ("namespace", "", "Of all nodes; empty: that of the description", None),
-    ("use_sim_time", "false", "Whether all nodes but the world take their time from it", FLAGS),
+    ("use_sim_time", "false", "Whether all nodes but the world take their time from it", BOOLEANS),
     ("pace", "", "lockstep or realtime; empty: that of the description", ["", *PACES]),
-    ("paused", "false", "Whether the world is paused at first", FLAGS),
+    ("paused", "false", "Whether the world is paused at first", BOOLEANS),
     ("library", "", "Library for all agents; empty: folders of their own", None),
     ("agents", "0", "How many, for a world in one file; 0: as many as it says", None),
 )

@@ -61,8 +61,8 @@ def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict
         )
         if max(abs(x), abs(y)) > PLACED_DISTANCE_MAX:
             raise WorldError(
-                f"{p.name}: ({x:g}, {y:g}) m is beyond {PLACED_DISTANCE_MAX:g} m; give it a place near "
-                "the field, whose center is (0, 0)"
+                f"{p.name}: ({x:g}, {y:g}) m is beyond {PLACED_DISTANCE_MAX:g} m; give it a place "
+                "near the field, whose center is (0, 0)"
             )
         if math.hypot(vx, vy) > mover.speed_max * 1.001:
             raise WorldError(

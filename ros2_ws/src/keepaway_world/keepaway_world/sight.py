@@ -17,7 +17,7 @@ DIRECTION_CHANGE_STEP = math.radians(0.1)
 
 _NEAREST = -60  # e**-6 m and below is 0 m
 _FARTHEST = 80  # e**8 m, about 3 km
-_SEEN = tuple(
+_SEEN_DISTANCES = tuple(
     round(math.exp(step * LOG_STEP) / DISTANCE_STEP) / 10.0
     for step in range(_NEAREST, _FARTHEST + 1)
 )
@@ -28,7 +28,7 @@ def quantised_distance(distance: float) -> float:
     if distance < 1e-3:
         return 0.0
     step = round(math.log(distance) * 10.0)
-    return _SEEN[min(step, _FARTHEST) - _NEAREST] if step > _NEAREST else 0.0
+    return _SEEN_DISTANCES[min(step, _FARTHEST) - _NEAREST] if step > _NEAREST else 0.0
 
 
 def quantised_direction(direction: float) -> float:

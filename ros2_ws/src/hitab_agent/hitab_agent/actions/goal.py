@@ -17,7 +17,7 @@ from unique_identifier_msgs.msg import UUID
 from hitab_core import ActionCall
 from hitab_ros import Guard
 
-_OVER = (CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, CancelGoal.Response.ERROR_GOAL_TERMINATED)
+_GOAL_OVER = (CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, CancelGoal.Response.ERROR_GOAL_TERMINATED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,7 +232,7 @@ class Goal:
         answer = future.result()
         if answer.goals_canceling or self._stage is not _Stage.CANCELING:
             return  # the result is still to come, or has come already
-        if answer.return_code in _OVER:
+        if answer.return_code in _GOAL_OVER:
             self._end()
         else:
             self.runs_on = f"{self._server.label} refuses to cancel a goal, and goes on with it"
