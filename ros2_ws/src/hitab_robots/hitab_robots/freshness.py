@@ -21,18 +21,18 @@ class Freshness:
         trouble: what is wrong with the stamps, for people; empty: nothing.
     """
 
-    def __init__(self, count: int, patience: float, ahead: float = CLOCK_TOLERANCE_S) -> None:
+    def __init__(self, count: int, max_age: float, ahead: float = CLOCK_TOLERANCE_S) -> None:
         """Start without a reading.
 
         Args:
             count: how many values a reading has.
-            patience: s; an older reading has no values.
+            max_age: s; an older reading has no values.
             ahead: s; how far a stamp may be ahead of the clock. Infinite in a simulation: there is
                 one clock only, and a stamp ahead of it just came sooner than the clock's message.
         """
         self.trouble = ""
         self._none = (math.nan,) * count
-        self._patience = patience
+        self._max_age = max_age
         self._ahead = ahead
         self._values: Sequence[float] = self._none
         self._stamp = 0.0
@@ -50,7 +50,7 @@ class Freshness:
             self._measured = self._arrived = -math.inf
         known = stamp > 0.0 and math.isfinite(stamp)
         late = known and self._stamp > 0.0 and stamp < self._stamp
-        if late and now - self._arrived <= self._patience:
+        if late and now - self._arrived <= self._max_age:
             return False
         self.trouble = ""
         measured = now
@@ -58,7 +58,7 @@ class Freshness:
             self.trouble = "its stamps are ahead of the clock"
         elif known:
             measured = min(stamp, now)
-            if now - measured > self._patience:
+            if now - measured > self._max_age:
                 self.trouble = "its readings are too old when they arrive"
         self._values = values
         self._stamp = stamp if known else 0.0
@@ -67,7 +67,7 @@ class Freshness:
 
     def is_fresh(self, now: float) -> bool:
         """Whether the last reading has values."""
-        return self._arrived <= now <= self._measured + self._patience
+        return self._arrived <= now <= self._measured + self._max_age
 
     def values(self, now: float) -> Sequence[float]:
         """Return the last reading's values, NaN if it is too old or there is none."""

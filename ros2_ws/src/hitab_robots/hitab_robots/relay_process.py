@@ -66,8 +66,8 @@ class RelayProcess:
             unheard_s: since its last sign of life, s.
         """
         status = self._process.poll()
-        patience = BUSY_S if waits_for_cpu_or_disk(self._process.pid) else RELAY_HUNG_S
-        if status is None and unheard_s < patience:
+        timeout = BUSY_S if waits_for_cpu_or_disk(self._process.pid) else RELAY_HUNG_S
+        if status is None and unheard_s < timeout:
             return ""
         if status is None:
             self._process.kill()

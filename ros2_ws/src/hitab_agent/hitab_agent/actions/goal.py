@@ -170,7 +170,7 @@ class Goal:
             )
 
     def _look_after(self, now: float) -> None:
-        call, patience = self.call, self._server.limits.pulse
+        call, pulse_timeout = self.call, self._server.limits.pulse
         if call.pulses != self._pulses:
             self._pulses, self._pulsed = call.pulses, now
         if not self._server.client.server_is_ready():
@@ -178,9 +178,9 @@ class Goal:
         elif 0.0 < call.behavior.feedback_within < now - self._heard:
             self._fail(f"gave no feedback for {call.behavior.feedback_within:g} s")
             self._cancel()
-        elif 0.0 < patience < now - self._pulsed:
+        elif 0.0 < pulse_timeout < now - self._pulsed:
             self._fail(
-                f"lost its goal: the agent has not acted for {patience:g} s, so the goal was "
+                f"lost its goal: the agent has not acted for {pulse_timeout:g} s, so the goal was "
                 "canceled; see its other faults, or set its parameter action_patience"
             )
             self._cancel()
