@@ -5,7 +5,7 @@ value   meaning
 ======  =====================================================================================
 drive   speed of walking or pulling along the body: -1 to 1, as a fraction of the maximum
 turn    angle to turn by, rad, counter-clockwise
-grip    0: as before; -1: let go of what is held; n >= 1: grip box number n; nothing happens
+grip    0: as before; -1: let go of the held box; n >= 1: grip box number n; nothing happens
         unless it is in reach and nothing is held
 ======  =====================================================================================
 

@@ -1,4 +1,4 @@
-"""A forager's body: what it perceives in this cycle, and what it does."""
+"""A forager's body: its percept of this cycle, and its action."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class ForagerBody:
 
     @property
     def held(self) -> float:
-        """The number of the box that it holds, 0 if none."""
+        """The number of the held box, 0 if none."""
         return self.values[percept.HELD]
 
     def sees(self, place: int) -> bool:

@@ -5,7 +5,7 @@ index                 value
 ====================  =====================================================================
 0                     own number, from 1
 1, 2, 3               own position, m, and heading, rad: foragers are localized
-4                     number of the held box, from 1; 0: none
+4                     number of the held box, from 1; 0 if none
 5                     size of that box: 0 none, 1 small, 2 large
 6                     how many robots hold it
 7                     how long it has not moved since it was gripped, s; 0 if none is held
@@ -18,7 +18,7 @@ The places are, in this order: home (its center), the closest box, the closest s
 closest large one, the closest one that other robots hold, the box that most of the own squad hold,
 the large box that most of the own company hold, the middle of the own squad, the closest obstacle
 or wall, the first scout of the own squad, and the box closest to one of its scouts, in their
-sight, that nobody of the squad holds. Distances to boxes, obstacles and walls are from edge to
+sight, that no member of the squad holds. Distances to boxes, obstacles and walls are from edge to
 edge and never negative. A thing that is not seen, or does not exist, is FAR away, straight ahead;
 but an obstacle that is not seen is straight behind, where it is in no forager's way.
 

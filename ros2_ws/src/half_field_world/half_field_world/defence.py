@@ -2,8 +2,8 @@
 
 The defender that is first at the ball goes there and holds it; each other one marks an attacker
 that has not the ball, the most advanced first, between it and the goal. The goalie catches, comes
-out for a ball that it reaches first and for a shot, and otherwise stands on the line from the ball
-to the middle of the goal. Frozen: the figures of attackers depend on it.
+out for a shot and for a ball that no attacker reaches earlier, and otherwise stands on the line
+from the ball to the middle of the goal. Frozen: the figures of attackers depend on it.
 """
 
 from __future__ import annotations

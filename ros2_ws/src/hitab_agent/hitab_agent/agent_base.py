@@ -22,7 +22,7 @@ class AgentBase(GuardedNode):
         agent: the engine's agent.
         agent_name: its name.
         settings: its parameters.
-        shared: what it shares with the other agents of its process, a `HostResources`.
+        shared: the `HostResources` of its process.
         status: its status, a `StatusPublisher`.
         percept_log: publishes its percepts for recorders, a `PerceptLog`.
         stop: of its robot; None if it has none.
@@ -37,14 +37,14 @@ class AgentBase(GuardedNode):
     stop: RobotStop | None = None
 
     def take_in(self, percept: msg.Percept) -> None:
-        """Perceive. The percept object may be reused: an agent must copy what it keeps."""
+        """Perceive. The percept object may be reused: an agent must copy the values that stay."""
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
         raise NotImplementedError
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that it waits for in a lockstep round."""
+        """Return the topics of the orders that a lockstep round waits for."""
         raise NotImplementedError
 
     def ordered(self) -> None:

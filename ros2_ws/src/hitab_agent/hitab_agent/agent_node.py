@@ -66,7 +66,7 @@ class AgentNode(AgentBase):
 
         Args:
             node_name: name of the node in the agent's namespace.
-            shared: what the agents of its process share; None: it is the only one.
+            shared: resources of all agents of the process; None if this agent is alone.
             options: passed on to the base class.
 
         Raises:
@@ -336,7 +336,7 @@ class AgentNode(AgentBase):
     # -- orders of a commander ----------------------------------------------------------------
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that it waits for in a lockstep round."""
+        """Return the topics of the orders that a lockstep round waits for."""
         return () if self.superior is None else (self.superior.orders,)
 
     def ordered(self) -> None:

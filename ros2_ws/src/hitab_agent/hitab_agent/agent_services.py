@@ -340,7 +340,7 @@ def bindings_of(request: Any) -> dict[str, str]:
 
 
 def _open_questions(agent: Agent) -> str:
-    """Return how many questions about a training are open, as far as known; empty: none."""
+    """Return how many questions about a training are open, as far as known; empty if none."""
     session = agent.session
     known = session.asked.known() if session is not None else []
     if not known:

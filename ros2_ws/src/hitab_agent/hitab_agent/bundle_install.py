@@ -78,7 +78,7 @@ class BundleInstall:
         Args:
             sequence: of the distribution.
             bundle: the behaviors.
-            start: what the receivers should perform then; None: what they perform now.
+            start: what the receivers should perform then; None for what they perform now.
             receivers: the nodes of the agents that take it in.
             taken_in: called with the outcome for each.
         """
@@ -116,7 +116,7 @@ class BundleInstall:
             reading = in_background(partial(read_bundle, self._bundle, editions))
             yield reading
             try:
-                self._read_files.append(reading.result())  # kept, so that it is read only once
+                self._read_files.append(reading.result())  # kept: a second receiver reads no file
             except Exception as error:
                 for shelf in shelves:
                     shelf.refuse_all(error)

@@ -61,7 +61,7 @@ class Distributions:
         node.guard.run("distribution", self._acknowledge, node, sequence, digest, error)
 
     def _acknowledge(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
-        # The status first: whoever has all acknowledgements may compare the agents' digests.
+        # The status first: a client with all acknowledgements may compare the agents' digests.
         node.taken_in(sequence, digest, error)
         self._acknowledgements.publish(
             msg.DistributionAck(

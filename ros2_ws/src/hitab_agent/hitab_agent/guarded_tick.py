@@ -13,7 +13,7 @@ from hitab_ros import Guard
 from hitab_ros.answering import what_went_wrong
 
 Action = tuple[Sequence[float], str]
-"""What a body does, and what it says."""
+"""A body's action and message."""
 
 NO_ACTION: Action = ((), "")
 
@@ -51,7 +51,7 @@ class GuardedTick:
         self._show(FEATURES_FAULT, failing(self._agent))
 
     def act(self) -> Action:
-        """Have the agent decide and act; return what it does and says, or nothing if it fails."""
+        """Have the agent decide and act; return its action and message, or nothing if it fails."""
         agent = self._agent
         try:
             agent.tick()
@@ -96,7 +96,7 @@ class GuardedTick:
 
 
 def failing(agent: Agent) -> str:
-    """Return which features the domain's code fails to read, and why; empty: none."""
+    """Return which features the domain's code fails to read, and why; empty if none."""
     raised = agent.context.senses.failing().items()
     told = each_once((str(use), what_went_wrong(error)) for use, error in raised)
     way_out = "correct the domain and start the agent again"

@@ -73,7 +73,7 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
-    # A world announces only the agents that it knows, not commanders and those with robots.
+    # A world announces only its own agents, neither commanders nor agents of robots.
     others = [node.agent_name for node in nodes if node.agent.domain.link]
     give_signs_of_life(desk, swarm, others)
     # The objects made so far stay: a collection over them would take longer than a cycle. What a

@@ -43,7 +43,7 @@ class HostResources:
         outbox: sends reports to commanders.
         distributions: sends and receives behaviors.
         diagnostics: publishes what is wrong with the agents.
-        on_demand: offers services when a client asks; None: each agent offers its own at once.
+        on_demand: offers services when a client asks; None if each agent offers its own at once.
         links: of all agents of a host to their worlds, by the world's name.
         domains: the loaded domains, by name.
         told: faults of libraries that are in the log.
@@ -54,8 +54,8 @@ class HostResources:
 
         Args:
             node: of the only agent, or of a host, in its own namespace.
-            agents: number of agents of a host; 0: the process is none.
-            swarm: identity of their swarm; empty: none.
+            agents: number of agents of a host; 0 if the process is none.
+            swarm: identity of their swarm; empty if none.
         """
         self.nodes: list[AgentBase] = []
         self.host = node if agents else None

@@ -1,4 +1,4 @@
-"""What an agent perceives, on a topic, while somebody records it."""
+"""Publishes an agent's percepts on a topic while it has a subscriber."""
 
 from __future__ import annotations
 

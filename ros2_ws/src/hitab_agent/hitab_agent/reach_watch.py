@@ -1,4 +1,4 @@
-"""Whether those who direct an agent are in reach: its commander, else a person at a console."""
+"""Watches whether an agent's commander is in reach or, without one, a person's console."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ReachWatch:
     A console or a commander that was never there cannot be lost.
 
     Attributes:
-        why: why nobody who directs it is in reach; empty: somebody is.
+        why: why no commander or console is in reach; empty if one is.
     """
 
     def __init__(self, node: AgentBase) -> None:
@@ -40,7 +40,7 @@ class ReachWatch:
     def _look(self) -> None:
         self._unheard_s += SILENCE_PERIOD_S
         after = self._node.settings.out_of_reach_after
-        who = self._commander or "whoever operates it"
+        who = self._commander or "the operator"
         lost = f"{who} is out of reach: silent for {after:g} s"
         self.why = lost if self._unheard_s > after else ""
         if self._node.stop is None:  # otherwise this is one of its causes

@@ -27,7 +27,7 @@ class ReportOutbox:
 
         Args:
             node: to publish on.
-            later: sends reports later; None: they are sent at once.
+            later: sends reports later; None if they are sent at once.
         """
         self._node = node
         self._later = later

@@ -16,7 +16,7 @@ class RoundGate:
     A commander that misses a round is not waited for until it gives an order again, or until a
     round is played after one in which agents only look: a run that is played without a commander
     must cost a deadline, which marks it. So must a commander that was restarted, however fast: it
-    has forgotten what it was doing. No clock is involved: a round is over when the next begins.
+    has lost its state. No clock is involved: a round is over when the next begins.
     """
 
     def __init__(self, orders: OrderSubscriptions) -> None:

@@ -28,10 +28,10 @@ class TrainingTopic:
     """Publishes each revision of the training under way, as a whole.
 
     A revision is published at once, and again when its questions have been looked for. Nothing is
-    built while nobody subscribes.
+    built without a subscriber.
 
     Attributes:
-        revision: counts up with each change, of the mode too, also over restarts; 0: nothing is
+        revision: counts up with each change, of the mode too, also over restarts; 0 if nothing is
             being trained.
         searched: called whenever questions have been looked for.
     """

@@ -73,7 +73,7 @@ def bring_up(
         warn: called with whatever a person should know: ROS domains that are in use; commanders
             that do not hear everybody yet; faults that agents have from the start; libraries that
             are read-only; trainings that they resume.
-        say: called with what it does if it is interrupted, which takes a while.
+        say: called with the reason when an interruption takes a while.
 
     Raises:
         SwarmError: naming what did not start, or the names in use and their owner; nothing is left
@@ -111,7 +111,7 @@ def temporary_swarm(
 
     Args:
         swarm: the description.
-        run_folder: for its files; None: a folder that is removed at the end.
+        run_folder: for its files; None for a folder that is removed at the end.
         progress: called as nodes come up.
     """
     with contextlib.ExitStack() as stack:
@@ -214,7 +214,7 @@ def _answering(
         agents.watch_all()
         world = WorldClient(link, prefix=prefix, identity=identity, started_by_it=record.world)
         view = CommandView(link, prefix)
-        # Otherwise a commander starts with the members that it knows, and the others join later.
+        # Otherwise a commander starts with its known members, and the others join later.
         commanders = [c.name for c in swarm.commanders] if _is_exact(swarm) else []
         view.watch(commanders)
         total = len(record.agents) + record.world

@@ -75,7 +75,7 @@ class CommanderTree:
         return [replace(m, superior=self.superiors.get(m.name, "")) for m in members]
 
     def _members(self, key: str) -> list[AgentDescription] | None:
-        """Return the members that a name refers to, making commanders first; None: unknown."""
+        """Return the members that a name refers to, making commanders first; None if unknown."""
         if key in self._groups or key not in self._lines:
             return self._groups.get(key)
         if key in self._open:

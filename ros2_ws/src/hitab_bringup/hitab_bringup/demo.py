@@ -66,7 +66,7 @@ def run_demo(
         out: the folder; pictures, figures and the library of an earlier demo are replaced.
         episodes: number to play.
         seed: of the episodes.
-        studio_port: of the studio during the demo; None: no studio.
+        studio_port: of the studio during the demo; None for no studio.
         browser: whether to open the studio in a browser.
 
     Returns:

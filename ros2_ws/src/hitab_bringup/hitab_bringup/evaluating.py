@@ -52,9 +52,9 @@ class CastMember:
 
     Attributes:
         repertoire: its behaviors.
-        behavior: that it performs from the beginning of each episode; None: what it is ordered.
-        opened: its library; None: it has learned nothing.
-        library: the folder of its trained behaviors; None: there are none.
+        behavior: performed from the beginning of each episode; None for the commander's order.
+        opened: its library; None if it has learned nothing.
+        library: the folder of its trained behaviors; None if there are none.
         digest: of what is learned there.
         versions: of its behaviors, where it is not the present one.
     """
@@ -79,9 +79,9 @@ def part_of(
 
     Args:
         library: its folder.
-        behavior: of the library or the domain; empty: what it is ordered.
+        behavior: of the library or the domain; empty for the commander's order.
         domain: of an agent without a library.
-        kind: of a commander; None: it is an agent.
+        kind: of a commander; None if it is an agent.
         versions: of behaviors of the library, instead of the present ones.
 
     Raises:
@@ -199,7 +199,7 @@ class Cast:
         self._versions: dict[str, dict[str, int]] = {}
 
     def _own(self, agent: AgentDescription) -> Path | None:
-        """Return the library that an agent has, or would begin with; None: nothing trained."""
+        """Return an agent's present or first library; None if it has no trained behavior."""
         for folder in (library_of(agent, self._folder), agent.start_from):
             if folder is not None and holds_behaviors(folder):
                 return folder
@@ -221,7 +221,7 @@ class Cast:
                     if (library := self._libraries[name])
                     and number in open_library(library).shelf.versions(behavior)
                 ]
-                for name in having or agents:  # the first is refused with what it has
+                for name in having or agents:  # the first is refused with its behaviors
                     self._versions.setdefault(name, {})[behavior] = number
             else:
                 self._libraries |= dict.fromkeys(agents, named_library(text))
@@ -249,7 +249,7 @@ class Cast:
         """Return what agents and commanders perform; who does nothing is left out.
 
         Raises:
-            HitabError: if nobody performs anything, or somebody something that is not there.
+            HitabError: if no member performs anything, or one a behavior that is missing.
         """
         parts = {}
         ordered = self._ordered()
@@ -260,7 +260,7 @@ class Cast:
             kind = member.kind if isinstance(member, CommanderDescription) else None
             if kind is not None and library is None:
                 raise HitabError(
-                    f"{name} has learned nothing that it could perform; give it a library with "
+                    f"{name} has learned no behavior to perform; give it a library with "
                     f"-l {name}=LIBRARY, or have it order nothing with -b {name}=nothing"
                 )
             parts[name] = part_of(

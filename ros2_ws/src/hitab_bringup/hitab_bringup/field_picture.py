@@ -87,7 +87,7 @@ def _layer(thing: Thing, looks: Mapping[str, Any]) -> int:
 
 
 def shape_of(thing: Thing, looks: Mapping[str, Any]) -> str:
-    """Return the shape with which a world has viewers draw a thing; empty: none."""
+    """Return the shape with which a world has viewers draw a thing; empty if none."""
     return str(getattr(looks.get(thing.kind), "shape", ""))
 
 

@@ -130,7 +130,7 @@ def make_app(wanted: str = "") -> typer.Typer:
             if alone and function != wanted:
                 continue
             name = "test" if function == "start_testing" else function
-            # Names that somebody gives in the belief that they choose robots get a reason.
+            # Names given in the belief that they choose robots get a reason.
             names = {"allow_extra_args": name in ("stop", "go")}
             app.command(name, rich_help_panel=panel, context_settings=names)(
                 _verb(module, function)

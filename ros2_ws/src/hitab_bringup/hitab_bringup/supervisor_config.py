@@ -1,6 +1,6 @@
 """The configuration of supervisord for a swarm.
 
-It contains no path and no text of a user: supervisord expands and cuts off parts of what it reads.
+It contains neither a path nor a user's text: supervisord expands and cuts off parts of its input.
 Each command is in a file of its own, which a shell runs; the path of the socket is a variable.
 """
 

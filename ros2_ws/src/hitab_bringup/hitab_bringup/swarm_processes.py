@@ -40,7 +40,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     Args:
         swarm: the description.
         folder: the run folder, for libraries and journals.
-        identity: of the swarm, which its nodes publish in their statuses; empty: none.
+        identity: of the swarm, which its nodes publish in their statuses; empty if none.
     """
     own = {"swarm": identity} if identity else {}
     found = [] if swarm.world is None else [_world(swarm, swarm.world, folder, own)]

@@ -84,7 +84,7 @@ class SwarmVocabulary:
         return self._repertoires[key]
 
     def _own(self, member: AgentDescription) -> dict[str, tuple[str, ...]]:
-        """Return the behaviors that nobody has to train."""
+        """Return the behaviors that need no training."""
         if isinstance(member, CommanderDescription):
             orders = member.kind.orders
             return {o.name: (o.parameter,) if o.parameter else () for o in orders}

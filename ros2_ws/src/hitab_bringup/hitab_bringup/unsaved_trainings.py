@@ -1,4 +1,4 @@
-"""Keeps unsaved trainings apart by library: each resumes only with the library that it is for.
+"""Keeps unsaved trainings apart by library: each resumes only with its own library.
 
 An agent keeps the training under way in its folder for state, whatever its library. Started with
 another library, it would resume the training there, and save it into the wrong library. So the

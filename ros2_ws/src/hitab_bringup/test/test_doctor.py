@@ -50,7 +50,7 @@ def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, ca
     ("variables", "level", "text"),
     [
         ({}, "ok", "of processes on this computer only"),
-        ({RANGE: "OFF"}, "error", "nobody finds anybody"),
+        ({RANGE: "OFF"}, "error", "no node finds another"),
         ({VARIABLES[0]: str(LOOPBACK), RANGE: "SYSTEM_DEFAULT"}, "ok", "this computer only"),
         ({VARIABLES[0]: "/none/own.xml"}, "error", "there is no DDS profile /none/own.xml"),
     ],

@@ -64,7 +64,7 @@ class Student:
         self.libraries = libraries
 
     def library(self, agent: str) -> BehaviorLibrary | None:
-        """Return the library of an agent; None: nothing is saved in it."""
+        """Return the library of an agent; None if nothing is saved in it."""
         folder = self.libraries.get(agent)
         return open_library(folder) if folder is not None and holds_behaviors(folder) else None
 
@@ -233,7 +233,7 @@ class Exercise(Record):
 
     @property
     def agents(self) -> list[str]:
-        """The agents that it looks at."""
+        """The agents of the exercise."""
         others = [name for one in self.requires for name in getattr(one, "agents", ())]
         return [self.agent, *others]
 
@@ -254,7 +254,7 @@ class Grade(NamedTuple):
 
     Attributes:
         requirement: in words.
-        missing: what is missing; "": nothing.
+        missing: what is missing; "" if nothing.
     """
 
     requirement: str

@@ -19,9 +19,9 @@ class GroupMember:
     """A subordinate.
 
     Attributes:
-        role: in the group; empty: none.
+        role: in the group; empty if none.
         report: what the commander's decisions are based on: the last report, in lockstep that of
-            the last round; None: none yet.
+            the last round; None before the first one.
         latest: its last report, for observers.
         heard_at: s, when ``latest`` arrived, or when the commander began to wait for it.
     """
@@ -190,7 +190,7 @@ class CommanderBody:
         return self.order.number
 
     def obeys(self, name: str) -> bool:
-        """Whether a subordinate has reported that it performs its order."""
+        """Whether a subordinate has reported its present order as performed."""
         member = self.members[name]
         report = member.latest
         if report is None or (report.epoch, report.sequence) != self.number:
@@ -241,7 +241,7 @@ class CommanderBody:
 
         Args:
             order: what to order.
-            chosen: the subordinate that an order with a parameter is about; None: none can be
+            chosen: the subordinate that an order with a parameter is about; None if none can be
                 picked now, and the order is not given.
         """
         if order.parameter and chosen is None:

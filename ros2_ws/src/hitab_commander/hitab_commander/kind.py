@@ -1,4 +1,4 @@
-"""A kind of commander: what it can order and what it perceives of its subordinates."""
+"""A kind of commander: its orders, and the features of its subordinates."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class GroupFeature:
     Attributes:
         over: how the subordinates are aggregated.
         of: what is observed in each; for `Over.GROUP`, ``part`` of their positions instead.
-        role: of the subordinates that count; empty: all.
+        role: of the subordinates that count; empty for all.
         parameter: of a feature of one subordinate, `Over.VALUE`.
     """
 
@@ -91,7 +91,7 @@ class OrderMap:
     Attributes:
         name: of the order: a basic behavior of the commander.
         behaviors: by receiver: a role, ``parameter`` for the subordinate that it is bound to, or
-            `OTHERS`. Empty text: perform nothing; None: continue what is performed.
+            `OTHERS`. Empty text: perform nothing; None to continue.
         parameter: its parameter, if it is about one subordinate.
     """
 
@@ -100,7 +100,7 @@ class OrderMap:
     parameter: str = ""
 
     def for_role(self, role: str) -> str | None:
-        """Return what subordinates with a role perform; None: they continue."""
+        """Return the behavior of subordinates with a role; None if they continue."""
         return self.behaviors.get(role, self.behaviors.get(OTHERS))
 
     def covers(self, role: str) -> bool:

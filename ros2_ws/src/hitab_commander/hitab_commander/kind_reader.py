@@ -263,7 +263,7 @@ def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
     behaviors = line if isinstance(line, dict) else {OTHERS: line}
     if parameter and parameter not in behaviors:
         raise ValueError(
-            f'the order "{name}" is about {parameter}; say what it and the others do: '
+            f'the order "{name}" is about {parameter}; say what {parameter} and the others do: '
             f"{{{parameter}: ..., {OTHERS_WORD}: {KEEP}}}"
         )
     if not behaviors:

@@ -18,7 +18,7 @@ class RollCall:
     over when a later one begins.
 
     Attributes:
-        round: the number of the present round; 0: real time.
+        round: the number of the present round; 0 for real time.
     """
 
     def __init__(self, members: Collection[str]) -> None:

@@ -159,7 +159,7 @@ class _Writer:
         return self.values[self._hierarchy.features[feature - len(OWN_LABELS)].label]
 
     def _decide(self, body: Element, automaton: AutomatonForm) -> None:
-        """Walk down the tree of the state; every node comes before those that it leads to."""
+        """Walk down the tree of the state; every node comes before its successors."""
         state, node_at = self._entry(automaton.use, "state"), f"{self._prefix}node"
         following = f"{self._prefix}next"
         begin = f"{following} := {state}; {node_at} := 0 - 1; drawn := 0.0 - 1.0"

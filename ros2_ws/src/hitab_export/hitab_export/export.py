@@ -32,7 +32,7 @@ LANGUAGES: Mapping[str, Language] = MappingProxyType(
 
 
 def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
-    """Return a behavior, with everything that it is made of, as a program without HiTAB.
+    """Return a behavior, with all its parts, as a program without HiTAB.
 
     Args:
         library: that has it.

@@ -1,4 +1,4 @@
-"""A learned behavior and all that it is made of, as plain tables that any language can hold.
+"""A learned behavior and all its parts, as plain tables that any language can hold.
 
 Every automaton of the hierarchy occurs once for each binding of its parameters. Since a behavior
 cannot use itself, at most one performance of it is active at a time.
@@ -59,7 +59,7 @@ class LeafForm:
 
 
 Tree = tuple[TestForm | LeafForm, ...]
-"""The root first, each node before those that it leads to."""
+"""The root first, each node before its successors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class FeatureForm:
         label: its name with its targets.
         categories, required: as in `hitab_core.running.senses.checked`.
         period: of a toroidal feature, else 0.
-        unit: of its values; empty: none.
+        unit: of its values; empty if none.
     """
 
     label: str
@@ -104,8 +104,8 @@ class StateForm:
         performs: a behavior bound to targets; None in Start and in flag states.
         is_automaton: whether that is an automaton.
         one_shot: whether it is pulsed only once.
-        tree: decides where to go; None: nowhere.
-        numbers: gives the numbers that the behavior takes; None: it takes none.
+        tree: decides where to go; None for nowhere.
+        numbers: gives the numbers of the behavior; None if it takes none.
     """
 
     label: str
@@ -131,7 +131,7 @@ class AutomatonForm:
 
 @dataclass(frozen=True, slots=True)
 class Hierarchy:
-    """Automata, each after those that it uses; the last is the behavior itself."""
+    """Automata, each after its parts; the last is the behavior itself."""
 
     automata: tuple[AutomatonForm, ...]
     features: tuple[FeatureForm, ...]
@@ -153,7 +153,7 @@ class Hierarchy:
 
 
 def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
-    """Return a behavior with everything that it is made of.
+    """Return a behavior with all its parts.
 
     Args:
         repertoire: of the robot.

@@ -14,7 +14,7 @@ FLAGS = ("Done", "Failed")
 class Action(NamedTuple):
     """A basic behavior to perform in this tick.
 
-    ``started`` says that it begins now: stop the one before, even if it has the same name. If it
+    ``started`` marks its beginning: stop the one before, even if it has the same name. If it
     is ``one_shot``, perform it only then. If it takes ``numbers`` and there are none, since no
     feature has a value, do nothing.
     """

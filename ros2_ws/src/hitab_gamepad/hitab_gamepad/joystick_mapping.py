@@ -28,7 +28,7 @@ POINTS = 0.5
 """How far from its center, of 1, a stick points somewhere."""
 
 TIMEOUT_MAX_S = 2.0
-"""Nobody notices a lost joystick later than this."""
+"""A lost joystick is noticed within this time, s."""
 
 
 class Button(Record):
@@ -36,7 +36,7 @@ class Button(Record):
 
     Attributes:
         index: in the buttons of the message, or in its axes.
-        above: it is pressed while the axis is above this; None: it is no half of an axis.
+        above: it is pressed while the axis is above this; None if it is no half of an axis.
         below: the same, below.
     """
 
@@ -97,11 +97,11 @@ class Gauge(Record):
 
     @property
     def axes(self) -> list[int]:
-        """The axes that it reads."""
+        """The axes of the mapping."""
         return [i for i in (self.ahead, self.left, self.axis) if i is not None]
 
     def read(self, number: Number, axes: Sequence[float]) -> float | None:
-        """Return the value of a number; None: the stick does not point anywhere, or cannot."""
+        """Return the value of a number; None if the stick does not point anywhere, or cannot."""
         if self.axis is not None:
             share = (axes[self.axis] - self.low) / ((self.high - self.low) or 1.0)
             return number.low + min(max(share, 0.0), 1.0) * (number.high - number.low)

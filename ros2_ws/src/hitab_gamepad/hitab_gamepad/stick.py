@@ -15,7 +15,7 @@ from hitab_core import quantity
 from hitab_gamepad.joystick_mapping import WAYS, Mapping
 
 BOUNCE_S = 0.05
-"""Nobody presses a button twice within this time, s; contacts do."""
+"""Two presses within this time, s, are one: the contacts bounce."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Taken:
         pressed: names of the buttons that have just been pressed and count.
         down: names of the buttons that are down; none unless the switch is held.
         velocity: that is wanted; zeros: none.
-        trouble: why the message does not count; empty: it does.
+        trouble: why the message does not count; empty if it does.
     """
 
     pressed: tuple[str, ...] = ()
@@ -72,7 +72,7 @@ class Stick:
         Args:
             axes: of the message, each from -1 to 1.
             buttons: of the message; 0 is released.
-            stamp: of the message, s; 0: none.
+            stamp: of the message, s; 0 if none.
             wall: the clock of stamps now, s.
             now: s; any steady clock.
         """

@@ -36,8 +36,8 @@ SETTINGS: Mapping[str, str] = {
     **dict.fromkeys(("player_speed_max", "ball_speed_max"), ""),
     **dict.fromkeys(("player_rand", "ball_rand", "kick_rand"), ""),
 }
-"""Our parameters that the server decides, with its names for them; "": the same. It decides `BOX`
-where it plays keepaway itself."""
+"""Our parameters that the server decides, with their names there; "" for the same name. A server
+that plays keepaway itself also decides `BOX`."""
 
 
 def parameters_of(server: Settings, ours: KeepawayParameters, rules: Rules) -> KeepawayParameters:

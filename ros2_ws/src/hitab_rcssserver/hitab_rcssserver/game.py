@@ -57,7 +57,7 @@ class ReportedGame:
         field: the current one.
         agents: the keepers.
         mode: of play.
-        time: the server's; -1: not known yet.
+        time: the server's; -1 if not known yet.
     """
 
     def __init__(self, parameters: KeepawayParameters, rules: Rules, *, by_sight: bool) -> None:

@@ -52,7 +52,7 @@ class Client:
         thinking: whether the server waits for its ``(done)``.
         time: of the cycle, in the server's count.
         heard: from its teammates.
-        sighting: interprets what it sees; None if that is not used.
+        sighting: interprets the player's sight; None if that is not used.
     """
 
     connection: ServerConnection

@@ -144,7 +144,7 @@ class RcssWorld:
         """Keep the server connected until an episode begins.
 
         Raises:
-            WorldError: naming what it waits for, if that takes longer.
+            WorldError: naming the cause of the delay, if that takes longer.
         """
         deadline = time.monotonic() + seconds
         while self.waiting:

@@ -23,7 +23,7 @@ class ServerSettings(Parameters):
 
     Attributes:
         host, port: of the server, for players.
-        trainer_port: for a trainer, usually 6001; 0: connect none.
+        trainer_port: for a trainer, usually 6001; 0 to connect none.
         team, taker_team: names of the teams.
         our_takers: whether this world plays the takers; otherwise they are other clients, which
             must connect after the keepers.

@@ -31,7 +31,7 @@ class Sighting:
         ball_decay, ball_speed_max: of the server.
 
     Attributes:
-        time: of the cycle in which it last saw something; -1: never.
+        time: of the last cycle with a sighting; -1 for never.
         ball_seen_from: distance at which the ball was seen in this cycle; infinite if it was not.
     """
 

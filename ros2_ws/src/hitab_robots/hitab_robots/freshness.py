@@ -18,7 +18,7 @@ class Freshness:
     too old itself: then the sensor's clock was set back.
 
     Attributes:
-        trouble: what is wrong with the stamps, for people; empty: nothing.
+        trouble: what is wrong with the stamps, for people; empty if nothing.
     """
 
     def __init__(self, count: int, max_age: float, ahead: float = CLOCK_TOLERANCE_S) -> None:
@@ -43,8 +43,8 @@ class Freshness:
 
         Args:
             values: what was read.
-            stamp: when it was measured, s, by the sensor's clock; 0: it does not say.
-            now: s, by the clock of whoever uses it.
+            stamp: when it was measured, s, by the sensor's clock; 0 if it does not say.
+            now: s, by the user's clock.
         """
         if now < self._arrived:  # the clock was set back, as a simulation that starts again does
             self._measured = self._arrived = -math.inf

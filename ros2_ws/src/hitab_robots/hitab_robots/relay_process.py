@@ -44,7 +44,7 @@ class RelayProcess:
             *("-r", f"{ODOMETRY_TOPIC}:={node.resolve_topic_name(odometry)}"),
             *("-p", f"state_dir:={node.settings.state_dir}"),
             *("-p", f"agent_pid:={os.getpid()}"),
-            # Outside of a swarm nobody would start the agent again.
+            # Outside of a swarm, a killed agent would stay down.
             *("-p", f"kills_hung_agent:={str(bool(node.settings.swarm)).lower()}"),
             *_simulated_clock(node),
             *settings.arguments(),

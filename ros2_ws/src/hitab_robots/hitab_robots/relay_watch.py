@@ -23,10 +23,10 @@ class RelayWatch:
     """Gives the relay signs of life, and has the agent stand still while the relay does.
 
     A relay that has ended or hangs is started again. Until it gives a sign of life, the base is
-    told to stand still in its stead, since it may hold what it was told before.
+    told to stand still in its stead, since it may hold an older velocity.
 
     Attributes:
-        why: why the robot may not act, and the way out; empty: it may.
+        why: why the robot may not act, and the way out; empty if it may.
         is_emergency: whether an emergency stop holds it.
     """
 
@@ -35,7 +35,7 @@ class RelayWatch:
 
         Args:
             node: of the agent.
-            process: of the relay; None: it is started elsewhere.
+            process: of the relay; None if it is started elsewhere.
         """
         self.why = f"its {names.VELOCITY_RELAY} has not answered yet"
         self.is_emergency = False
@@ -50,7 +50,7 @@ class RelayWatch:
         steady_timer(node, RELAY_PERIOD_S, self._look)
 
     def cause(self, why: str) -> None:
-        """Stop the robot until it is re-armed, since its agent cannot act; empty: it can."""
+        """Stop the robot until it is re-armed, since its agent cannot act; empty if it can."""
         if why != self._cause:
             self._cause = why
             self._give_sign()

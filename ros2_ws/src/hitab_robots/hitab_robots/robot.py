@@ -89,7 +89,7 @@ class Robot:
 
 @dataclass(frozen=True, slots=True)
 class _Moment:
-    """Where the robot was, and what it had been told to do until then."""
+    """The pose of a robot, and its commanded motion until then."""
 
     time: float
     x: float
@@ -112,8 +112,8 @@ class RobotBody:
     """What one robot perceives now, and does next.
 
     Attributes:
-        robot: what it has.
-        velocity: what it does next; None: no behavior drives it.
+        robot: its sensors and its drive.
+        velocity: the next command; None if no behavior drives the robot.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -158,7 +158,8 @@ class RobotBody:
 
         Raises:
             FeatureValueError: if one is NaN or infinite, such as what is made of a silent sensor's
-                values, or if the robot lacks what it needs to move. It stops until it is re-armed.
+                values, or if the robot lacks a sensor that its motion needs. The robot stops until
+                it is re-armed.
         """
         velocity = (ahead, left, turn)
         if not is_velocity(velocity):
@@ -181,7 +182,7 @@ class RobotBody:
 
     @property
     def position(self) -> tuple[float, float] | None:
-        """Where the robot is, m, m, as its commander hears of it; None: it does not know."""
+        """Where the robot is, m, m, as its commander hears of it; None if it does not know."""
         if f"{self.robot.odometry}.x" not in self.robot.index:
             return None
         x, y, _ = self.place

@@ -155,7 +155,7 @@ class _SensorInput:
     Attributes:
         name: of the sensor.
         freshness: holds the reading.
-        reach: the longest range that it reads, m, as far as known.
+        reach: the longest range of the sensor, m, if known.
     """
 
     def __init__(

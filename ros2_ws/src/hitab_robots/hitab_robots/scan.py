@@ -54,7 +54,7 @@ class Scan(Sensor):
 
     Attributes:
         sectors: what is read; each has two values, such as ``scan.ahead.range``.
-        max_range: m; None: the scanner's ``range_max``. Give it if robots with different scanners
+        max_range: m; None for the scanner's ``range_max``. Needed if robots with other scanners
             are to share what they learn.
         zero_is_clear: whether 0.0 means that there is nothing, as the drivers of some small
             scanners mean it, and not that nothing was measured.
@@ -73,7 +73,7 @@ class Scan(Sensor):
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The names of what it reads."""
+        """The names of the sensor's values."""
         return tuple(f"{s.name}.{what}" for s in self.sectors for what in ("range", "bearing"))
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
@@ -128,5 +128,5 @@ class Scan(Sensor):
         return found
 
     def reach(self, message: Any) -> float:
-        """Return the longest range that it reads, m."""
+        """Return the sensor's longest range, m."""
         return float(message.range_max if self.max_range is None else self.max_range)

@@ -38,16 +38,16 @@ class Sensor(ABC):
 
     Attributes:
         name: a word; its values are called after it, such as ``odom.x``.
-        topic: relative to the robot's namespace; empty: as the name.
+        topic: relative to the robot's namespace; empty if equal to the name.
         patience: s; a reading that is older counts for nothing, and all of its values are NaN.
-        mount: where it sits; None: it does not matter.
+        mount: where it sits; None if it does not matter.
     """
 
     message: ClassVar[str] = ""
     """Type of its messages, such as ``sensor_msgs/msg/LaserScan``."""
 
     reads: ClassVar[tuple[str, ...]] = ()
-    """The names of what it reads, if it always reads the same."""
+    """The names of the sensor's values, if they are always the same."""
 
     name: str = ""
     topic: str = ""
@@ -75,17 +75,17 @@ class Sensor(ABC):
 
     @property
     def topic_name(self) -> str:
-        """The topic that it publishes, relative to the robot's namespace."""
+        """The sensor's topic, relative to the robot's namespace."""
         return self.topic or self.name
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The names of what it reads, in the order of `read`."""
+        """The names of the sensor's values, in the order of `read`."""
         return self.reads
 
     @property
     def values(self) -> tuple[str, ...]:
-        """The full names of what it reads, such as ``odom.x``."""
+        """The full names of the sensor's values, such as ``odom.x``."""
         return tuple(f"{self.name}.{field}" for field in self.fields)
 
     @abstractmethod
@@ -94,11 +94,11 @@ class Sensor(ABC):
 
         Args:
             message: of the sensor's type, or anything with its fields.
-            mount: where the sensor sits; None: as declared.
+            mount: where the sensor sits; None for the declared mount.
         """
 
     def reach(self, message: Any) -> float:
-        """Return the longest range that it reads, m; infinite if it reads none."""
+        """Return the sensor's longest range, m; infinite if it measures none."""
         return math.inf
 
 
@@ -217,7 +217,7 @@ class Range(Sensor):
         return [finite(distance) if distance >= least else math.nan]
 
     def reach(self, message: Any) -> float:
-        """Return the longest range that it reads, m."""
+        """Return the sensor's longest range, m."""
         return float(message.max_range)
 
 
@@ -242,7 +242,7 @@ class Joints(Sensor):
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The names of what it reads."""
+        """The names of the sensor's values."""
         return tuple(
             f"{joint}.{what}" for joint in self.joints for what in ("position", "velocity")
         )

@@ -34,17 +34,17 @@ OF_RELAY = {
     "smoothing_frequency": "Hz; how often a velocity is sent to the base",
     "auto_rearm": "act again by itself when what stopped the robot is over: a risk",
 }
-"""Parameters that the link hands on to the relay that it starts."""
+"""Parameters that the link hands on to its relay."""
 
 RELAY_PARAMETERS = {
     **OF_RELAY,
     "rate": "Hz; how often the agent decides and acts",
-    "relay": "start the relay; false: it is started elsewhere",
+    "relay": "start the relay; false if it is started elsewhere",
     "base_frame": "the robot's frame, such as base_link, to have tf2 tell where sensors sit; "
     "empty: the sensors' parameters tell",
-    "state_dir": "folder where an emergency stop survives a crash; empty: none",
-    "agent_pid": "process to end with, once the robot stands still; 0: none",
-    "kills_hung_agent": "kill the agent when it hangs, since somebody starts it again then",
+    "state_dir": "folder where an emergency stop survives a crash; empty if none",
+    "agent_pid": "process to end with, once the robot stands still; 0 if none",
+    "kills_hung_agent": "kill the agent when it hangs, since its supervisor restarts it",
 }
 OF_SENSOR = {
     "patience": "s; an older reading has no value",

@@ -1,6 +1,6 @@
 """Ready words for robots: basic behaviors, features and targets of a `RobotBody`. No ROS here.
 
-A value is named as the sensor and what it reads, such as ``odom.x`` or ``scan.ahead.range``.
+A value is named after its sensor and its quantity, such as ``odom.x`` or ``scan.ahead.range``.
 Features are required unless said otherwise: a robot whose sensor is silent must not drive on.
 """
 
@@ -36,7 +36,7 @@ def motion(
         ahead: m/s.
         turn: rad/s, counter-clockwise.
         left: m/s, of robots that can move sideways.
-        description: for people; empty: the velocity in words.
+        description: for people; empty for the velocity in words.
 
     Examples:
         >>> from hitab_robots import Robot
@@ -305,7 +305,7 @@ def stuck(name: str = "Stuck", seconds: float = 2.0, fraction: float = 0.2) -> F
     Args:
         name: a word.
         seconds: how long it must have been told to move.
-        fraction: of the way, or of the turn, that it was told; who moves less is stuck.
+        fraction: of the commanded way or turn; a robot that moves less is stuck.
 
     Raises:
         VocabularyError: if that is longer than a body remembers.

@@ -35,7 +35,7 @@ class Drive:
     Attributes:
         max_velocity: m/s, m/s, rad/s; also backwards. 0: it does not move so.
         max_accel: how fast it may gain speed, per s.
-        max_decel: how fast it may lose speed, per s. Whoever stops the robot does not wait for it.
+        max_decel: how fast it may lose speed, per s. A stop ignores this limit.
         enable_stamped_cmd_vel: whether the base takes `TwistStamped` instead of `Twist`.
     """
 
@@ -100,7 +100,7 @@ def _towards(wanted: float, now: float, gain: float, loss: float) -> float:
 
 
 class _Commanded:
-    """The velocity that somebody wants, and when they last said so.
+    """The velocity of one source, and when it was last sent.
 
     Attributes:
         velocity: within the limits.
@@ -121,13 +121,13 @@ class Gate:
 
     Attributes:
         held: whether the robot has to stand still, whatever is commanded.
-        insists: whether zeros are sent as long as it is held, so that nobody else can drive.
+        insists: whether zeros are sent as long as it is held, to keep other drivers out.
         closed: whether nothing more will pass.
         silent: whether every last command is too old.
     """
 
     def __init__(self, drive: Drive, timeout: float, now: float) -> None:
-        """Let nothing pass yet: send zeros, since the base may hold what it was told before.
+        """Let nothing pass yet: send zeros, since the base may hold an older velocity.
 
         Args:
             drive: the limits.
@@ -165,7 +165,7 @@ class Gate:
         return f"commands {velocity}, which is no velocity"
 
     def velocity(self, now: float) -> Velocity | None:
-        """Return what to send to the base now; None: nothing, so that others can drive it."""
+        """Return what to send to the base now; None leaves the base to other drivers."""
         seconds, self._before = now - self._before, now
         commanded = None if self.closed else self._counting(now)
         self.silent = commanded is None
@@ -185,7 +185,7 @@ class Gate:
         self._rest_until = now + REST_S
 
     def _counting(self, now: float) -> _Commanded | None:
-        """Return whose command counts; None: nobody's."""
+        """Return whose command counts; None if no command counts."""
         for commanded in (self._person, self._agent):
             if 0.0 <= now - commanded.since <= self._timeout:
                 return commanded

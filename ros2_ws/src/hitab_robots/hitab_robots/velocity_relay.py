@@ -181,7 +181,7 @@ class VelocityRelay(GuardedNode):
             self._interrupt(f"{some(sorted(back))}, which takes {topic}, was started again")
         before, self._matched = self._matched, self._base.get_subscription_count()
         if self._matched > before:
-            self._gate.rest(now)  # it may hold what it was told by somebody else
+            self._gate.rest(now)  # it may hold another driver's velocity
             self._still_since = now
         missing = self._bases.missing or not self._matched
         self._cause("base", f"no base takes {topic}" if missing else "")

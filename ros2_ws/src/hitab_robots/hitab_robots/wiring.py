@@ -23,12 +23,12 @@ Check = Callable[[AgentNode, Reach], str]
 
 
 def stopped_clock(node: AgentNode, reach: Reach) -> str:
-    """Say that simulated time is used and nobody publishes it."""
+    """Report simulated time without a publisher."""
     topic = node.resolve_topic_name(names.CLOCK)
     if not node.get_parameter("use_sim_time").value or node.count_publishers(topic):
         return ""
     return (
-        f"use_sim_time is true and nobody publishes {topic}, so the agent never decides; start "
+        f"use_sim_time is true and no node publishes {topic}, so the agent never decides; start "
         "the simulation that publishes it, or set use_sim_time to false"
     )
 
@@ -40,12 +40,12 @@ def deaf_base(node: AgentNode, reach: Reach) -> str:
     own = [info for info in publishers if _is_own(node, info)]
     sent = {info.topic_type for info in own}
     if not sent:
-        return ""  # whoever misses the relay says so
+        return ""  # the relay's absence is another fault
     takers = node.get_subscriptions_info_by_topic(topic)
     if not takers:
         return (
-            f"nobody subscribes to {topic}, so the robot cannot move; start the driver of its "
-            f"base, or remap {BASE_TOPIC} to the topic that it subscribes to"
+            f"no node subscribes to {topic}, so the robot cannot move; start the driver of its "
+            f"base, or remap {BASE_TOPIC} to the driver's topic"
         )
     for taker in takers:
         fits, why = qos_check_compatible(own[0].qos_profile, taker.qos_profile)

@@ -184,7 +184,7 @@ def ignore(message):
 
 def test_a_robot_without_a_base_is_said_to_have_none(desk, driver):
     desk.start_relay()
-    desk.until(lambda: desk.has_fault(f"nobody subscribes to {BASE}"))
+    desk.until(lambda: desk.has_fault(f"no node subscribes to {BASE}"))
     driver.create_subscription(Twist, BASE_TOPIC, ignore, 10)
     desk.until(lambda: not desk.has_fault(BASE))
 
@@ -244,7 +244,7 @@ def test_who_drives_the_base_past_the_relay_is_named(desk, driver):
 
 @pytest.mark.parametrize("desk", [{"use_sim_time": True}], indirect=True)
 def test_simulated_time_that_nobody_publishes_is_said_though_no_time_passes(desk, driver):
-    desk.until(lambda: desk.has_fault("nobody publishes /clock, so the agent never decides"))
+    desk.until(lambda: desk.has_fault("no node publishes /clock, so the agent never decides"))
     driver.create_publisher(Clock, "/clock", 1)
     desk.until(lambda: not desk.has_fault("/clock"))
 

@@ -46,7 +46,7 @@ class AgentState:
     """One viewed agent.
 
     Attributes:
-        vocabulary: what it can be commanded.
+        vocabulary: its behaviors, features and targets.
         behaviors: what is in its library and was needed, by name.
         readings: automaton, feature and its last values, oldest first; of the automata that are
             active, and without an automaton of all features, while nothing is active or a page
@@ -77,7 +77,7 @@ class AgentWatch:
 
     Attributes:
         known: what is known now.
-        training: what it was being trained at the last look, if anything.
+        training: its training at the last look, if any.
     """
 
     def __init__(
@@ -146,7 +146,7 @@ class AgentWatch:
             self._ask("features", read, self._take_features, also[:PROBED_MAX])
 
     def _needed(self, status: Any) -> set[str]:
-        """Return what it has learned, and what is active or what that is made of."""
+        """Return its learned behaviors, the active ones and their parts."""
         known, training, seen = self.known, self.training, set(self._wanted)
         waiting = [Use.parse(s).name for s in [status.behavior, *status.active_path] if s]
         if training is not None:

@@ -39,7 +39,7 @@ class DrawnArrow:
         path: of an SVG.
         lines: of its label, or the number of its rule if there is no room for the label.
         place: of the label.
-        number: of its rule, which is listed below the drawing; 0: it is not.
+        number: of its rule, which is listed below the drawing; 0 if it is not.
     """
 
     arrow: Arrow

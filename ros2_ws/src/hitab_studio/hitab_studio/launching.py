@@ -127,7 +127,7 @@ def command() -> list[str]:
 
 
 def startable_swarms(only: str | None = None) -> dict[str, str]:
-    """Return the swarms that are shipped, or that one, if it is shipped; each with what it is."""
+    """Return the swarms that are shipped, or that one, if it is shipped; with descriptions."""
     files = [path for place in shipped_folders("swarms") for path in place.glob("*.yaml")]
     found = {path.stem: _about(path) for path in sorted(files, key=lambda path: path.stem)}
     return {name: about for name, about in found.items() if only in (None, name)}

@@ -50,7 +50,7 @@ class Markers:
         times in that time.
 
         Args:
-            scene: the last one; None: none was seen.
+            scene: the last one; None if none was seen.
             doing: see `show`.
             colors: see `show`.
         """

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 NOTICE_SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
-"""How long a message stays if nobody closes it."""
+"""How long a message stays unless a person closes it."""
 
 NOTICES_MAX = 3
 """Messages that are shown at once; an older one makes room."""

@@ -55,7 +55,7 @@ class Viewing:
     """What pages show.
 
     Attributes:
-        focus: the agent that each session views; "": none.
+        focus: the agent that each session views; "" if none.
         pages: sessions that are connected.
     """
 
@@ -101,7 +101,7 @@ class Observer:
         self._do = do
         assert known.target is not None  # what is connected to
         target = known.target
-        # It hands on what it hears, as long as it is there: those who stop all may end at once.
+        # Rebroadcasts the stop, because the process that issued it may already have exited.
         self._switch = EmergencySwitch(link.node, hands_on=True, known=known.emergency)
         self._stops = Stops(link, switch=self._switch)
         self._next_stops = 0.0

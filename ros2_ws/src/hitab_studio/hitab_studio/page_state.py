@@ -51,7 +51,7 @@ class TargetsAsked:
 
 @dataclass
 class NumbersAsked:
-    """A behavior, with its targets, and the numbers that it is shown with, by name."""
+    """A behavior with its targets, and its numbers by name."""
 
     behavior: str
     values: dict[str, float]
@@ -76,7 +76,7 @@ class StudioState:
     Attributes:
         link: to the swarm.
         store: what is known.
-        held: by agent, the page that holds it: nobody else may command it.
+        held: by agent, the page that holds it: no other page may command it.
         keys: which key commands which behavior.
         launcher: starts and stops swarms.
         generations: makes generations of what a team performs.
@@ -99,7 +99,7 @@ class PageState:
     """One page in one browser.
 
     Attributes:
-        shared: what it shares with the other pages.
+        shared: the state of all pages.
         browser: identity of the browser, whose pages are the same person's; at first the page's.
         demonstrator: name of the person who commands; the reaction time is kept under it.
         name: the same, told apart from people of this name at other pages.
@@ -107,7 +107,7 @@ class PageState:
         agent: the one among them, or in the list, that is viewed and commanded.
         level: the viewed automaton, if not the outermost one.
         state: the state whose tree is viewed, if not the active one.
-        to_start: the swarm that is chosen to be started; empty: none was chosen yet.
+        to_start: the swarm that is chosen to be started; empty if none was chosen yet.
         folds: what was opened (true) or closed in the list of agents, by name.
         showing: the behavior with numbers that is being shown, if one is.
         lost: the last command, if the agent has not taken it.
@@ -168,7 +168,7 @@ class PageState:
         """Whether another page is the same person's."""
         return page.browser == self.browser
 
-    # -- what it looks at -------------------------------------------------------------------
+    # -- selection --------------------------------------------------------------------------
 
     @property
     def status(self) -> Any:
@@ -189,7 +189,7 @@ class PageState:
 
     @property
     def agents(self) -> Sequence[str]:
-        """The agents that it shows: of the swarm, or of a recording."""
+        """The page's agents: of the swarm, or of a recording."""
         if self.player is not None:
             return sorted(self.player.recording.statuses(self.player.at), key=natural)
         return self.shared.store.known.agents
@@ -288,7 +288,7 @@ class PageState:
     # -- doing ------------------------------------------------------------------------------
 
     async def ask(self, job: Callable[[Connected], T], agent: str = "", *, needs: str = "") -> T:
-        """Have the link do something; meanwhile the page says that it is busy.
+        """Have the link do something; the page is marked busy until the end.
 
         Args:
             job: does it; with an agent, after all else that anybody asked of it.
@@ -396,6 +396,6 @@ def nothing_in_training(session: PageState) -> str:
     """Return why what concerns a training cannot be done without one."""
     if not session.agent:
         return CHOOSE_FIRST
-    if session.is_training:  # its status arrives before what it trains
+    if session.is_training:  # its status arrives before its training
         return f"What {session.agent} trains is not known yet: try again in a moment."
     return f"{session.agent} is not training anything: begin a training."

@@ -12,7 +12,7 @@ from hitab_client.run_processes import RunProcesses, Silence
 from hitab_studio.learned import EMPTY_MAPPING
 
 POLL_INTERVAL_SECONDS = 0.5
-"""Between two questions, while somebody does not answer."""
+"""Between two questions, while a process does not answer."""
 
 
 class Processes:

@@ -123,7 +123,7 @@ class Labels:
     Attributes:
         strip: it.
         offset: when its first moment is, s after the beginning of the recording.
-        chosen: the number of the span that a person looks at; -1: none.
+        chosen: the number of the span that a person looks at; -1 if none.
     """
 
     strip: Strip

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from hitab_ros.stamps import seconds_of
 
 SILENT_MODE = "silent"
-"""In place of the mode of an agent that does not answer: what it does is not known."""
+"""In place of the mode of an agent that does not answer."""
 
 SHOWN_MODES = ("idle", "performing", "training", "testing", SILENT_MODE)
 NO_COLOR = 255
@@ -70,7 +70,7 @@ class Scene:
         said: what things say, by index.
         looks: of each kind of thing in it.
         center: middle of the field, m.
-        real: whether these are real robots, which nobody can put elsewhere.
+        real: whether these are real robots, which cannot be put elsewhere.
     """
 
     size: tuple[float, float]

@@ -40,7 +40,7 @@ class Address:
         host, port: to listen on.
         token: required to open the page; "" if only this machine can reach it.
         allowed: names by which the page may be opened, such as that of a proxy.
-        root_path: where a proxy shows the page, such as ``/hitab``; "": at its top.
+        root_path: where a proxy shows the page, such as ``/hitab``; "" for the root.
     """
 
     host: str = "127.0.0.1"

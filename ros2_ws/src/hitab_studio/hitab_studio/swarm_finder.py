@@ -23,12 +23,12 @@ class SwarmTarget:
         domain_id: its ROS domain.
         swarm: its name; empty if unknown.
         identity: of its present start, or `BY_HAND`: only of nodes that no `hitab up` has started
-            may anything be asked; empty: of any.
+            may anything be asked; empty for any start.
         world: whether it has started a world.
-        namespace: of all its nodes; empty: none.
+        namespace: of all its nodes; empty if none.
         folder: its run folder; "" if unknown, as that of a swarm that was started elsewhere.
-        agents: the agents that it should have.
-        start: when it was started, s since the epoch; 0: unknown.
+        agents: the expected agents.
+        start: when it was started, s since the epoch; 0 if unknown.
         problem: why no swarm can be chosen to connect to; "" if one can.
         choices: the swarms among which a person may choose; with this one, if it was found there.
     """
@@ -52,7 +52,7 @@ class Finder:
     identity is given, as on the command line.
 
     Args:
-        swarm: its name, identity, namespace or run folder; None: the one that is up, or chosen.
+        swarm: its name, identity, namespace or run folder; None for the one that is up, or chosen.
         run_folder: of a swarm that may be missing from the list of those that are up.
     """
 

@@ -54,7 +54,7 @@ FAILURES = 50
 """Consecutive failed turns after which the link reconnects."""
 
 _needs: ContextVar[str | None] = ContextVar("needs", default=None)
-"""In a job: the agent, or the world, that it needs; "" if none."""
+"""In a job: the agent or the world that must answer; "" if none."""
 
 
 class JobError(RuntimeError):
@@ -65,7 +65,7 @@ class SharedLink(RosLink):
     """A link for the server's loop and for jobs.
 
     Attributes:
-        monitor: held by whoever uses the link.
+        monitor: held by the user of the link.
         silent: agents, and the world, that have fallen silent: what needs them ends.
         ended: why all jobs end; "" as long as they go on.
     """
@@ -182,11 +182,11 @@ class SwarmLink:
     # -- for pages --------------------------------------------------------------------------
 
     async def do(self, job: Callable[[Connected], T], line: str = "", needs: str = "") -> T:
-        """Do something with the swarm in a thread, and return what it returns.
+        """Call a function with the swarm in a thread, and return its result.
 
         Args:
             job: does it.
-            line: the agent whose jobs are done one after the other; "": at once.
+            line: the agent whose jobs are done one after the other; "" for independent jobs.
             needs: an agent, or `names.WORLD`: if it falls silent, the job ends; "" if none.
 
         Raises:
@@ -212,7 +212,7 @@ class SwarmLink:
         finally:
             self._jobs.discard(running)
             if self._observer is not None and swarm.link.monitor.acquire(blocking=False):
-                try:  # whoever asked knows by now what there is to be known
+                try:  # the caller has its answer already
                     self._try(self._observer.look)
                 finally:
                     swarm.link.monitor.release()

@@ -47,7 +47,7 @@ class SwarmState:
         stopped_at: when the first of them was heard, by the wall clock, s.
         recording: the file of the run being recorded; "" if none is.
         recorded: its number of messages.
-        robots: what is known of real robots; None: there is a world, or nothing was heard yet.
+        robots: what is known of real robots; None if there is a world, or nothing was heard yet.
     """
 
     target: SwarmTarget | None = None
@@ -114,7 +114,7 @@ class SwarmState:
     def doing(self) -> dict[str, tuple[str, str]]:
         """Return the mode and the active state of each agent.
 
-        It is `SILENT_MODE` if it does not answer, or if nobody says where its robot is now.
+        It is `SILENT_MODE` if it does not answer, or if its robot's place is unknown.
         """
         lost = self.robots.lost if self.robots is not None else ()
         return {

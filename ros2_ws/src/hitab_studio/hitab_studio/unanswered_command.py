@@ -18,7 +18,7 @@ class UnansweredCommand:
     Attributes:
         agent: that was asked.
         behavior: with its targets.
-        sequence: number of the command, the same when it is sent again; 0: it was asked to
+        sequence: number of the command, the same when it is sent again; 0 if it was asked to
             perform, without a number.
     """
 
@@ -27,7 +27,7 @@ class UnansweredCommand:
     sequence: int
 
     def is_taken(self, known: SwarmState) -> bool:
-        """Whether the agent's status shows that it has taken the command after all."""
+        """Whether the agent's status shows the command as taken after all."""
         status = known.statuses.get(self.agent)
         if status is None or not known.answers(self.agent):
             return False

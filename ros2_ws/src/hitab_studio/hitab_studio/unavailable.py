@@ -1,4 +1,4 @@
-"""Why something on the page does nothing at present; empty: it does something."""
+"""Why something on the page does nothing at present; empty if it does something."""
 
 from __future__ import annotations
 
@@ -74,5 +74,5 @@ def testing(session: PageState) -> str:
     """Return why what was learned cannot be tested, or saved."""
     learned = session.training
     if learned is not None and not any(e.state == START for e in learned.examples):
-        return "There is nothing yet: command the behavior that it should begin with."
+        return "There is nothing yet: command the behavior to begin with."
     return training(session)

@@ -131,7 +131,7 @@ class RobotStandIn:
 
     Attributes:
         target: what the studio is to find.
-        odometry, scan, map, picture: what is published; None: nothing is.
+        odometry, scan, map, picture: what is published; None if nothing is.
     """
 
     def __init__(self, context: Any, robot: str = ROBOT, yaw: float = 0.0) -> None:

@@ -28,7 +28,7 @@ def diagnosis_of_world(
     ]
     missing = round_answers.missing
     if missing:
-        found.append((Level.WARN, f"nobody answers for {some(missing, NAMED_MAX)}"))
+        found.append((Level.WARN, f"no node answers for {some(missing, NAMED_MAX)}"))
 
     def details() -> tuple[str, dict[str, object]]:
         mode = "paused" if control.at_rest else "running"

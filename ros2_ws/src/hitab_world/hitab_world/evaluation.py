@@ -17,7 +17,7 @@ class GameSetup(NamedTuple):
     """A world in this process, and what plays its agents.
 
     Attributes:
-        between: called when all have perceived and nobody has acted yet, such as for commanders.
+        between: called between the percepts and the actions of a cycle, such as for commanders.
     """
 
     world: World
@@ -34,7 +34,7 @@ class Estimate:
     """The mean of a measure over episodes.
 
     Attributes:
-        mean: of all values; None: there are none.
+        mean: of all values; None if there are none.
         se: its standard error; None for fewer than two values, as the others.
         low, high: the 95 % confidence interval of the mean, from Student's t distribution.
     """
@@ -98,7 +98,7 @@ def play_alike(
     Args:
         games: with worlds of the same seed and figures.
         episodes: how many.
-        longest: break an episode off after so many simulated seconds; 0: never.
+        longest: break an episode off after so many simulated seconds; 0 for never.
     """
     for number in range(episodes):
         yield tuple(

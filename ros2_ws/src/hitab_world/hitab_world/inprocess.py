@@ -161,7 +161,7 @@ def cycle(
     Args:
         world: is stepped.
         players: by agent.
-        between: called when all have perceived and nobody has acted yet, such as for commanders.
+        between: called between the percepts and the actions of a cycle, such as for commanders.
     """
     for name, player in players.items():
         player.body.sense(*world.percept(name))

@@ -17,9 +17,9 @@ WORLD_PARAMETERS = {
     "seed": "of the run: episode i is seeded with it and i",
     "paused": "wait for a resume, step or play before the first cycle",
     "deadline": "s; in lockstep, how long to wait for an agent's answer",
-    "swarm": "identity of its swarm; empty: none, and nothing to resume",
-    "state_dir": "folder in which its state survives a restart of its process; empty: none",
-    "snapshot_period": "s; how often its state is saved for a restart; 0: never",
+    "swarm": "identity of its swarm; empty if none, and nothing to resume",
+    "state_dir": "folder in which its state survives a restart of its process; empty if none",
+    "snapshot_period": "s; how often its state is saved for a restart; 0 for never",
     "state_rate": "Hz; how often the true state is published while running",
 }
 

@@ -128,7 +128,7 @@ def simulation_in(path: Path) -> type[Simulation]:
 
 @dataclass(frozen=True)
 class SimulationParameters(Parameters):
-    """The file of a simulation, and how many agents; 0: as many as it says."""
+    """The file of a simulation, and how many agents; 0 for the number in the file."""
 
     WORLD: ClassVar[str] = "simulation"
     LIMITS: ClassVar[Mapping[str, Limit]] = {"agents": NOT_NEGATIVE}
@@ -217,7 +217,7 @@ class SimulationWorld:
     def _stepped(
         self, simulation: Simulation, actions: Mapping[str, list[float]]
     ) -> dict[str, list[float]]:
-        """Return what all agents perceive after a step; the step may change what it is given."""
+        """Return the percepts of all agents after a step; the step may change its arguments."""
         given = {name: list(values) for name, values in actions.items()}
         percepts = self._checked(simulation.step(given), "step")
         if not isinstance(simulation.ended, str):

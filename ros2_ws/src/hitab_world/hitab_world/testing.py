@@ -117,7 +117,7 @@ def _check_interface(world: World) -> None:
     assert all(isinstance(e, Entity) for e in entities), "entities() are Entity objects"
     names = {e.name for e in entities}
     assert len(names) == len(entities), "names of entities must differ"
-    assert set(world.agents) <= names, "every agent is an entity, so that it can be seen"
+    assert set(world.agents) <= names, "every agent is an entity, to be visible"
     assert all(isinstance(look, Look) for look in world.looks.values()), "looks are Look objects"
     _refuses(lambda: world.percept(NO_AGENT_NAME), "percept() of an unknown agent", NO_AGENT_NAME)
 

@@ -16,7 +16,7 @@ from typing import Any, Protocol, runtime_checkable
 from hitab_core import HitabError, unknown
 
 Action = tuple[Sequence[float], str]
-"""What one agent does: values in the domain's own layout, and what it says ("" = nothing)."""
+"""The action of one agent: values in the domain's own layout, and a message or ""."""
 
 Sensed = tuple[list[float], list[str]]
 """What one agent perceives: values in the domain's own layout, and the messages it hears."""
@@ -39,7 +39,7 @@ class Entity:
         heading: rad, counter-clockwise from x.
         vx, vy: velocity, m/s.
         radius: m.
-        say: what it said in the last cycle, "" = nothing.
+        say: its message of the last cycle, "" if none.
     """
 
     name: str
@@ -114,7 +114,7 @@ class Measure:
 
     Attributes:
         name: such as ``boxes``.
-        unit: such as ``s``; "": a number.
+        unit: such as ``s``; "" for a number.
         better: `MORE` or `LESS`.
 
     Raises:

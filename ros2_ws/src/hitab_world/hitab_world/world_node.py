@@ -210,7 +210,7 @@ class WorldNode(GuardedNode):
         self._send_percepts(look=True)
         self._wait(spinning, self._deadline())
         if self.run_state.disturbed or spinning.stopped:
-            return  # nobody is late: there was no time to answer
+            return  # no agent is late: there was no time to answer
         self.run_state.restart = False
         self.round_answers.give_up_on_late()
         self._topics.publish_status()  # first: who waits for the state looks at the status then
@@ -336,7 +336,7 @@ class WorldNode(GuardedNode):
             topics.publish_episode(ended)
             self.run_state.end_episode()
         if control.at_rest:
-            self.run_state.disturbed = True  # so that it is shown
+            self.run_state.disturbed = True  # for viewers
         else:
             topics.publish_state_if_due(at_once=ended is not None)
 
@@ -366,7 +366,7 @@ def _start(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:
     refuse_second_of_name(spinning, [node], msg.WorldStatus)
     node.join()
     if not node.world.agents:
-        raise HitabError("the world has no agents; set its parameters so that it has some")
+        raise HitabError("the world has no agents; set its parameters for at least one")
     give_signs_of_life(node, node.settings.swarm)
 
     def run_and_close(spinning: Spinner) -> int:

@@ -54,7 +54,7 @@ class WorldServices:
             node.create_service(kind, name, answering(self._kept(serve)))
 
     def _kept(self, serve: Serve) -> Serve:
-        """Return a service after which a restarted world goes on with what it was asked to."""
+        """Return a service after which a restarted world resumes its last request."""
 
         def served(request: Any, response: Any) -> str:
             done = serve(request, response)
@@ -117,7 +117,7 @@ class WorldServices:
         self._need_release()
         self._look()
         if missing := run_state.round_answers.missing:
-            raise HitabError(f"nobody answers for {', '.join(missing)}", Do.STATUS())
+            raise HitabError(f"no node answers for {', '.join(missing)}", Do.STATUS())
         run_state.control.episodes_left = request.episodes
         run_state.begin_run(request.seed)
         response.run = run_state.control.run

@@ -109,7 +109,7 @@ def pass_to(body: KeeperBody, receiver: int) -> None:
 
 
 def send_ball(body: KeeperBody, bearing: float, speed: float) -> None:
-    """Kick a kickable ball so that it leaves along ``bearing``, rad, with ``speed``, m/cycle."""
+    """Kick a kickable ball along ``bearing``, rad, with ``speed``, m/cycle."""
     p, values = body.parameters, body.values
     c, s = math.cos(bearing), math.sin(bearing)
     vx, vy = body.ball_velocity

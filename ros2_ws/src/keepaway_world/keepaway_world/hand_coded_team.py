@@ -15,7 +15,7 @@ from hitab_core import START, Automaton, Domain, HandWritten, Use
 from keepaway_world.domain import DOMAIN as KEEPAWAY_WORDS
 
 OFF = math.radians(9.0)  # the keeper turns if the ball is farther off its heading
-WALK_DISTANCE = 4.5  # m: within this distance it goes slowly, so that it does not overshoot
+WALK_DISTANCE = 4.5  # m: within this distance it goes slowly, not to overshoot
 PRESSED = 2.5  # m: it passes if a taker is this close
 
 
@@ -44,7 +44,7 @@ def control_ball(taker: float, kickable: float) -> str:
 
 
 def begin_keepaway(closer: float) -> str:
-    """Return what to do first: whoever is closest takes the ball.
+    """Return the first behavior: the closest keeper takes the ball.
 
     Args:
         closer: 1 if a teammate is closer to the ball, else 0.

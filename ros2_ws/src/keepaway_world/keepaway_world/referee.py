@@ -88,7 +88,7 @@ class Referee:
         return OUT if out else ""
 
     def saw_catch(self, player: Mover) -> None:
-        """Note that a taker has tried to catch the ball: nobody catches in keepaway."""
+        """Note that a taker has tried to catch the ball, which keepaway does not allow."""
 
     def measures(self, ended: str) -> dict[str, float]:
         """Return the figures of the episode so far; ``ended``: why it has ended, if it has."""

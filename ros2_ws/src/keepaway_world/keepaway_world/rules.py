@@ -31,7 +31,7 @@ class Rules:
         marks: what viewers see besides, such as a goal.
         center: of the field on an rcssserver: its x there, m.
         stops: why an episode ends when an rcssserver stops a match, by how its word for that
-            begins, such as "goal_l"; empty: the server itself plays this game.
+            begins, such as "goal_l"; empty if the server itself plays this game.
     """
 
     name: str

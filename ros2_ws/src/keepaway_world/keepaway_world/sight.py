@@ -42,7 +42,7 @@ def seen_velocity(
     """Return an object's velocity relative to the observer, as seen.
 
     The observer sees the quantised rates of change of distance and direction, and combines them
-    with the distance and direction that it sees.
+    with the perceived distance and direction.
 
     Args:
         dx, dy: its position relative to the observer.

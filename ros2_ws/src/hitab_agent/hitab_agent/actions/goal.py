@@ -26,7 +26,7 @@ class Limits:
 
     Attributes:
         answer: for a server to appear, to take a goal, and to end a canceled one.
-        pulse: for the agent to act, before its goal is canceled; 0: for ever.
+        pulse: for the agent to act, before its goal is canceled; 0 for no limit.
     """
 
     answer: float
@@ -71,7 +71,7 @@ class Goal:
 
     Attributes:
         call: to carry out.
-        runs_on: why the server goes on with a canceled goal; empty: it does not.
+        runs_on: why the server goes on with a canceled goal; empty if it does not.
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class Goal:
 
     @property
     def identity(self) -> bytes:
-        """What the server knows the goal by; empty: it was not sent, or the server is done."""
+        """The goal's identity at the server; empty before it is sent and after its end."""
         return b"" if self._stage in (_Stage.WAITING, _Stage.ENDED) else bytes(self._id.uuid)
 
     @property
@@ -217,7 +217,7 @@ class Goal:
             case GoalStatus.STATUS_ABORTED:
                 self._fail(f"aborted the goal{_told(answer.result)}")
             case GoalStatus.STATUS_CANCELED:
-                self._fail(f"had the goal canceled by somebody else{_told(answer.result)}")
+                self._fail(f"had the goal canceled by another client{_told(answer.result)}")
             case _:
                 self._fail("does not know the goal any more; was it restarted?")
         self._end()

@@ -56,7 +56,7 @@ class OfferedAction:
             node: of the agent.
             agent: the agent.
             answered: called after a goal was accepted or refused.
-            rest: has the agent perform what it is ordered to or, without an order, nothing.
+            rest: has the agent perform its commander's order or, without an order, nothing.
         """
         self._node = node
         self._agent = agent

@@ -58,7 +58,7 @@ class HostLink:
             world: name of the world.
             outbox: of the process, held while all act.
             orders: of the process.
-            swarm: identity of the agents' swarm; empty: none.
+            swarm: identity of the agents' swarm; empty if none.
         """
         self._swarm = swarm
         self._host = host

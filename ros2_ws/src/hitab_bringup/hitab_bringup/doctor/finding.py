@@ -15,7 +15,7 @@ class Finding:
         about: what was looked at, such as "Python".
         text: what was found.
         level: `OK`; `WARNING`: it may cause problems; `ERROR`: it keeps HiTAB from working.
-        way_out: what to do about it; empty: nothing.
+        way_out: what to do about it; empty if nothing.
     """
 
     about: str

@@ -52,11 +52,11 @@ def middleware() -> Iterator[Finding]:
     elif own:
         told = f"by your own DDS profile {own[0]}"
     elif server := os.environ.get(SERVER):
-        told = f"by the server {server}, without which nobody finds anybody ({SERVER})"
+        told = f"by the server {server}, without which no node finds another ({SERVER})"
     elif any(Path(name).name == LOOPBACK.name for name in profiles):
         told = "of processes on this computer only"
     elif environment[RANGE] == "OFF":
-        told, level, way_out = f"{RANGE} is OFF: nobody finds anybody", ERROR, f"unset {RANGE}"
+        told, level, way_out = f"{RANGE} is OFF: no node finds another", ERROR, f"unset {RANGE}"
     else:
         told = f"of other computers in the network, too ({RANGE}={said})"
     yield Finding("discovery", told, level, way_out)

@@ -41,7 +41,7 @@ class Connection:
                 console.note(sentence)
 
     def await_world(self) -> WorldClient | None:
-        """Return the world, once it answers; None: there is none.
+        """Return the world, once it answers; None if there is none.
 
         Raises:
             SwarmError: if the swarm has one that does not answer.

@@ -140,7 +140,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
         seconds: how long to repeat it until all have confirmed it.
 
     Raises:
-        SwarmError: if nobody heard it, or not all confirm it.
+        SwarmError: if no robot and no world heard it, or not all confirm it.
     """
     from hitab_client import Stops
 
@@ -152,7 +152,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
             return
         told[:] = who, is_late
         if is_late:
-            whom = _listed(who) or f"nobody answers in ROS domain {where}"
+            whom = _listed(who) or f"no node answers in ROS domain {where}"
             console.note(
                 f"not confirmed: {whom}; {unsure}; the command goes on, so that they obey when "
                 "they are back, until all confirm it or Ctrl-C"
@@ -167,8 +167,8 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
         there = [end.label(name, ends) for end in ends for name in end.names()]
     if not there:
         raise SwarmError(
-            f"nobody heard it: no robot and no simulated world answers in ROS domain {where}; "
-            "use the robots' own switches, check ROS_DOMAIN_ID and "
+            "the stop was not heard: no robot and no simulated world answers in ROS domain "
+            f"{where}; use the robots' own switches, check ROS_DOMAIN_ID and "
             "ROS_AUTOMATIC_DISCOVERY_RANGE, and try again",
             Do.DOCTOR(),
         )
@@ -205,10 +205,10 @@ def _everywhere() -> Iterator[list[Stops]]:
 
 @contextmanager
 def _meant(swarm: str | None) -> Iterator[tuple[Stops, str, set[str]]]:
-    """Yield the ROS domain of a swarm, the start of its robots' names, and these; empty: any.
+    """Yield the ROS domain of a swarm, the start of its robots' names, and these; empty for any.
 
     Args:
-        swarm: which; None: the only one that is up, or what was started by hand.
+        swarm: which; None for the only one that is up, or what was started by hand.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.

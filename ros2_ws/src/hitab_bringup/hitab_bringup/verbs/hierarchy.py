@@ -62,7 +62,7 @@ def tree(
         console.show(json, data, *(_drawn(branch, agents) for branch in branches))
         for branch in branches if json is None else ():
             if branch.order and branch.order == branch.behavior:
-                told = f"{branch.name} gives {branch.order} until it is told what else to perform"
+                told = f"{branch.name} gives {branch.order} until another order"
                 console.note(with_commands(told, [Do.PERFORM(agent=branch.name)]))
         for why in lost:
             console.error(why)
@@ -183,13 +183,13 @@ def order(
     targets: Annotated[list[str] | None, typer.Argument()] = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Make a commander give an order, or perform what it has learned; its group obeys at once.
+    """Make a commander give an order, or perform a learned behavior; its group obeys at once.
 
     The next order from its own commander replaces this one.
 
     Args:
         commander: Name of the commander, such as captain.
-        behavior: One of its orders, or a behavior that it has learned.
+        behavior: One of its orders, or a learned behavior.
         targets: Targets for its parameters.
 
     Examples:

@@ -116,7 +116,7 @@ def show(
 
     Args:
         picture: Draw it to a PNG or SVG file instead.
-        deep: Also show the automata that it uses.
+        deep: Also show the automata used by the behavior.
 
     Examples:
       hitab library show Keepaway

@@ -181,7 +181,7 @@ def import_(
 
     Args:
         file: A file that `hitab library export` wrote.
-        dry_run: Only say what it would replace.
+        dry_run: Only list what would be replaced.
 
     Examples:
       hitab library import Keepaway.bundle.yaml -l my_library --dry-run

@@ -33,7 +33,7 @@ def logs(
     Args:
         name: An agent, a host, world or supervisor. Default: all.
         follow: Go on until the swarm is down, or Ctrl-C.
-        lines: Number of lines to begin with; 0: all.
+        lines: Number of lines to begin with; 0 for all.
         level: Only lines of this level or above: debug, info, warn, error or fatal.
 
     Examples:

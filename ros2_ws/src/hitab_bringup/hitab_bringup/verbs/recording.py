@@ -72,7 +72,7 @@ def record(
                 recorder.close()
         lasted = time.monotonic() - began
     for topic in recorder.missing:
-        console.note(f"{topic} is not in it: nobody has published it in this ROS domain")
+        console.note(f"{topic} is not in it: no node has published it in this ROS domain")
     for topic, why in recorder.left_out.items():
         console.note(f"{topic} is not in it: {why}")
     if recorder.problem:

@@ -43,7 +43,7 @@ def status(
 
     Args:
         watch: Keep it up to date.
-        check: Exit with 1 if somebody does not answer, is stopped or has a fault.
+        check: Exit with 1 if a member does not answer, is stopped or has a fault.
 
     Examples:
       hitab status
@@ -62,7 +62,7 @@ def status(
         if swarm_up.record is None and not data["agents"] and data["world"] is None:
             number = swarm_up.link.node.context.get_domain_id()
             raise SwarmError(
-                f"nobody answers in ROS domain {number}; a swarm that starts or ends needs a "
+                f"no node answers in ROS domain {number}; a swarm that starts or ends needs a "
                 "moment: try again",
                 Do.UP(swarm="keepaway"),
             )
@@ -134,7 +134,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
 
 
 def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Silence | None]:
-    """Return why agents, or the world, do not answer, by name; None: that is unknown."""
+    """Return why agents, or the world, do not answer, by name; None if that is unknown."""
     from hitab_client.run_processes import Silence
 
     agents, world, processes = swarm_up.agents, swarm_up.world, swarm_up.processes
@@ -226,5 +226,7 @@ def _wrong(status: dict[str, Any]) -> list[str]:
         told.append(f"asks {quantity(status['questions'], 'question')}")
     if status.get("remarks"):
         see = as_command(Do.QUESTIONS(agent=status["agent"]))
-        told.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
+        told.append(
+            f"{quantity(status['remarks'], 'sign')} that the learned behavior does not play; {see}"
+        )
     return told

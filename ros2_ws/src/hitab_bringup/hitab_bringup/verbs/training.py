@@ -101,8 +101,8 @@ def start_testing(
 ) -> None:
     """Give control to what the agent has learned, without a reset.
 
-    What it does when it is unsure also holds for what it performs afterwards; `hitab status` shows
-    why it is unsure.
+    The choice for unsure decisions also holds for what is performed afterwards; `hitab status`
+    shows why a decision is unsure.
 
     Args:
         restart: Begin at Start, not at the active state.
@@ -128,7 +128,7 @@ def start_testing(
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:
     """Undo the last command, deletion or relabeling.
 
-    Undoing a command makes the agent perform again what it performed before.
+    Undoing a command makes the agent perform its previous behavior again.
 
     Example:
       hitab undo keeper_1

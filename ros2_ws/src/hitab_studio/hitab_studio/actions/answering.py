@@ -1,4 +1,4 @@
-"""Answering what an agent asks about its examples, and what it does when it is unsure."""
+"""Answers an agent's questions about its examples, and sets its behavior when unsure."""
 
 from __future__ import annotations
 

@@ -77,7 +77,5 @@ async def change_library(
     read = await session.ask_agent(job)
     session.close_dialog()
     session.tell(done)
-    if refused := [
-        f"{name} goes on with what it had: {why}" for name, why, did in read if not did
-    ]:
+    if refused := [f"{name} keeps its library: {why}" for name, why, did in read if not did]:
         raise SwarmError("; ".join(refused))

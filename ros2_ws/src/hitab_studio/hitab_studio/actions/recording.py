@@ -95,7 +95,7 @@ async def replay_close(session: PageState, data: Data) -> None:
 
 
 async def meanwhile_busy(session: PageState, job: Callable[[], T]) -> T:
-    """Do what takes a while in a thread; meanwhile the page says that it is busy."""
+    """Run a slow function in a thread; the page is marked busy until the function ends."""
     session.busy += 1
     session.touch()
     try:

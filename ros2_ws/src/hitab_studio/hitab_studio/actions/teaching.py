@@ -73,7 +73,7 @@ async def _commanded(session: PageState, behavior: str, seen: int, sequence: int
         session: of the page.
         behavior: with its targets.
         seen: the world's cycle that the page showed when the person pressed the key.
-        sequence: number of a lost command that is sent again; 0: a new one.
+        sequence: number of a lost command that is sent again; 0 for a new one.
     """
     agent, number, sent = session.agent, sequence or time.time_ns() // 1000, False
     taken = False

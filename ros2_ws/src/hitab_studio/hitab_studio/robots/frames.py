@@ -71,7 +71,7 @@ class Frames:
         return ways
 
     def way(self, to: str, from_: str) -> Matrix | None:
-        """Return the motion that takes points of a frame to another one; None: none is known."""
+        """Return the motion that takes points of a frame to another one; None if none is known."""
         up = self._ways_up(to.lstrip("/"))
         for frame, motion in self._ways_up(from_.lstrip("/")).items():
             if frame in up:

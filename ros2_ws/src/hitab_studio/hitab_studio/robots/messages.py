@@ -119,7 +119,7 @@ def map_of(message: OccupancyGrid) -> Grid:
     if not 0 < width * height <= MAP_CELLS:
         raise Refused(f"has {width} x {height} cells; up to {MAP_CELLS} can be shown")
     if len(message.data) != width * height:
-        raise Refused(f"says that it has {width} x {height} cells, and has {len(message.data)}")
+        raise Refused(f"announces {width} x {height} cells and has {len(message.data)}")
     origin = _pose(info.origin, "its origin")
     w, h = width * info.resolution, height * info.resolution
     corners = applied(origin, np.array([(x, y) for x in (0.0, w) for y in (0.0, h)]))

@@ -27,7 +27,7 @@ class Mounts:
     """Asks one agent's node, without ever waiting for an answer.
 
     Attributes:
-        of: where each scanner sits, by its topic; None: the agent does not know.
+        of: where each scanner sits, by its topic; None if the agent does not know.
     """
 
     def __init__(self, link: RosLink, node: str, scans: Sequence[str]) -> None:

@@ -22,7 +22,7 @@ from hitab_studio.robots.messages import (
 from hitab_studio.robots.topics import CAMERA, MAP, ODOMETRY_TYPE, SCAN
 
 ROBOT_SILENT_SECONDS = 2.0
-"""After that, nobody knows where a robot is, and what it has scanned is not drawn any more."""
+"""After that, the robot's place is unknown, and its scan is not drawn any more."""
 
 READERS = {ODOMETRY_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
 
@@ -31,8 +31,8 @@ class Reading:
     """Keeps the newest message of a topic.
 
     Attributes:
-        value: what it says; None: nothing, or it was refused.
-        trouble: why it was refused; "": it was not.
+        value: of the last message; None if there is none, or it was refused.
+        trouble: why it was refused; "" if it was not.
     """
 
     def __init__(self, link: RosLink, topic: str, kind: str) -> None:
@@ -78,12 +78,12 @@ class Reading:
 
     @property
     def age(self) -> float | None:
-        """How long ago the last message came, s; None: none came."""
+        """How long ago the last message came, s; None if none came."""
         return None if self._heard is None else time.monotonic() - self._heard
 
     @property
     def is_silent(self) -> bool:
-        """Whether what it said last does not hold any more."""
+        """Whether the last message is too old."""
         return self.age is None or self.age > ROBOT_SILENT_SECONDS
 
     def close(self) -> None:

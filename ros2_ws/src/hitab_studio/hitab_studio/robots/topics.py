@@ -52,9 +52,9 @@ class RobotTopics:
     """The topics of one robot.
 
     Attributes:
-        node: full name of its agent's node; "": it has gone.
+        node: full name of its agent's node; "" if it has gone.
         sensors: topics of its sensors, with their types; without its camera.
-        odometry, camera: topics; "": none.
+        odometry, camera: topics; "" if none.
     """
 
     node: str = ""

@@ -63,7 +63,7 @@ class Robots:
     """What is known of the robots at one moment.
 
     Attributes:
-        scene: where they are; None: of none that is known.
+        scene: where they are; None if no place is known.
         lost: names of robots whose odometry is silent: they were there.
         sensors: of each robot, by the name of its agent; with its camera and the map.
         notes: what has to be known to read what is drawn of each.
@@ -103,7 +103,7 @@ class RobotWatch:
     def find(self, agents: Collection[str], prefix: str) -> None:
         """Find the topics that there are now.
 
-        A robot whose agent has ended has those that it had: one may look where it stands.
+        A robot whose agent has ended keeps its topics: its place is still of interest.
         """
         node = self._link.node
         for agent, topics in robots_topics(node, agents, prefix, self._options).items():
@@ -218,7 +218,7 @@ class RobotWatch:
             return way @ placed.pose, placed.child
         if len(self._topics) > 1 or self._value(self._map_topic) is not None:
             notes.append(
-                f"Nobody says by tf where {placed.frame or 'the frame of its odometry'} lies in "
+                f"No tf says where {placed.frame or 'the frame of its odometry'} lies in "
                 f"{fixed}: it is drawn as if both were the same."
             )
         return placed.pose, placed.child
@@ -237,7 +237,7 @@ class RobotWatch:
             if mount is None:
                 mount = np.eye(4)
                 notes.append(
-                    f"Nobody says where {scan.frame or 'the scanner'} sits on the robot: {topic} "
+                    f"No tf says where {scan.frame or 'the scanner'} sits on the robot: {topic} "
                     "is drawn as if it sat in the middle and faced ahead."
                 )
             found.append(applied(pose @ mount, scan.points))
@@ -255,7 +255,7 @@ class RobotWatch:
 
 
 def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scene | None:
-    """Return the field with the robots; None: nobody knows where any is.
+    """Return the field with the robots; None if no robot's place is known.
 
     It has no cycles, so that no command is taken to mean a moment of a world.
 

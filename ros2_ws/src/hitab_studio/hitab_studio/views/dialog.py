@@ -23,7 +23,7 @@ NAME_FORMAT = "A name is made of letters, digits and _, and begins with a letter
 """Of behaviors and parameters, as their fields in the dialogs check it."""
 
 Feature = tuple[str, str, str, str]
-"""A feature with its targets, what it is, its kind with its unit, and its present value."""
+"""A feature with its targets, its description, its kind with its unit, and its present value."""
 
 
 def context(session: PageState) -> dict[str, Any]:

@@ -87,7 +87,7 @@ def _stuck(session: PageState) -> str:
                 "Restart, or take over (T) and show what comes next."
             )
     if world is not None and world.mode == "paused":
-        return "The world is paused: press Space, and it does what it has learned."
+        return "The world is paused: press Space, and it performs what was learned."
     return ""
 
 
@@ -153,7 +153,7 @@ def _proposed(session: PageState) -> str:
 
 
 def startable(session: PageState) -> Mapping[str, str]:
-    """Return the swarms that may be started now, each with what it is: none if one is up."""
+    """Return the swarms that may be started now, each with a description; none while one is up."""
     known = session.shared.store.known
     target = known.target
     up = target is not None and (target.choices or (target.swarm and not target.problem))

@@ -24,5 +24,5 @@ def notes(session: PageState) -> Sequence[str]:
 
 
 def camera(session: PageState) -> SensorStatus | None:
-    """Return the camera of the robot; None: it has none."""
+    """Return the camera of the robot; None if it has none."""
     return next((one for one in rows(session) if one.kind == CAMERA), None)
