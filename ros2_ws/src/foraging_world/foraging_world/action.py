@@ -31,7 +31,7 @@ Commands = NDArray[np.float64]
 def parse_all(
     actions: Mapping[str, tuple[Sequence[float], str]], index: Mapping[str, int]
 ) -> tuple[Commands, dict[str, str]]:
-    """Return what all foragers do, and what was refused, by agent.
+    """Return the actions of all foragers, and the refused ones by agent.
 
     Args:
         actions: by agent; agents that are missing do nothing.

@@ -48,12 +48,12 @@ class ForagerBody:
 
     @property
     def position(self) -> tuple[float, float]:
-        """Its position, m."""
+        """The forager's position, m."""
         return self.values[percept.X], self.values[percept.Y]
 
     @property
     def heading(self) -> float:
-        """The direction of its body, rad."""
+        """The direction of the forager's body, rad."""
         return self.values[percept.HEADING]
 
     @property

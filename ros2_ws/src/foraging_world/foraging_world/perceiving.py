@@ -41,7 +41,7 @@ Ints = NDArray[np.int64]
 
 
 def perceive_all(field: Field) -> Floats:
-    """Return what all foragers perceive now; shape (foragers, LENGTH)."""
+    """Return the percepts of all foragers; shape (foragers, LENGTH)."""
     p = field.parameters
     foragers = p.foragers
     senses = np.zeros((foragers, PERCEPT_LENGTH))
@@ -144,7 +144,7 @@ class _Sightings:
         return _Sightings(self.forager[mask], self.thing[mask], self.gap[mask])
 
     def by(self, groups: Ints) -> _Sightings:
-        """Return what groups of foragers see; a group stands for a forager."""
+        """Return the percepts of groups of foragers; a group stands for a forager."""
         order = np.lexsort((self.gap, groups[self.forager]))
         return _Sightings(groups[self.forager][order], self.thing[order], self.gap[order])
 
@@ -155,7 +155,7 @@ class _Sightings:
         return self.where(np.diff(self.forager, prepend=-1) != 0)
 
     def spread(self, foragers: int) -> tuple[Ints, Floats]:
-        """Return what each forager sees, and how far away; infinitely far if it sees nothing."""
+        """Return the thing in each forager's sight, and its distance; infinite if there is none."""
         thing, gap = np.zeros(foragers, np.int64), np.full(foragers, np.inf)
         thing[self.forager] = self.thing
         gap[self.forager] = self.gap

@@ -1,4 +1,4 @@
-"""What a forager perceives in a cycle, as a flat list of floats.
+"""A forager's percept of a cycle, as a flat list of floats.
 
 ====================  =====================================================================
 index                 value

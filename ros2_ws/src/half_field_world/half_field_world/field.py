@@ -1,4 +1,4 @@
-"""What is drawn on the field, m: rcssserver's, halved. The goal is on the right."""
+"""Lines and marks of the field, m: rcssserver's, halved. The goal is on the right."""
 
 LENGTH, WIDTH = 52.5, 68.0
 GOAL_X = LENGTH / 2.0

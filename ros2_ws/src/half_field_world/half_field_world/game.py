@@ -50,7 +50,7 @@ DEFAULT = HalfFieldParameters()
 
 
 class HalfFieldReferee(Referee):
-    """Watches one episode at a time."""
+    """The referee of one episode at a time."""
 
     def __init__(self, physics: Physics) -> None:
         p = physics.parameters
@@ -115,7 +115,7 @@ class HalfFieldReferee(Referee):
         return {**super().measures(ended), "goals": float(ended == GOAL)}
 
     def state(self) -> dict[str, Any]:
-        """Return its counts as JSON-serializable data."""
+        """Return the referee's counts as JSON-serializable data."""
         return {**super().state(), "cycles": self._cycles, "offside": list(self._offside)}
 
     def restore(self, state: Mapping[str, Any], players: Sequence[Mover]) -> None:

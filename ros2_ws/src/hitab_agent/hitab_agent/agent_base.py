@@ -1,4 +1,4 @@
-"""What the parts of an agent's node know of the node."""
+"""The node of an agent as its parts know it."""
 
 from __future__ import annotations
 
@@ -60,9 +60,9 @@ class AgentBase(GuardedNode):
         """Publish that a distribution was accepted or, without a digest, refused."""
 
     def diagnose(self) -> Diagnosis:
-        """Return what is wrong with it."""
+        """Return the faults of the agent."""
         raise NotImplementedError
 
     def troubles(self) -> list[tuple[Level, str]]:
-        """Return what else is wrong, for a kind of agent that has more than one body."""
+        """Return further faults, for a kind of agent that has more than one body."""
         return []

@@ -125,7 +125,7 @@ class AgentNode(AgentBase):
         self.guard.run("noting what a restart resumes", self.memory.keep, self.resumed())
 
     def resumed(self) -> dict[str, Any]:
-        """Return what a restart resumes."""
+        """Return the behavior that a restart resumes."""
         agent = self.agent
         performed = agent.top if agent.mode is Mode.PERFORMING else agent.awaited
         return {"behavior": str(performed or "")}
@@ -232,7 +232,7 @@ class AgentNode(AgentBase):
             ParameterService(self)
 
     def destroy_node(self) -> None:
-        """Cancel its actions, have the link stop the robot, then destroy the node.
+        """Cancel the agent's actions, have the link stop the robot, then destroy the node.
 
         Its executor must not spin afterwards: it fails at events of action clients that are gone.
         """
@@ -318,7 +318,7 @@ class AgentNode(AgentBase):
     # -- stop of its robot --------------------------------------------------------------------
 
     def stop_changed(self) -> None:
-        """Say why its robot may not act, and cancel its goals, or go on with them."""
+        """Report why the robot may not act, and cancel its goals, or go on with them."""
         why = self.stop.why if self.stop is not None else ""
         self.status.message.stopped = why
         ways = [Do.GO()] if self.stop is not None and self.stop.is_emergency else []
@@ -374,7 +374,7 @@ class AgentNode(AgentBase):
             self.shared.diagnostics.soon()
 
     def diagnose(self) -> Diagnosis:
-        """Return what is wrong with it."""
+        """Return the faults of the agent."""
         return diagnosis_of_agent(self)
 
     def _prepare_status(self) -> None:

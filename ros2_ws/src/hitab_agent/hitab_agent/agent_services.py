@@ -80,7 +80,7 @@ class AgentServices:
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
 
     def _telling(self, serve: Serve) -> Serve:
-        """Return what serves a request, and replies with the training's revision afterwards."""
+        """Return a service function that replies with the training's revision."""
 
         def served(request: Any, response: Any) -> str:
             message = serve(request, response)

@@ -57,7 +57,7 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
 
 
 def training_message(session: TrainingSession, domain: Domain) -> msg.Automaton:
-    """Return what a training has taught so far as a message."""
+    """Return the state of a training as a message."""
     curriculum, examples = session.curriculum, session.examples
     automaton = Automaton(
         curriculum.name,

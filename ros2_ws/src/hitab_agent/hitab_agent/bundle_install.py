@@ -1,4 +1,4 @@
-"""Taking in a distribution for all agents of a process at once.
+"""Installs a distribution for all agents of a process at once.
 
 It is verified, read and learned once per domain, written once per library, and synced to disk for
 all libraries together, so that a thousand folders take as long as one. Then each agent swaps its
@@ -55,7 +55,7 @@ class _LibraryInstall:
         self.edition, self.note = None, b""
 
     def current(self) -> Edition:
-        """Return what the library holds now, even if it was changed after the plan."""
+        """Return the library's present contents, even if it was changed after the plan."""
         if self.edition is None or self.generation != self.library.generation:
             self.edition = self.library.edition(strict=False)
             self.generation = self.library.generation
@@ -63,7 +63,7 @@ class _LibraryInstall:
 
 
 class BundleInstall:
-    """One distribution, taken in by its receivers in a process."""
+    """The installation of a distribution by its receivers in a process."""
 
     def __init__(
         self,

@@ -82,7 +82,7 @@ class CommandReceiver:
         node.settle()
 
     def _together(self, demonstrator: str) -> str:
-        """Return who commands the agent at the same time; empty if this demonstrator is alone."""
+        """Return the people who command the agent at the same time; empty if only one does."""
         now = time.monotonic()
         heard = {who: at for who, at in self._heard.items() if now - at <= TOGETHER_S}
         self._heard = heard | {demonstrator: now}

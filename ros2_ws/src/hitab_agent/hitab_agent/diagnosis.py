@@ -1,4 +1,4 @@
-"""What is wrong with an agent, for the topic ``/diagnostics``."""
+"""The faults of an agent, for the topic ``/diagnostics``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ MILD = (FEATURES_FAULT, VALUES, "action ")
 
 
 def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
-    """Return what is wrong with the agent of a node."""
+    """Return the faults of a node's agent."""
     agent, status, faults = node.agent, node.status, node.guard.faults.by_key
     found = [
         *node.troubles(),

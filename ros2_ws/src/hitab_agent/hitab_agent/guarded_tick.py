@@ -104,7 +104,7 @@ def failing(agent: Agent) -> str:
 
 
 def _action(values: Sequence[float], say: str) -> Action:
-    """Return what a body does and says, in the types that messages need.
+    """Return a body's action and message, in the types that messages need.
 
     Raises:
         HitabError: if it is not numbers and a text.

@@ -1,4 +1,4 @@
-"""What the agents of one process share."""
+"""Resources that the agents of one process share."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ REPORTS_PERIOD_S = 0.01
 
 
 class HostResources:
-    """Timers, publishers and whatever else a process needs once, however many agents it runs.
+    """Timers, publishers and links that a process needs once, however many agents it runs.
 
     Attributes:
         nodes: of the agents that have joined.
@@ -50,7 +50,7 @@ class HostResources:
     """
 
     def __init__(self, node: GuardedNode, agents: int = 0, swarm: str = "") -> None:
-        """Make it.
+        """Make the resources.
 
         Args:
             node: of the only agent, or of a host, in its own namespace.

@@ -10,7 +10,7 @@ from hitab_agent.agent_base import AgentBase
 from hitab_ros import names, qos
 
 SILENCE_PERIOD_S = 0.5
-"""Between two looks, s."""
+"""Period of the check, s."""
 
 
 class ReachWatch:

@@ -1,4 +1,4 @@
-"""What an agent notes for the process that takes its place, should its own be killed."""
+"""Notes of an agent for the process that takes its place, should its own be killed."""
 
 from __future__ import annotations
 

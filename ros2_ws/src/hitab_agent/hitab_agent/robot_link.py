@@ -17,7 +17,7 @@ the action, in the domain's layout and empty if something was wrong, and a text 
 
 
 class RobotStop(Protocol):
-    """What keeps the robot of an agent from acting; a link with a relay sets `AgentNode.stop`.
+    """Interface of a robot's stop; a link with a relay sets `AgentNode.stop`.
 
     Attributes:
         why: why the robot may not act, and the way out; empty if it may.

@@ -20,7 +20,7 @@ def _is(default: Any, description: str) -> Any:
 
 @dataclass(frozen=True)
 class AgentParameters:
-    """How one agent is set up; each field is a ROS parameter."""
+    """The parameters of one agent; each field is a ROS parameter."""
 
     domain: str = _is("", "name of an installed domain: what the agent can do and perceive")
     library: str = _is("", "folder of trained behaviors; empty for one in state_dir")

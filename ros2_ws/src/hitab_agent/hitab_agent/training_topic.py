@@ -1,4 +1,4 @@
-"""What an agent is being trained, on a latched topic while anybody subscribes to it."""
+"""Publishes an agent's training on a latched topic while the topic has a subscriber."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import cost_message, remark_messages
 
 TRAINING_PERIOD_S = 0.1
-"""At least this long passes between two messages."""
+"""Least time between two messages, s."""
 
 CALM_S = 1.0
-"""After a change until questions are looked for, which takes up to a second of slices."""
+"""Time from a change to the search for questions, which takes up to a second of slices."""
 
 
 class TrainingTopic:
@@ -149,7 +149,7 @@ class TrainingTopic:
 
 
 def _marks(session: TrainingSession | None) -> tuple[Any, ...]:
-    """Return what tells a change: the examples are others then, or the rest differs."""
+    """Return marks that differ after a change of examples, or of the rest."""
     if session is None:
         return (None,)
     known = [question.number for question in session.asked.known()]

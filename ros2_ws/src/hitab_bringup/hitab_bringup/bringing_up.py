@@ -283,7 +283,7 @@ def _refuse_failed(
 def _to_know(
     swarm: SwarmDescription, running: RunningSwarm, progress: Progress | None
 ) -> Iterator[str]:
-    """Yield what a person should know of a swarm that has just started."""
+    """Yield notes for people about a swarm that has just started."""
     record, folder, agents = running.record, running.folder, running.agents
     yield from _await_commanders(swarm, record, running.link, progress)
     _let_agents_perceive(running.link, agents, [c.name for c in swarm.commanders])

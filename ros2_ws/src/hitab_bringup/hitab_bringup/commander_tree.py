@@ -163,7 +163,7 @@ class CommanderTree:
         return sorted(shared)
 
     def _wrong(self, order: OrderMap, member: AgentDescription) -> Iterator[str]:
-        """Yield what is wrong with an order for a member, in words that similar ones share."""
+        """Yield the faults of an order for a member, in words that similar ones share."""
         if not order.covers(member.role):
             yield f'has no behavior for role "{member.role}"; add it, or `others:`'
             return

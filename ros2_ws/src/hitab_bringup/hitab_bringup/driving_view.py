@@ -1,4 +1,4 @@
-"""What `hitab drive` shows: what the agent does, what came of the last key, and the keys."""
+"""The view of `hitab drive`: what the agent does, what came of the last key, and the keys."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ _VERSION = re.compile(r"(\w+)@(\d+)")
 
 @dataclass(frozen=True)
 class CastMember:
-    """What an agent performs.
+    """A member of a cast: an agent or commander with its behavior and library.
 
     Attributes:
         repertoire: its behaviors.
@@ -75,7 +75,7 @@ def part_of(
     kind: CommanderKind | None = None,
     versions: Mapping[str, int] | None = None,
 ) -> CastMember:
-    """Return what an agent performs that has a library.
+    """Return the cast member of an agent with a library.
 
     Args:
         library: its folder.
@@ -110,7 +110,7 @@ def part_of(
 
 
 def players_of(world: World, parts: Mapping[str, CastMember]) -> dict[str, Player]:
-    """Return what plays the agents of a world; other agents than the world has are left out.
+    """Return the players of a world's agents; other agents than the world has are left out.
 
     Raises:
         DescriptionError: if it has none of them.
@@ -187,7 +187,7 @@ def figures_in(texts: Sequence[str]) -> dict[str, Any]:
 
 
 class Cast:
-    """Who performs what in a swarm with a world."""
+    """The cast of a swarm with a world: each member's behavior and library."""
 
     def __init__(self, swarm: SwarmDescription) -> None:
         self._agents = {agent.name: agent for agent in swarm.agents}
@@ -246,7 +246,7 @@ class Cast:
         return [*self._agents], text
 
     def parts(self) -> dict[str, CastMember]:
-        """Return what agents and commanders perform; who does nothing is left out.
+        """Return the cast of agents and commanders; who does nothing is left out.
 
         Raises:
             HitabError: if no member performs anything, or one a behavior that is missing.
@@ -275,7 +275,7 @@ class Cast:
         return parts
 
     def _ordered(self) -> set[str]:
-        """Return who obeys a commander that performs something, or one that obeys such a one."""
+        """Return the members below a commander that performs something, on all levels."""
         found: set[str] = set()
         superiors = [name for name in self._commanders if self._behaviors[name]]
         while superiors:

@@ -43,7 +43,7 @@ class Filmed:
 
     @property
     def seconds(self) -> float:
-        """How long it takes, s."""
+        """The length of the film, s."""
         return len(self.moments) * self.world.cycle_seconds
 
 

@@ -25,14 +25,14 @@ _FAILURE = re.compile(r"(Traceback|error:|Fatal Python error)")
 _MEANINGLESS = re.compile(
     r"Server 'unix_http_server' running without|Supervisor is running as root"
 )
-"""What is critical only to a supervisor whose socket others can reach."""
+"""Log lines that matter only for a supervisor whose socket others can reach."""
 
 _GIVES_UP = re.compile(r"gave up|spawnerr")
 """Begins what the supervisor does not name an error."""
 
 
 class LogLine(NamedTuple):
-    """One line of a log.
+    """A line of a log.
 
     Attributes:
         seconds: when it was written, since the epoch; of a line without a time: that of the line

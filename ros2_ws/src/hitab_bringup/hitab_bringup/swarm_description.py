@@ -205,7 +205,7 @@ class SwarmDescription:
 
     @property
     def uses_sim_time(self) -> bool:
-        """Whether some of its nodes take their time from the topic ``/clock``."""
+        """Whether some nodes of the swarm take their time from the topic ``/clock``."""
         nodes: tuple[AgentDescription | Process, ...] = (*self.members, *self.processes)
         return any(node.parameters.get(SIM_TIME) for node in nodes)
 

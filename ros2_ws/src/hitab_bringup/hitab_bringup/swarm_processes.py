@@ -23,7 +23,7 @@ AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
 EAGER_PROCESSES_MAX = 25
-"""In swarms with more processes, each creates its services only on request."""
+"""Number of processes above which each creates its services only on request."""
 
 COMPANIONS = "hitab.companions"
 """Entry points: a module to run beside each agent whose robot's link is in a package, by package.
@@ -70,7 +70,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
 
 
 def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:
-    """Yield what runs beside agents because of their links, such as a relay to the motors."""
+    """Yield the processes that agents' links need, such as a relay to the motors."""
     modules = {point.name: point.value for point in entry_points(group=COMPANIONS)}
     packages = {
         domain: load_domain(domain).link.partition(":")[0].partition(".")[0]

@@ -35,7 +35,7 @@ class SwarmVocabulary:
         self._repertoires: dict[tuple[str, ...], Repertoire] = {}
 
     def wrong_domain(self, name: str) -> str:
-        """Return what is wrong with the name of a domain; "" if nothing is."""
+        """Return the fault of a domain's name; "" if nothing is."""
         if not name:
             return f"`domain:` is missing {has(self._domains)}"
         if name in self._domains:

@@ -99,7 +99,7 @@ class BehaviorSaved(Record):
     expectations: int = 0
 
     def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
+        """Return the requirement in words."""
         counts = [
             f"at most {quantity(self.examples, 'example')}" if self.examples < 10**6 else "",
             quantity(self.corrections, "correction") if self.corrections else "",
@@ -110,7 +110,7 @@ class BehaviorSaved(Record):
         return f"{exercise.agent} has saved {self.behavior}{with_}"
 
     def missing(self, exercise: Exercise, student: Student) -> str:
-        """Return what is missing."""
+        """Return the unmet part of the requirement."""
         file = student.file(exercise.agent, self.behavior)
         examples = file.automaton.examples
         corrections = sum(example.kind is ExampleKind.CORRECTION for example in examples)
@@ -139,14 +139,14 @@ class BehaviorDecides(Record):
         return Expectation(self.behavior, self.state, seen, self.go_to)
 
     def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
+        """Return the requirement in words."""
         library = student.library(exercise.agent)
         if library is None:
             return f"{self.behavior} goes from {self.state} to {self.go_to} where it should"
         return in_words(self._expected(library), library.domain).removeprefix("expects ")
 
     def missing(self, exercise: Exercise, student: Student) -> str:
-        """Return what is missing."""
+        """Return the unmet part of the requirement."""
         file = student.file(exercise.agent, self.behavior)
         library = student.library(exercise.agent)
         assert library is not None
@@ -155,24 +155,24 @@ class BehaviorDecides(Record):
 
 
 class BehaviorShared(Record):
-    """Other agents have learned the same."""
+    """A behavior is shared: other agents have learned the same."""
 
     behavior: str = Field(alias="shared")
     agents: Texts
 
     def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
+        """Return the requirement in words."""
         return f"{', '.join(self.agents)} have the {self.behavior} of {exercise.agent}"
 
     def missing(self, exercise: Exercise, student: Student) -> str:
-        """Return what is missing."""
+        """Return the unmet part of the requirement."""
         mine = student.file(exercise.agent, self.behavior).learned
         other = [a for a in self.agents if student.file(a, self.behavior).learned != mine]
         return f"{', '.join(other)} learned otherwise; distribute it again" if other else ""
 
 
 class ConditionReached(Record):
-    """In episodes where only the agent acts, a condition comes to hold."""
+    """A condition comes to hold in episodes where only the agent acts."""
 
     condition: Condition = Field(alias="reaches")
     performing: str
@@ -181,7 +181,7 @@ class ConditionReached(Record):
     of: int = Field(ge=1)
 
     def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
+        """Return the requirement in words."""
         return (
             f"performing {self.performing}, {self.condition.describe()} within {self.within:g} s "
             f"in {self.at_least} of {quantity(self.of, 'episode')}"
@@ -215,7 +215,7 @@ REQUIREMENTS = {
     "reaches": ConditionReached,
 }
 Requirement = BehaviorSaved | BehaviorDecides | BehaviorShared | ConditionReached
-"""What an exercise requires: `told` says it, and `missing` what is missing, "" if nothing is.
+"""A requirement of an exercise: `told` says it, and `missing` what is missing, "" if nothing is.
 
 `missing` raises `HitabError` if it cannot be looked at; the error says what is missing.
 """

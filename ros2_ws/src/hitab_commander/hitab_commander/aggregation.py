@@ -17,7 +17,7 @@ NAN = math.nan
 
 
 def observed(report: Report, of: Observation, asked: Sequence[str], order: Number) -> float:
-    """Return what is observed in one member: a value, or 1 or 0 for true or false.
+    """Return the observed value of one member: a value, or 1 or 0 for true or false.
 
     Args:
         report: the member's last report.

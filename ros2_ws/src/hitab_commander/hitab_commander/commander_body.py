@@ -295,6 +295,6 @@ class CommanderBody:
 
 
 def _activity(report: Report) -> tuple[object, ...]:
-    """Return what a report says of an order and of what is done for it."""
+    """Return a report's order and the activity for it."""
     number = report.epoch, report.sequence
     return number, report.waits, report.stopped, list(report.flags), list(report.path)

@@ -30,7 +30,7 @@ GROUP_PARTS = ("x", "y", "spread")
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What is observed in one subordinate: a flag, an active state, or a feature.
+    """An observation of one subordinate: a flag, an active state, or a feature.
 
     Attributes:
         flag, active, feature: exactly one of them is not empty. ``active`` names a state at any
@@ -46,7 +46,7 @@ class Observation:
 
     @property
     def is_question(self) -> bool:
-        """Whether its value is true or false."""
+        """Whether the observed value is true or false."""
         return not self.feature or self.below is not None or self.above is not None
 
 
@@ -104,13 +104,13 @@ class OrderMap:
         return self.behaviors.get(role, self.behaviors.get(OTHERS))
 
     def covers(self, role: str) -> bool:
-        """Whether it defines what subordinates with a role do."""
+        """Whether the order defines a behavior for subordinates with a role."""
         return role in self.behaviors or OTHERS in self.behaviors
 
 
 @dataclass(frozen=True)
 class CommanderKind:
-    """What commanders of one kind share; their domain is made from it.
+    """The orders and features that commanders of one kind share; their domain is made from it.
 
     Attributes:
         name: of the kind, and of its domain.

@@ -103,7 +103,7 @@ Time = Annotated[float, Field(ge=1.0 / LONGEST, le=LONGEST)]
 
 
 class ActiveState(Record):
-    """An active state, as what is observed."""
+    """An observed active state."""
 
     active: str
 
@@ -124,7 +124,7 @@ class Observing(Record):
     above: float | None = None
 
     def observation(self) -> Observation:
-        """Return what is observed in each subordinate."""
+        """Return the observation of each subordinate."""
         if isinstance(self.of, ActiveState):
             return Observation(active=self.of.active)
         if self.of in FLAGS:

@@ -15,7 +15,7 @@ from hitab_export.python import as_python
 
 
 class Language(NamedTuple):
-    """What writes a behavior, given where it comes from, and the ending of such a file's name."""
+    """A target language: its writer, given a behavior and its origin, and its file ending."""
 
     write: Callable[[Hierarchy, str], str]
     suffix: str

@@ -82,7 +82,7 @@ class FeatureForm:
 
 @dataclass(frozen=True, slots=True)
 class NumbersForm:
-    """What gives the numbers of a state, see `hitab_core.regression`.
+    """The regression of a state's numbers, see `hitab_core.regression`.
 
     Attributes:
         features: indices as in `TestForm.feature`, one for each axis of the table.
@@ -236,7 +236,7 @@ def _numbers(
     features: list[str],
     slots: dict[str, int],
 ) -> NumbersForm | None:
-    """Return what gives the numbers of a state."""
+    """Return the regression of a state's numbers."""
     if not wanted:
         return None
     learned = automaton.numbers.get(label)

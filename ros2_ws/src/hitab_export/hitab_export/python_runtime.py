@@ -1,4 +1,4 @@
-"""What an exported Python file begins with; it runs with Python 3.8 and without HiTAB."""
+"""The first part of an exported Python file; it runs with Python 3.8 and without HiTAB."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Action(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """What gives the numbers of a state: those of the three nearest moments shown."""
+    """The regression of a state's numbers: those of the three nearest moments shown."""
 
     axes: Any  # (feature, turn and radius of a circle, usual difference, categories)
     wanted: Any  # (name, low, high, on a circle)
@@ -80,7 +80,7 @@ def _mean(shown: list[tuple[float, float]], low: float, high: float, circular: b
 
 
 class State(NamedTuple):
-    """What a state performs, an `Action` or the name of an automaton, and its decision tree."""
+    """A state: its `Action` or the name of its automaton, and its decision tree."""
 
     label: str
     performs: Any
@@ -94,7 +94,7 @@ REQUIRED: dict[str, tuple[int, ...]] = {}  # features without which an automaton
 
 
 class _Percept:
-    """Feature values of one tick, followed by the inputs of its decisions."""
+    """The feature values of a tick, followed by the inputs of decisions."""
 
     def __init__(
         self, values: Mapping[str, float | None], now: float, draw: Callable[[], float]

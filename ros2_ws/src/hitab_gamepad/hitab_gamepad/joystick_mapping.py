@@ -22,10 +22,10 @@ FORMAT = 1
 
 SHIPPED = Path(__file__).parent / "joysticks"
 WAYS = ("ahead", "left", "turn")
-"""Of the numbers of a velocity."""
+"""Names of the numbers of a velocity."""
 
 POINTS = 0.5
-"""How far from its center, of 1, a stick points somewhere."""
+"""Deflection of a stick, of 1, from which its direction counts."""
 
 TIMEOUT_MAX_S = 2.0
 """A lost joystick is noticed within this time, s."""
@@ -46,7 +46,7 @@ class Button(Record):
 
     @property
     def is_axis(self) -> bool:
-        """Whether it is a half of an axis."""
+        """Whether the button is a half of an axis."""
         return self.above is not None or self.below is not None
 
 
@@ -81,7 +81,7 @@ def _gauge(value: Any) -> Any:
 
 
 class Gauge(Record):
-    """What gives a number of a behavior: where a stick points, or how far an axis is pushed.
+    """A source of a behavior's number: where a stick points, or how far an axis is pushed.
 
     Attributes:
         ahead, left: the axes of a stick, for a number on a circle.
@@ -125,7 +125,7 @@ def _behavior(value: Any) -> str | int:
 
 
 class Mapping(Record):
-    """What the buttons and axes of a joystick do.
+    """The meaning of a joystick's buttons and axes.
 
     Attributes:
         name: of the file, for people.

@@ -1,4 +1,4 @@
-"""What a person does with a joystick, from the messages about it. No ROS here.
+"""Reads a person's actions from the messages of a joystick. No ROS here.
 
 A joystick is a radio link, a driver and cheap contacts, so nothing moves on doubtful messages:
 what is malformed, too old or missing counts as letting go.
@@ -20,7 +20,7 @@ BOUNCE_S = 0.05
 
 @dataclass(frozen=True)
 class Taken:
-    """What the person does, by one message.
+    """The person's actions in one message.
 
     Attributes:
         pressed: names of the buttons that have just been pressed and count.

@@ -26,7 +26,7 @@ _AT_REST = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """What has happened since the previous cycle.
+    """The events since the previous cycle.
 
     Attributes:
         state: the current field; None if the message was lost.
@@ -153,7 +153,7 @@ class ReportedGame:
         return there and moved and max(speeds) < _AT_REST
 
     def percept(self, keeper: str) -> Sensed:
-        """Return what a keeper perceives now."""
+        """Return a keeper's percept."""
         field = self._seen.get(keeper, self.field)
         return perceive(field.physics, field.movers[keeper]), list(self._heard.get(keeper, ()))
 

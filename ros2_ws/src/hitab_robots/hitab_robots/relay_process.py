@@ -20,7 +20,7 @@ RELAY_HUNG_S = 0.4
 """A relay that waits or is suspended, and gives no sign of life for so long, s, hangs."""
 
 BUSY_S = 2.0
-"""So does one that would go on if it only got a processor or its disk, after so long, s."""
+"""The same for a relay that is only starved of CPU or disk, s."""
 
 END_S = 3.0
 """How long a relay may take to end, s."""
@@ -56,11 +56,11 @@ class RelayProcess:
         self.start()
 
     def start(self) -> None:
-        """Start it, again if it has ended."""
+        """Start the relay, again if it has ended."""
         self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL)
 
     def trouble(self, unheard_s: float) -> str:
-        """Return what is wrong if it has ended or hangs; one that hangs is ended.
+        """Return the fault of a relay that has ended or hangs; one that hangs is ended.
 
         Args:
             unheard_s: since its last sign of life, s.

@@ -1,4 +1,4 @@
-"""What an agent tells its robot's relay, and hears from it: whether the robot may act."""
+"""Watches the relay of an agent's robot: whether the robot may act."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hitab_robots.settings import HEARTBEAT
 from hitab_ros import StopState, names, qos, steady_timer, stop_report, why_stopped
 
 RELAY_PERIOD_S = 0.1
-"""Between two looks, s."""
+"""Period of the watch, s."""
 
 FIRST_SIGN_TIMEOUT_S = 10.0
 """How long a relay may take to give the first sign of life, s."""

@@ -22,7 +22,7 @@ TIME_LABEL = "time"
 
 @dataclass(frozen=True)
 class Robot:
-    """What a robot has, as plain data; given to a domain, it makes the bodies.
+    """The parts of a robot, as plain data; given to a domain, it makes the bodies.
 
     Its percept is the time in s and then the values of its sensors, in their order; its action is
     ``[ahead, left, turn]`` in m/s, m/s and rad/s, or empty if no behavior drives it.
@@ -109,7 +109,7 @@ class Motion:
 
 
 class RobotBody:
-    """What one robot perceives now, and does next.
+    """The body of one robot: its percept, and its next motion.
 
     Attributes:
         robot: its sensors and its drive.

@@ -48,7 +48,7 @@ SENSOR_TIMEOUT_S = 3.0
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 
 NEWEST = QoSProfile(depth=1)
-"""Of velocities: reliable, and only the newest counts."""
+"""QoS of velocities: reliable, and only the newest counts."""
 
 
 class RobotLink:
@@ -150,7 +150,7 @@ class RobotLink:
 
 
 class _SensorInput:
-    """One sensor's topic, and its last reading.
+    """The topic of a sensor, and its last reading.
 
     Attributes:
         name: of the sensor.

@@ -34,7 +34,7 @@ def check_name(what: str, name: str) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor(ABC):
-    """One sensor of a robot, as plain data.
+    """A sensor of a robot, as plain data.
 
     Attributes:
         name: a word; its values are called after it, such as ``odom.x``.
@@ -44,7 +44,7 @@ class Sensor(ABC):
     """
 
     message: ClassVar[str] = ""
-    """Type of its messages, such as ``sensor_msgs/msg/LaserScan``."""
+    """Type of the sensor's messages, such as ``sensor_msgs/msg/LaserScan``."""
 
     reads: ClassVar[tuple[str, ...]] = ()
     """The names of the sensor's values, if they are always the same."""
@@ -90,7 +90,7 @@ class Sensor(ABC):
 
     @abstractmethod
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
-        """Return what a message says, a number for each of `fields`.
+        """Return the values in a message, a number for each of `fields`.
 
         Args:
             message: of the sensor's type, or anything with its fields.
@@ -208,7 +208,7 @@ class Range(Sensor):
     name: str = "range"
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
-        """Return how far it is to what is in front of the sensor."""
+        """Return the distance to the nearest thing in front of the sensor."""
         distance, least, most = message.range, message.min_range, self.reach(message)
         if distance == -math.inf:
             return [finite(least)]

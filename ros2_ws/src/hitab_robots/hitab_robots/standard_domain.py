@@ -23,7 +23,7 @@ SLOW_M = 0.3
 """Within this distance of its target, m, a robot drives more slowly."""
 
 ARRIVED_M = 0.02
-"""Nearer to its target than this, m, a robot stands still: where it faces then means nothing."""
+"""Distance to the target, m, below which a robot stands still: its direction would be noise."""
 
 
 def motion(
@@ -59,7 +59,7 @@ def motion(
 
 
 def _moving(ahead: float, turn: float, left: float) -> str:
-    """Return what a velocity is, in words."""
+    """Return a velocity in words."""
     parts = ((ahead, "m/s ahead"), (left, "m/s to the left"), (turn, "rad/s to the left"))
     return ", ".join(f"{value:g} {unit}" for value, unit in parts if value) or "stands still"
 
@@ -156,7 +156,7 @@ def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Fea
 
 @dataclass(frozen=True)
 class ValueOf:
-    """Reads one of the robot's values, by its name."""
+    """Reads a value of the robot, by its name."""
 
     name: str
 

@@ -87,7 +87,7 @@ class Drive:
 
 
 def is_velocity(values: Sequence[float]) -> bool:
-    """Whether these are three numbers, none of them infinite or NaN."""
+    """Whether a velocity is three numbers, none of them infinite or NaN."""
     return len(values) == 3 and all(map(math.isfinite, values))
 
 
@@ -165,7 +165,7 @@ class Gate:
         return f"commands {velocity}, which is no velocity"
 
     def velocity(self, now: float) -> Velocity | None:
-        """Return what to send to the base now; None leaves the base to other drivers."""
+        """Return the velocity to send to the base now; None leaves the base to other drivers."""
         seconds, self._before = now - self._before, now
         commanded = None if self.closed else self._counting(now)
         self.silent = commanded is None

@@ -54,8 +54,8 @@ MISSED_S = 0.3
 """An agent that gives no sign of life for so long, s, does not cancel its goals itself."""
 
 AGENT_HUNG_S = 1.0
-"""An agent on this machine that waits or is suspended, and gives no sign of life for so long, s,
-does not drive again by itself."""
+"""Silence, s, after which an agent on this machine that waits or is suspended does not drive again
+by itself."""
 
 SILENT_S = 3.0
 """Any other agent that gives no sign of life for so long, s, does not drive again by itself."""

@@ -1,4 +1,4 @@
-"""What is known of the viewed agents: what they perceive, decide and have learned.
+"""Watches the viewed agents: their percepts, decisions and learned behaviors.
 
 Requests cost an agent a little, so only the viewed agents are asked, each by name. What pages read
 of it, `AgentState`, is replaced as a whole and never changed.
@@ -38,12 +38,12 @@ SHELF_MAX = 40
 
 READ_SECONDS = 0.15
 REFUSED_RETRY_SECONDS = 1.0
-"""After a refusal until the same is asked again."""
+"""Time from a refusal until the same is asked again."""
 
 
 @dataclass(frozen=True)
 class AgentState:
-    """One viewed agent.
+    """The state of a viewed agent.
 
     Attributes:
         vocabulary: its behaviors, features and targets.
@@ -65,7 +65,7 @@ class AgentState:
 
 
 class AgentWatch:
-    """Listens to one agent and asks it, without ever waiting for an answer.
+    """Listens to an agent and asks for its state, without ever waiting for an answer.
 
     Args:
         agents: of the swarm.
@@ -146,7 +146,7 @@ class AgentWatch:
             self._ask("features", read, self._take_features, also[:PROBED_MAX])
 
     def _needed(self, status: Any) -> set[str]:
-        """Return its learned behaviors, the active ones and their parts."""
+        """Return the agent's learned behaviors, the active ones and their parts."""
         known, training, seen = self.known, self.training, set(self._wanted)
         waiting = [Use.parse(s).name for s in [status.behavior, *status.active_path] if s]
         if training is not None:

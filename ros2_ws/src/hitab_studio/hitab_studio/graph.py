@@ -28,7 +28,7 @@ WRAP = 26
 """Characters in a line of a label."""
 
 ARROW_GAP = 2.0
-"""Between a state and an arrow."""
+"""The gap between a state and an arrow."""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from hitab_core import has
 
 NONE: Mapping[str, str] = {}
 MOST_LINES = 40
-"""Of the command's output, which are kept."""
+"""Number of lines of the command's output that are kept."""
 
 
 @dataclass
@@ -41,7 +41,7 @@ class Launch:
 
     @property
     def seconds(self) -> int:
-        """Since it began, s."""
+        """Time since the launch, s."""
         return round(time.monotonic() - self.began)
 
 

@@ -1,4 +1,4 @@
-"""What an agent knows and has learned, as the page shows it."""
+"""An agent's vocabulary and learned behaviors, as the page shows them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ EMPTY_MAPPING: Mapping[Any, Any] = MappingProxyType({})
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What can be commanded, perceived and targeted, from `GetVocabulary`.
+    """The behaviors, features and targets of an agent, from `GetVocabulary`.
 
     Attributes:
         domain: whose vocabulary it is.
@@ -84,7 +84,7 @@ def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use
 
 
 def _by_name(words: Sequence[Any], what: str) -> Mapping[str, str]:
-    """Return what is said of each behavior or feature, by name without parameters."""
+    """Return the description of each behavior or feature, by name without parameters."""
     return MappingProxyType({Use.parse(word.name).name: getattr(word, what) for word in words})
 
 

@@ -1,4 +1,4 @@
-"""The short messages of a page: what was done, and what went wrong."""
+"""Notices: short messages on a page about successes and failures."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Notice:
 
 
 class Notices:
-    """What a page shows at present, oldest first; the same text is there once.
+    """The notices of a page, oldest first; the same text is there once.
 
     Args:
         clock: the time, s.

@@ -35,7 +35,7 @@ from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
 
 STOPS_S = 0.5
-"""Between two looks for who can be stopped, s: each lists all topics."""
+"""Period of the search for robots that can be stopped, s: each lists all topics."""
 
 ARM_S = 3.0
 """How long a robot may take to be found that is to act again, s."""
@@ -52,7 +52,7 @@ SOON = 1.0
 
 @dataclass
 class Viewing:
-    """What pages show.
+    """The agents and behaviors that pages show.
 
     Attributes:
         focus: the agent that each session views; "" if none.
@@ -64,7 +64,7 @@ class Viewing:
 
 
 class Observer:
-    """What is known of one swarm, from its connection to its end.
+    """Collects the state of one swarm, from its connection to its end.
 
     Args:
         link: the node to use.

@@ -146,7 +146,7 @@ TELL_REFUSAL = (
 
 
 class Page:
-    """One page: shows a session, and passes on the person's actions."""
+    """A page in a browser: shows its state, and passes on the person's actions."""
 
     def __init__(self, studio: Studio, session: PageState, client: Client) -> None:
         self._studio = studio

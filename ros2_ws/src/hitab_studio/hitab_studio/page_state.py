@@ -1,4 +1,4 @@
-"""What one browser shows and does."""
+"""The state of a page in a browser, and of all pages together."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class ExamplesTable:
 
 
 class StudioState:
-    """What all pages share, including each other.
+    """The state that all pages share, including the list of pages.
 
     Attributes:
         link: to the swarm.
@@ -96,7 +96,7 @@ class StudioState:
 
 
 class PageState:
-    """One page in one browser.
+    """The state of one page in one browser.
 
     Attributes:
         shared: the state of all pages.
@@ -179,12 +179,12 @@ class PageState:
 
     @property
     def watched(self) -> AgentState:
-        """What else is known of the agent."""
+        """The details of the viewed agent."""
         return self.shared.store.known.watched.get(self.agent, NO_AGENT)
 
     @property
     def training(self) -> Training | None:
-        """What the agent is being trained, as it has published it last."""
+        """The viewed agent's training, as published last."""
         return self.shared.link.training(self.agent)
 
     @property
@@ -246,7 +246,7 @@ class PageState:
         return frame(recording.scene(at), recording.doing(at), self.shared.store.palette)
 
     def layers(self) -> dict[str, bytes]:
-        """Return what else of real robots the page should show now."""
+        """Return the layers of real robots that the page should show now."""
         robots = self.shared.store.known.robots
         if robots is None or self.player is not None:
             return {}

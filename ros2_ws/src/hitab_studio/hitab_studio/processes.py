@@ -1,4 +1,4 @@
-"""What the supervisor of a swarm and the system know of its processes that do not answer."""
+"""Reasons why processes of a swarm do not answer, from its supervisor and the system."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hitab_client.run_processes import RunProcesses, Silence
 from hitab_studio.learned import EMPTY_MAPPING
 
 POLL_INTERVAL_SECONDS = 0.5
-"""Between two questions, while a process does not answer."""
+"""Period of questions, while a process does not answer."""
 
 
 class Processes:
@@ -32,7 +32,7 @@ class Processes:
         self._next = 0.0
 
     def why(self, absent: Collection[str]) -> Mapping[str, Silence]:
-        """Return what was last found out of those that do not answer; call it again and again.
+        """Return the last findings about processes that do not answer; call it again and again.
 
         Args:
             absent: names of agents, or of the world.

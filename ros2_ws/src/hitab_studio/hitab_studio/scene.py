@@ -1,4 +1,4 @@
-"""What is visible in a world, compact enough to send to a browser ten times a second.
+"""The visible part of a world, compact enough to send to a browser ten times a second.
 
 Names, kinds and sizes are sent when they change (the roster); positions are sent as a binary
 frame, little-endian:
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from hitab_ros.stamps import seconds_of
 
 SILENT_MODE = "silent"
-"""In place of the mode of an agent that does not answer."""
+"""The mode of an agent that does not answer."""
 
 SHOWN_MODES = ("idle", "performing", "training", "testing", SILENT_MODE)
 NO_COLOR = 255
@@ -33,10 +33,10 @@ STATE_COLORS = (
     "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
     "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
 )  # fmt: skip
-"""As in static/drawing.js; further states share them."""
+"""Colors of states, as in static/drawing.js; further states share them."""
 
 AGENT_COLOR = "#5c7ea8"
-"""Of an agent in no state, and of things to which their world gives no color."""
+"""Color of an agent in no state, and of things without a color of their own."""
 
 KNOWN_FIELDS = ("x", "y", "heading", "vx", "vy")
 
@@ -100,7 +100,7 @@ class Scene:
 
 
 def scene_of(state: Any) -> Scene:
-    """Return what a `WorldState` message shows."""
+    """Return the scene of a `WorldState` message."""
     entities = state.entities
     # Recordings from before the state had a header have a stamp alone.
     stamp = state.header.stamp if hasattr(state, "header") else state.stamp

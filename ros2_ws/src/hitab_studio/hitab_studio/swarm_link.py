@@ -224,7 +224,7 @@ class SwarmLink:
         self._chosen = True
 
     def training(self, agent: str) -> Training | None:
-        """Return what a viewed agent is being trained, as it has published it last."""
+        """Return a viewed agent's training, as published last."""
         swarm = self._connected
         status = swarm.agents.statuses.get(agent) if swarm is not None else None
         if swarm is None or status is None or not status.training:
@@ -243,7 +243,7 @@ class SwarmLink:
 
     @property
     def observer(self) -> Observer:
-        """What observes the swarm.
+        """The observer of the swarm.
 
         Raises:
             SwarmError: if there is no connection.

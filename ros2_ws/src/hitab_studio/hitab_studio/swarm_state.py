@@ -1,4 +1,4 @@
-"""What is known of the swarm. It is replaced, never changed, so that pages see what is new."""
+"""The known state of the swarm, which is replaced, never changed, so that pages see changes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ JOINING_SECONDS = 15.0
 
 @dataclass(frozen=True)
 class SwarmState:
-    """All that is known of a swarm at one moment.
+    """The known state of a swarm at one moment.
 
     Attributes:
         target: the swarm to connect to; None before the first search.

@@ -1,4 +1,4 @@
-"""What all pages share."""
+"""Data that all pages share."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hitab_studio.swarm_state import SwarmState
 
 @dataclass
 class SwarmStore:
-    """What is known of the swarm, and what else pages share.
+    """The state of the swarm, and other data that pages share.
 
     Attributes:
         known: of the swarm.

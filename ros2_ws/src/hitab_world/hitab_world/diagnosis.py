@@ -1,4 +1,4 @@
-"""What is wrong with a world, for the topic ``/diagnostics``."""
+"""The faults of a world, for the topic ``/diagnostics``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ NAMED_MAX = 10  # most agents that a message names
 def diagnosis_of_world(
     run_state: RunState, guard: Guard, hardware: str, errors: set[str]
 ) -> Diagnosis:
-    """Return what is wrong with a world.
+    """Return the faults of a world.
 
     Args:
         run_state: of the world.

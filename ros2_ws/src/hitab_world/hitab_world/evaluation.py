@@ -84,7 +84,7 @@ def mean_and_error(values: Sequence[float]) -> dict[str, float]:
 
 
 def measures_of(world: World, results: Sequence[EpisodeResult]) -> Sequence[Measure]:
-    """Return what a world declares, or else the measures of its results, as if more is better."""
+    """Return a world's declared measures, or else those of its results, as if more is better."""
     names = {name for result in results for name in result.measures}
     undeclared = (Measure(SECONDS, "s"), *map(Measure, sorted(names)))
     return getattr(world, "measures", ()) or undeclared
@@ -138,7 +138,7 @@ class Comparison:
 
     @property
     def difference(self) -> Estimate:
-        """By how much the first game has more than the second, paired by episode."""
+        """The mean lead of the first game over the second, paired by episode."""
         return estimate([a - b for a, b in zip(*self.values, strict=True)])
 
     @property

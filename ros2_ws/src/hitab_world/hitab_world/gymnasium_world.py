@@ -101,7 +101,7 @@ class GymnasiumWorld(Simulation):
 
 
 def _parts(returned: Any, method: str, count: int) -> Sequence[Any]:
-    """Return what an environment returned; a `ValueError` if its interface is an old one."""
+    """Return the parts of an environment's answer; `ValueError` for an old interface."""
     if isinstance(returned, tuple | list) and len(returned) == count:
         return returned
     raise ValueError(

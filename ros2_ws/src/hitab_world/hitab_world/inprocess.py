@@ -33,7 +33,7 @@ Between = Callable[[], None]
 
 
 class Player(Protocol):
-    """What plays one agent.
+    """A player of one agent.
 
     Attributes:
         body: of the agent; see `hitab_core.domain.Body`.

@@ -27,7 +27,7 @@ class GivenParameters:
         self._parameter_overrides = {f"{PARAMETER_GROUP}.{name}": v for name, v in figures.items()}
 
     def declare_parameter(self, name: str, default: Any, *described: Any) -> Any:
-        """Return what has the value that is given, or else the default, as ``value``."""
+        """Return an object with the given value, or else the default, as ``value``."""
         return SimpleNamespace(value=self._parameter_overrides.get(name, default))
 
 

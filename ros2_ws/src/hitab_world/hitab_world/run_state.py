@@ -10,7 +10,7 @@ from hitab_world.world import World
 
 
 class RunState:
-    """The state shared by the parts that run, publish, save and change a world.
+    """The state of a run, shared by the parts that play, publish, save and change a world.
 
     Attributes:
         world: the world.

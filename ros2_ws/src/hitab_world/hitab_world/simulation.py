@@ -31,7 +31,7 @@ from hitab_world.world import (
 
 SIMULATION_VERSION = 2
 PLACED = "placed"
-"""What a placement is kept under, where a step has the actions of agents."""
+"""Key of a placement, where a step has the actions of agents."""
 
 ENDED_BY_TIME = "time"
 Values = Sequence[float]
@@ -87,7 +87,7 @@ class Simulation:
         )
 
     def draw(self) -> Iterable[Entity]:
-        """Return what viewers show."""
+        """Return the things that viewers show."""
         return ()
 
     def measured(self) -> Mapping[str, float]:
@@ -182,7 +182,7 @@ class SimulationWorld:
         return simulation, percepts, list(done)
 
     def _done_once(self, simulation: Simulation, one: dict[str, Any]) -> dict[str, list[float]]:
-        """Return what all agents perceive after a step with these actions, or a placement."""
+        """Return the percepts of all agents after a step with these actions, or a placement."""
         if PLACED not in one:
             return self._stepped(simulation, one)
         things = {name: dict(fields) for name, fields in one[PLACED].items()}
@@ -228,7 +228,7 @@ class SimulationWorld:
         return percepts
 
     def _checked(self, percepts: Any, method: str) -> dict[str, list[float]]:
-        """Return what all agents perceive.
+        """Return the checked percepts of all agents.
 
         Raises:
             WorldError: naming the agent whose percept is missing or wrong.
@@ -265,7 +265,7 @@ class SimulationWorld:
         self._begin()
 
     def percept(self, agent: str) -> Sensed:
-        """Return what an agent perceives now."""
+        """Return an agent's percept."""
         if agent not in self._percepts:
             raise WorldError(f'no agent "{agent}" {has(self.agents, agent)}')
         return list(self._percepts[agent]), []
@@ -300,7 +300,7 @@ class SimulationWorld:
         return self.ended or None
 
     def entities(self) -> list[Entity]:
-        """Return what the simulation draws."""
+        """Return the drawn things of the simulation."""
         with self._naming_the_line():
             return list(self._simulation.draw())
 
@@ -328,7 +328,7 @@ class SimulationWorld:
             raise
 
     def snapshot(self) -> dict[str, Any]:
-        """Return what was done in the episode, as JSON-able data."""
+        """Return the actions of the episode, as JSON-able data."""
         done = [dict(one) for one in self._done]
         return {**snapshots.header(self, SIMULATION_VERSION), "source": self._source, "done": done}
 

@@ -25,16 +25,16 @@ from hitab_world.world import World, WorldError
 
 
 class ParameterizedWorld(World, Protocol):
-    """A world whose state depends on its figures."""
+    """A world whose state depends on its parameters."""
 
     @property
     def parameters(self) -> Parameters:
-        """Its figures."""
+        """The parameters of the world."""
 
 
 @dataclass(frozen=True, slots=True)
 class SnapshotHeader:
-    """When a snapshot was taken; the fields are those of `World`."""
+    """The header of a snapshot: the world's counts when it was taken, as in `World`."""
 
     seed: int
     episode: int
@@ -141,7 +141,7 @@ def finite(value: Any) -> float:
 
 
 def _difference(key: str, there: Any, here: Any) -> str:
-    """Return what differs between a snapshot and the world where it should be restored."""
+    """Return the differences between a snapshot and the world where it should be restored."""
     if not isinstance(there, Mapping) or not isinstance(here, Mapping):
         return f"the snapshot's {key} is {there}, this world's is {here}"
     names = sorted(name for name in {*there, *here} if there.get(name) != here.get(name))
@@ -150,6 +150,6 @@ def _difference(key: str, there: Any, here: Any) -> str:
 
 
 def _origin(world: ParameterizedWorld, version: int) -> dict[str, Any]:
-    """Return what must match in the world where a snapshot is restored."""
+    """Return the fields that must match in the world where a snapshot is restored."""
     figures = world.parameters.as_dict()
     return {"world": world.name, "version": version, "parameters": figures}

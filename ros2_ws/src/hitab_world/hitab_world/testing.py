@@ -53,7 +53,7 @@ class Wandering:
         self._say = ["", *say]
 
     def actions(self, world: World) -> dict[str, Action]:
-        """Return what the agents do in this cycle; about one in ten does nothing."""
+        """Return the agents' actions of this cycle; about one in ten does nothing."""
         random = Random(world.cycle)
         return {
             name: (random.choice(self._samples), random.choice(self._say))

@@ -19,7 +19,7 @@ Action = tuple[Sequence[float], str]
 """The action of one agent: values in the domain's own layout, and a message or ""."""
 
 Sensed = tuple[list[float], list[str]]
-"""What one agent perceives: values in the domain's own layout, and the messages it hears."""
+"""The percept of one agent: values in the domain's own layout, and the messages it hears."""
 
 NAN = float("nan")
 
@@ -58,7 +58,7 @@ SHAPES = ("disc", "square", "ball")
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How viewers draw one kind of thing.
+    """The look of one kind of thing in viewers.
 
     Attributes:
         color: such as ``"#f2c94c"``; "" leaves it to the viewer, which colors agents by what they
@@ -130,7 +130,7 @@ class Measure:
             raise WorldError(unknown("way to be better", self.better, (MORE, LESS)))
 
     def of(self, result: EpisodeResult) -> float:
-        """Return its value in an episode; NaN if it has none."""
+        """Return the measure's value in an episode; NaN if it has none."""
         return result.seconds if self.name == SECONDS else result.measures.get(self.name, NAN)
 
 
@@ -200,7 +200,7 @@ class World(Protocol):
         """Begin an episode: the given one, or the next one; of the given run, or of this one."""
 
     def percept(self, agent: str) -> Sensed:
-        """Return what ``agent`` perceives now; asking again gives the same."""
+        """Return the percept of ``agent``; asking again gives the same."""
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
         """Advance by one cycle; agents that are not in ``actions`` do nothing.
@@ -239,7 +239,7 @@ class World(Protocol):
 
 
 LOOK = "look"
-"""What the agents perceive has changed."""
+"""The agents' percepts have changed."""
 
 RESTART = "restart"
 """An episode has begun."""

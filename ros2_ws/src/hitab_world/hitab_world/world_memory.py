@@ -1,4 +1,4 @@
-"""What a world continues from after a restart of its process: its latest state and snapshots.
+"""The memory from which a restarted world continues: its latest state and snapshots.
 
 The latest state is replaced at a period, and before a request that has changed it is acknowledged.
 It is valid for one start of a swarm: the next one starts as its description says, but a world that

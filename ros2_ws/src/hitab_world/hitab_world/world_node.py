@@ -160,7 +160,7 @@ class WorldNode(GuardedNode):
             self._cycle(spinning)
 
     def _begin_run(self, spinning: Spinner) -> None:
-        """In lockstep, have all look first, which waits for those given up on in an earlier run.
+        """Begin a run; in lockstep all look first, also those given up on in an earlier run.
 
         Otherwise a run without them would have no missed deadline.
         """
@@ -303,7 +303,7 @@ class WorldNode(GuardedNode):
         self._percept_sender.send(common, self._percept)
 
     def _percept(self, agent: str) -> tuple[Sequence[float], Sequence[str]] | None:
-        """Return what an agent perceives; None, and a fault, if the world fails to return it."""
+        """Return an agent's percept; None, and a fault, if the world fails to return it."""
         key = f"percept of {agent}"
         try:
             values, heard = self.world.percept(agent)

@@ -60,7 +60,7 @@ def orders_of(
     say_length: int,
     refused: dict[str, str],
 ) -> Iterator[tuple[str, Order, str]]:
-    """Yield what each keeper does and says, in the order of the agents.
+    """Yield each keeper's action and message, in the order of the agents.
 
     Args:
         actions: by agent.

@@ -1,4 +1,4 @@
-"""What there is on a field for viewers, and where a viewer puts it."""
+"""The things on a field for viewers, and their placement by viewers."""
 
 from __future__ import annotations
 

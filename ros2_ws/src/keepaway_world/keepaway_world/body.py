@@ -106,28 +106,28 @@ class KeeperBody:
 
     @property
     def number(self) -> int:
-        """Its number, from 1."""
+        """The keeper's number, from 1."""
         return int(self.values[percept.NUMBER])
 
     @property
     def position(self) -> tuple[float, float]:
-        """Its position, m."""
+        """The keeper's position, m."""
         return self.values[percept.X], self.values[percept.Y]
 
     @property
     def heading(self) -> float:
-        """The heading of its body, rad."""
+        """The heading of the keeper's body, rad."""
         return self.values[percept.HEADING]
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """Its velocity, m/cycle."""
+        """The keeper's velocity, m/cycle."""
         values = self.values
         return values[percept.VX] / CYCLES_PER_SECOND, values[percept.VY] / CYCLES_PER_SECOND
 
     @property
     def speed(self) -> float:
-        """Its speed, m/cycle."""
+        """The keeper's speed, m/cycle."""
         values = self.values
         return math.hypot(values[percept.VX], values[percept.VY]) / CYCLES_PER_SECOND
 

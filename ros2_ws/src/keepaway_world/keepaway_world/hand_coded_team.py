@@ -20,7 +20,7 @@ PRESSED = 2.5  # m: it passes if a taker is this close
 
 
 def goto_ball(distance: float, direction: float) -> str:
-    """Return what to do to reach the ball at its current position.
+    """Return the behavior that reaches the ball at its current position.
 
     Args:
         distance: to the ball, m.
@@ -32,7 +32,7 @@ def goto_ball(distance: float, direction: float) -> str:
 
 
 def control_ball(taker: float, kickable: float) -> str:
-    """Return what to do with the ball: reach it, hold it, and pass when pressed.
+    """Return the behavior at the ball: reach it, hold it, and pass when pressed.
 
     Args:
         taker: distance to the closest taker, m.
@@ -53,7 +53,7 @@ def begin_keepaway(closer: float) -> str:
 
 
 def await_pass(yelled: float) -> str:
-    """Return what to do while open: take the ball if a passer has yelled to this keeper.
+    """Return the behavior while open: take the ball if a passer has yelled to this keeper.
 
     Args:
         yelled: 1 if so, else 0.
@@ -62,7 +62,7 @@ def await_pass(yelled: float) -> str:
 
 
 def after_pass(done: float) -> str:
-    """Return what to do while in control: get open once the ball has been passed.
+    """Return the behavior while in control: get open once the ball has been passed.
 
     Args:
         done: 1 if `ControlBall` has raised Done, else 0.

@@ -44,7 +44,7 @@ def takers_of(physics: Physics, own: Callable[[Physics], Takers] = TakerTeam) ->
 
 
 def offered(group: str, name: str) -> Any:
-    """Return what an installed package offers.
+    """Return the players that an installed package offers.
 
     Raises:
         ParameterError: if none offers this.

@@ -25,7 +25,7 @@ TAKER_CORNER = (-1.0, -1.0)
 
 
 class Referee:
-    """Watches one episode at a time.
+    """The referee of one episode at a time.
 
     Attributes:
         possession: cycles of possession by takers so far; see `judge`.
@@ -111,7 +111,7 @@ class Referee:
         return stuck and self._stuck_area > 0.0
 
     def state(self) -> dict[str, Any]:
-        """Return its counts as JSON-serializable data."""
+        """Return the referee's counts as JSON-serializable data."""
         last = self._last_kick.name if self._last_kick else ""
         return {
             "possession": self.possession,

@@ -1,4 +1,4 @@
-"""What differs between games on the same field: who plays, how it begins, when it ends."""
+"""Rules that differ between games on the same field: players, beginning and end."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ class KeepawayWorld:
         return self._physics
 
     def percept(self, agent: str) -> Sensed:
-        """Return what a keeper perceives now.
+        """Return a keeper's percept.
 
         Raises:
             WorldError: if there is no such keeper.
@@ -148,7 +148,7 @@ class KeepawayWorld:
             self._referee.saw_catch(player)
 
     def _hear(self, said: Mapping[str, str]) -> dict[str, list[str]]:
-        """Return what each keeper hears: one message per cycle, chosen at random."""
+        """Return the messages that keepers hear: one message per cycle, chosen at random."""
         heard: dict[str, list[str]] = {}
         reach = self.parameters.say_range
         for name, keeper in self._keepers.items():

@@ -1,4 +1,4 @@
-"""One goal of an action at its server, from waiting for the server to the result."""
+"""A goal of an action at its server, from waiting for the server to the result."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ LATEST_ONLY_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 
 
 CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
-"""What all percepts of a cycle have in common."""
+"""Fields that all percepts of a cycle share."""
 
 
 class _Perceiver(NamedTuple):

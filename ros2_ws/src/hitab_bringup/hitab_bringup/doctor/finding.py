@@ -1,4 +1,4 @@
-"""What the doctor finds."""
+"""Findings of `hitab doctor`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ OK, WARNING, ERROR = "ok", "warning", "error"
 
 @dataclass(frozen=True)
 class Finding:
-    """One finding.
+    """A finding of the doctor.
 
     Attributes:
         about: what was looked at, such as "Python".

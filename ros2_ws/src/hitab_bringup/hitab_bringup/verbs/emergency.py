@@ -185,7 +185,7 @@ def _listed(who: dict[str, str]) -> str:
 
 @contextmanager
 def _everywhere() -> Iterator[list[Stops]]:
-    """Yield what is in the user's ROS domain, and in those of all swarms that are up."""
+    """Yield the swarms in the user's ROS domain and in the domains of all swarms that are up."""
     from hitab_client import RosLink, Stops
     from hitab_client.domain_ids import chosen_by_user
     from hitab_client.run_folder import running_swarms

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from hitab_core.training import TrainingCost
 
 MINUTES_FROM_S = 120.0
-"""From here on times are shown in minutes."""
+"""Times from this one on are shown in minutes."""
 
 COUNT_FIELDS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 

@@ -125,7 +125,7 @@ def _drawn(branch: Branch, agents: bool) -> Tree:
 
 
 def line_of(branch: Branch) -> str:
-    """Return what a commander or an agent does, in one line."""
+    """Return the activity of a commander or an agent, in one line."""
     doing = " > ".join((branch.behavior or "nothing", *branch.path))
     if not branch.is_commander:
         return f"{branch.name}: {doing}{_why_not(branch)}"

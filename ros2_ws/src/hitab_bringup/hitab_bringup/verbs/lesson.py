@@ -91,7 +91,7 @@ def _played(player: LessonPlayer) -> LessonReport:
 
 
 def _left(player: LessonPlayer) -> list[Remedy]:
-    """Return what ends the trainings that a lesson has left."""
+    """Return the commands that end the trainings of a lesson."""
     return [do(agent=agent) for agent in player.begun for do in (Do.SAVE, Do.DISCARD)]
 
 

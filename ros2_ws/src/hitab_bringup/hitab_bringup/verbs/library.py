@@ -87,7 +87,7 @@ def list_behaviors(
 
 
 def _row(name: str, file: Any) -> dict[str, Any]:
-    """Return what is listed of a behavior file."""
+    """Return the row of a behavior file in the list."""
     automaton = file.automaton
     return {
         "name": name,

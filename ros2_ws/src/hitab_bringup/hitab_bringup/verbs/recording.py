@@ -23,7 +23,7 @@ STATUS_S = 1.0
 """How long to wait for the status of the world, s."""
 
 TOPIC_PERIOD_S = 0.5
-"""Between two looks for new topics."""
+"""Period of the search for new topics, s."""
 
 
 def record(

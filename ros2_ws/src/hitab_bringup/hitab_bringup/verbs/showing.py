@@ -1,4 +1,4 @@
-"""What is learned from which features, what hinders an agent, and how it is shown."""
+"""Prints the features of a training, and the obstacles to an agent's command."""
 
 from __future__ import annotations
 

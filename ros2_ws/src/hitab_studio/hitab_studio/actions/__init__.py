@@ -1,4 +1,4 @@
-"""What a person can do on the page, one module per concern; each registers its actions."""
+"""Actions of a person on the page, one module per concern; each registers its actions."""
 
 from importlib import import_module
 from pkgutil import iter_modules

@@ -14,7 +14,7 @@ DIALOGS = frozenset(
     {"help", "name", "stop", "caution", "distribute"}
     | {f"{verb}-{what}" for verb in ("rename", "delete") for what in ("recording", "behavior")}
 )
-"""Those that `ask` opens."""
+"""Dialogs that `ask` opens."""
 
 
 @action("choose", repeats=True)

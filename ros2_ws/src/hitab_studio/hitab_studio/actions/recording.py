@@ -105,7 +105,7 @@ async def meanwhile_busy(session: PageState, job: Callable[[], T]) -> T:
 
 
 def player_of(session: PageState) -> ReplayPlayer:
-    """Return what plays the recording that is open.
+    """Return the player of the open recording.
 
     Raises:
         SwarmError: if none is.

@@ -8,7 +8,7 @@ from hitab_studio.actions.registry import Data, action
 from hitab_studio.page_state import PageState
 
 BUTTON = "emergency stop in the studio"
-"""The reason that others are shown."""
+"""The reason shown to other people."""
 
 
 async def stop_robots(session: PageState) -> None:

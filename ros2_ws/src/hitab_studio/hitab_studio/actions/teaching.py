@@ -272,7 +272,7 @@ async def discard_now(session: PageState, data: Data) -> None:
 
 @action("new-name", repeats=True)
 async def new_name(session: PageState, data: Data) -> None:
-    """Say it if a behavior of this name is saved already."""
+    """Warn if a behavior of this name is saved already."""
     if session.dialog.get("kind") != "new":
         return  # it was closed before the last key was heard of
     session.dialog["typed"] = name = str(data["value"]).strip()

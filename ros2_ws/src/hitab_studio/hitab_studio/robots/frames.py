@@ -37,7 +37,7 @@ def matrix(place: Any, turn: Any) -> Matrix | None:
 
 
 def in_plane(motion: Matrix) -> tuple[float, float, float]:
-    """Return what a motion is in the plane: x and y, m, and by how much it turns, rad."""
+    """Return a motion's part in the plane: x and y, m, and by how much it turns, rad."""
     x, y = motion[:2, 3].tolist()
     return x, y, math.atan2(motion[1, 0], motion[0, 0])
 

@@ -1,4 +1,4 @@
-"""What the messages of a robot say, checked: odometry, scans, maps and pictures.
+"""Checked contents of a robot's messages: odometry, scans, maps and pictures.
 
 All functions raise `Refused` if a message makes no sense. What pages draw of maps and pictures are
 binary frames, which begin with their kind:
@@ -32,7 +32,7 @@ PICTURE_SIDE = 4096
 
 MAP_CELLS = 16_777_216
 MESSAGE_BYTES_MAX = MAP_CELLS + 10_000
-"""Of a message; what is larger is refused."""
+"""Size of a message; larger ones are refused."""
 
 POINTS_MAX = 2000
 """Points of a scan that are shown; of more, each so-many-th."""
@@ -88,7 +88,7 @@ def _pose(pose: Any, of: str) -> Matrix:
 
 
 def odometry_of(message: Odometry) -> Placed:
-    """Return what a `nav_msgs/Odometry` says."""
+    """Return the pose in a `nav_msgs/Odometry`."""
     pose = _pose(message.pose.pose, "the robot")
     return Placed(message.header.frame_id, message.child_frame_id, pose)
 
@@ -111,7 +111,7 @@ def scan_of(message: LaserScan) -> Scanned:
 
 
 def map_of(message: OccupancyGrid) -> Grid:
-    """Return what a `nav_msgs/OccupancyGrid` says."""
+    """Return the grid in a `nav_msgs/OccupancyGrid`."""
     info = message.info
     width, height = info.width, info.height
     if not 0.0 < info.resolution < 1000.0:

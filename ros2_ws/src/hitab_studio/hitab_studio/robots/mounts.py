@@ -20,11 +20,11 @@ from hitab_studio.robots.frames import Matrix, matrix
 
 MOUNT_FIELDS = ("x", "y", "yaw", "upside_down")
 MOUNT_RETRY_SECONDS = 5.0
-"""Until an agent that has not answered is asked again."""
+"""Time until an agent that has not answered is asked again."""
 
 
 class Mounts:
-    """Asks one agent's node, without ever waiting for an answer.
+    """Asks an agent's node for mounts, without ever waiting for an answer.
 
     Attributes:
         of: where each scanner sits, by its topic; None if the agent does not know.

@@ -22,7 +22,7 @@ from hitab_studio.robots.messages import (
 from hitab_studio.robots.topics import CAMERA, MAP, ODOMETRY_TYPE, SCAN
 
 ROBOT_SILENT_SECONDS = 2.0
-"""After that, the robot's place is unknown, and its scan is not drawn any more."""
+"""Silence after which the robot's place is unknown, and its scan is not drawn any more."""
 
 READERS = {ODOMETRY_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
 

@@ -18,7 +18,7 @@ SCAN = "sensor_msgs/msg/LaserScan"
 MAP = "nav_msgs/msg/OccupancyGrid"
 CAMERA = "sensor_msgs/msg/CompressedImage"
 COMMAND_TYPE = "hitab_msgs/msg/Command"
-"""To what only agents subscribe."""
+"""Type of a topic to which only agents subscribe."""
 
 NOT_LISTED = frozenset(
     f"sensor_msgs/msg/{name}"
@@ -35,7 +35,7 @@ Graph = Iterable[tuple[str, Sequence[str]]]
 
 @dataclass(frozen=True)
 class Options:
-    """What a person has chosen, where there are several; "" and none: the first.
+    """A person's choices, where there are several; "" and none: the first.
 
     Attributes:
         map: topic of the map.
@@ -64,7 +64,7 @@ class RobotTopics:
 
     @property
     def scans(self) -> list[str]:
-        """Topics of its laser scanners."""
+        """Topics of the robot's laser scanners."""
         return [topic for topic, kind in self.sensors.items() if kind == SCAN]
 
 

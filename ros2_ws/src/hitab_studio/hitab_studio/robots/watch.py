@@ -30,7 +30,7 @@ from hitab_studio.robots.topics import (
 from hitab_studio.scene import Appearance, Scene
 
 WATCH_PERIOD_SECONDS = 0.1
-"""Between two looks: no page shows more."""
+"""Period of the watch: no page shows more."""
 
 MAP_FRAME = "map"  # as in REP 105
 TF_QUEUE = 200
@@ -60,7 +60,7 @@ class SensorStatus:
 
 @dataclass(frozen=True)
 class Robots:
-    """What is known of the robots at one moment.
+    """The known state of the robots at one moment.
 
     Attributes:
         scene: where they are; None if no place is known.
@@ -112,7 +112,7 @@ class RobotWatch:
         self._map_topic = map_topic(node.get_topic_names_and_types(), self._options)
 
     def look(self, agents: Collection[str], *, viewed: bool) -> Robots:
-        """Return what is known now.
+        """Return the known state of the robots.
 
         Args:
             agents: those whose cameras pages show.
@@ -224,7 +224,7 @@ class RobotWatch:
         return placed.pose, placed.child
 
     def _clouds(self, agent: str, pose: Matrix, base: str, notes: list[str]) -> list[Matrix]:
-        """Return what a robot's scanners see, in the frame in which all is drawn."""
+        """Return the scans of a robot, in the frame of the drawing."""
         found = []
         for topic in self._topics[agent].scans:
             reading = self._readings[topic]

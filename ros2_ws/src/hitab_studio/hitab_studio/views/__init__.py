@@ -1,4 +1,4 @@
-"""What the page shows: each panel has a function for its content and a template."""
+"""Views of the page: each panel has a function for its content and a template."""
 
 from __future__ import annotations
 

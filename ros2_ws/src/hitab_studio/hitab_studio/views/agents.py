@@ -19,7 +19,7 @@ AGENT_LEVELS_MAX = 8
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the list shows."""
+    """Return the variables of the list's template."""
     known, player = session.shared.store.known, session.player
     statuses = known.statuses if player is None else player.recording.statuses(player.at)
     wanted = session.filter.lower()
@@ -46,7 +46,7 @@ def context(session: PageState) -> dict[str, Any]:
 def unfolded(
     agents: Iterable[str], groups: Mapping[str, Any], folds: Mapping[str, bool], viewed: str
 ) -> Iterator[tuple[str, int, int, bool]]:
-    """Yield what is visible: each name with its depth, how many are below it, and if it is open.
+    """Yield the visible rows: each name with its depth, how many are below it, and if it is open.
 
     Args:
         agents: their names.
@@ -93,7 +93,7 @@ def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, li
 
 
 def _row(session: PageState, status: Any, name: str) -> dict[str, Any]:
-    """Return what an agent does; of a commander, its order and how many obey it."""
+    """Return the row of an agent; of a commander, its order and how many obey it."""
     store, live = session.shared.store, session.player is None
     holder = session.shared.held.get(name) if live else None
     state = state_shown(status) if status is not None else ""

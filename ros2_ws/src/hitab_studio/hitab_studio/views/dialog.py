@@ -20,14 +20,14 @@ from hitab_studio.views.strip import words
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
 
 NAME_FORMAT = "A name is made of letters, digits and _, and begins with a letter, as ApproachBall."
-"""Of behaviors and parameters, as their fields in the dialogs check it."""
+"""Format of behavior and parameter names, as checked by fields of dialogs."""
 
 Feature = tuple[str, str, str, str]
 """A feature with its targets, its description, its kind with its unit, and its present value."""
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the dialog shows."""
+    """Return the variables of the dialog's template."""
     dialog = session.dialog
     kind = dialog.get("kind", "")
     found: dict[str, Any] = {"kind": kind, "name_format": NAME_FORMAT}

@@ -13,7 +13,7 @@ from hitab_studio.views.numbers import measure
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the tab shows."""
+    """Return the variables of the tab's template."""
     training, table = session.training, session.table
     if training is None:
         return {"lines": [], "columns": [], "total": 0}
@@ -48,7 +48,7 @@ def context(session: PageState) -> dict[str, Any]:
 
 
 def _decided(training: Learned, example: Example) -> str:
-    """Return what is decided now in the situation of an example, if that differs from it."""
+    """Return the present decision in an example's situation, if it differs from the example."""
     decided = most_probable(training.decides(example.state, example.features))
     return decided if decided != example.next_state and example.is_learned else ""
 

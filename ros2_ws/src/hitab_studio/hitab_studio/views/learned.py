@@ -1,4 +1,4 @@
-"""What was learned: the hierarchy of automata, one of them drawn, a state's tree, and why."""
+"""The learned behavior: the hierarchy of automata, one of them drawn, a state's tree, and why."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ TREE_LEVELS_MAX = 6
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the tab shows."""
+    """Return the variables of the tab's template."""
     levels = _levels(session)
     chosen = (level for level in levels if level["name"] == session.level)
     shown = next(chosen, levels[0] if levels else {"name": "", "label": "", "state": ""})

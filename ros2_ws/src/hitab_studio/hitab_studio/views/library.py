@@ -1,4 +1,4 @@
-"""What the agent has learned so far, with its versions."""
+"""The learned behaviors of the agent, with their versions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hitab_studio.page_state import PageState
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the tab shows."""
+    """Return the variables of the tab's template."""
     watched = session.watched
     behavior = watched.behaviors.get(session.behavior)
     text = ""

@@ -25,7 +25,7 @@ MODE_WORDS = {
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the overlay shows."""
+    """Return the variables of the overlay's template."""
     status = session.status
     live = session.player is None
     mode = status.mode if status is not None else ""

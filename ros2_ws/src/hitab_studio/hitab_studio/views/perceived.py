@@ -1,4 +1,4 @@
-"""What the agent perceives now, with its last values."""
+"""The agent's percept, with the last values of features."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def _is_of_the_body(feature: str) -> bool:
 
 
 def plotted(session: PageState) -> Readings:
-    """Return what is drawn over time in place of the field, if nothing has a place there."""
+    """Return the features drawn over time in place of an empty field."""
     scene = session.shared.store.known.shown
     has_places = session.player is not None or (scene is not None and scene.names)
     return {} if has_places else perceived(session)

@@ -1,4 +1,4 @@
-"""What an agent asks about its examples, each question with its answers."""
+"""The agent's questions about its examples, each with its answers."""
 
 from __future__ import annotations
 
@@ -19,6 +19,6 @@ TITLES = {
 
 
 def when_unsure(session: PageState) -> str:
-    """Return what the agent does when it is unsure, for people."""
+    """Return the agent's choice for unsure decisions, for people."""
     status = session.status
     return WHEN_UNSURE.get(status.when_unsure if status is not None else "", ("go on", ""))[0]

@@ -12,7 +12,7 @@ RECORDINGS_MAX = 30
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the tab shows."""
+    """Return the variables of the tab's template."""
     known = session.shared.store.known
     done = [r for r in recordings() if not known.recording.endswith(f"/{r.path.name}")]
     return {

@@ -18,7 +18,7 @@ def rows(session: PageState) -> Sequence[SensorStatus]:
 
 
 def notes(session: PageState) -> Sequence[str]:
-    """Return what has to be known to read what is drawn of the robot."""
+    """Return notes about the drawing of the robot."""
     robots = session.shared.store.known.robots
     return () if robots is None else robots.notes.get(session.agent, ())
 

@@ -27,7 +27,7 @@ IN_REPLAY = ("learned", "record")
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the panel shows."""
+    """Return the variables of the panel's template."""
     training = session.training
     live = session.agent and session.player is None
     absent = absence(session.shared.store.known, session.agent) if live else None

@@ -1,4 +1,4 @@
-"""What an agent did in a recording: what can be asked, and the strip under the time bar."""
+"""The strip of an agent in a recording: what can be asked, and the strip under the time bar."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the agents do, and the swarms that are up."""
+"""The activities of agents, and the swarms that are up."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DAY = 24 * 3600
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the tab shows."""
+    """Return the variables of the tab's template."""
     store = session.shared.store
     statuses = store.known.statuses.values()
     states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)

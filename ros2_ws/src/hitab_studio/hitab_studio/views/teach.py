@@ -1,4 +1,4 @@
-"""What was just recorded, and what the agent perceives."""
+"""The last recorded example, and the agent's percept."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EDITS_SHOWN_MAX = 6
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the tab shows."""
+    """Return the variables of the tab's template."""
     watched = session.watched
     training = session.training
     examples = training.examples if training is not None else ()
@@ -58,7 +58,7 @@ def _given_up(session: PageState) -> int:
 
 
 def _values(session: PageState, example: Example) -> list[tuple[str, str]]:
-    """Return what the agent perceived: names of features, and values for people."""
+    """Return the agent's percept in an example: names of features, and values for people."""
     training = session.training
     if training is None:
         return []

@@ -16,7 +16,7 @@ SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
 
 def context(session: PageState) -> dict[str, Any]:
-    """Return what the bar shows."""
+    """Return the variables of the bar's template."""
     store = session.shared.store
     known = store.known
     world = known.world
@@ -45,7 +45,7 @@ def context(session: PageState) -> dict[str, Any]:
 
 
 def emergency(session: PageState) -> dict[str, Any]:
-    """Return what the button of the emergency stop and the band below the header show."""
+    """Return the variables of the emergency stop's button and of the band below the header."""
     known = session.shared.store.known
     return {
         "stop": known.emergency.who,
