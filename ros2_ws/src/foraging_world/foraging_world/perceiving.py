@@ -155,7 +155,7 @@ class _Sightings:
         return self.where(np.diff(self.forager, prepend=-1) != 0)
 
     def spread(self, foragers: int) -> tuple[Ints, Floats]:
-        """Return the thing in each forager's sight, and its distance; infinite if there is none."""
+        """Return the thing in each forager's sight, and its distance; infinite if none."""
         thing, gap = np.zeros(foragers, np.int64), np.full(foragers, np.inf)
         thing[self.forager] = self.thing
         gap[self.forager] = self.gap

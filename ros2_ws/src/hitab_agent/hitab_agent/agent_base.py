@@ -20,10 +20,10 @@ class AgentBase(GuardedNode):
 
     Attributes:
         agent: the engine's agent.
-        agent_name: its name.
-        settings: its parameters.
+        agent_name: name of the agent.
+        settings: parameters of the agent.
         shared: the `HostResources` of its process.
-        status: its status, a `StatusPublisher`.
+        status: the agent's `StatusPublisher`.
         percept_log: publishes its percepts for recorders, a `PerceptLog`.
         stop: of its robot; None if it has none.
     """

@@ -29,7 +29,7 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
     Args:
         automaton: the automaton.
         domain: of its agent.
-        more: what the automaton itself does not know.
+        more: fields that the automaton lacks.
     """
     return msg.Automaton(
         name=automaton.name,

@@ -78,7 +78,7 @@ class BundleInstall:
         Args:
             sequence: of the distribution.
             bundle: the behaviors.
-            start: what the receivers should perform then; None for what they perform now.
+            start: behavior of the receivers afterwards; None for their present one.
             receivers: the nodes of the agents that take it in.
             taken_in: called with the outcome for each.
         """

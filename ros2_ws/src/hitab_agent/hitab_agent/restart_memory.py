@@ -18,7 +18,7 @@ class RestartMemory:
     microseconds. Only the first line is read; the rest of a longer previous line stays behind it.
 
     Attributes:
-        values: what is noted, by name; at first what the process before this one has noted.
+        values: the notes by name; at first those of the process before this one.
         performed: the top-level behavior of the process before this one, empty if there was none;
             None if this is the agent's first start in its swarm. An agent outside any swarm is
             started by a person, who chooses its behavior.

@@ -36,7 +36,7 @@ class RoundGate:
         Args:
             number: of the round.
             commanders: the topics of the orders to wait for.
-            act: what to do then; called at once if there is no order to wait for.
+            act: called then; at once if there is no order to wait for.
             look: whether agents only look in it.
         """
         if self._last_was_look and not look:

@@ -56,8 +56,8 @@ class StatusPublisher:
             node: of the agent.
             agent: the agent.
             swarm: identity of its swarm; empty if none.
-            shared: what the agents of its process share.
-            transitions: its state changes.
+            shared: resources of all agents of the process.
+            transitions: state changes of the agent.
             prepare: called before each status.
         """
         self.message = msg.AgentStatus(agent=agent.name, domain=agent.domain.name, swarm=swarm)

@@ -29,7 +29,7 @@ class CommanderTree:
         lines: of commanders.
         kinds: of commanders, by name.
         make: makes one of the commanders of a line, given the line's key and its name.
-        words: what members can be ordered to perform.
+        words: the behaviors that members can be ordered to perform.
         complain: about a line.
 
     Attributes:

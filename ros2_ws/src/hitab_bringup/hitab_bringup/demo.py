@@ -62,7 +62,7 @@ def run_demo(
     """Train, play, compare, and write everything to a folder.
 
     Args:
-        demo: what to teach and play.
+        demo: the demo to play.
         out: the folder; pictures, figures and the library of an earlier demo are replaced.
         episodes: number to play.
         seed: of the episodes.

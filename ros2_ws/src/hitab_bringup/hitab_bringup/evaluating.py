@@ -51,9 +51,9 @@ class CastMember:
     """A member of a cast: an agent or commander with its behavior and library.
 
     Attributes:
-        repertoire: its behaviors.
+        repertoire: behaviors of the member.
         behavior: performed from the beginning of each episode; None for the commander's order.
-        opened: its library; None if it has learned nothing.
+        opened: library of the member; None without learned behaviors.
         library: the folder of its trained behaviors; None if there are none.
         digest: of what is learned there.
         versions: of its behaviors, where it is not the present one.
@@ -78,7 +78,7 @@ def part_of(
     """Return the cast member of an agent with a library.
 
     Args:
-        library: its folder.
+        library: folder of the library.
         behavior: of the library or the domain; empty for the commander's order.
         domain: of an agent without a library.
         kind: of a commander; None if it is an agent.

@@ -30,7 +30,7 @@ class Filmed:
     """A part of an episode.
 
     Attributes:
-        world: that was filmed.
+        world: the filmed world.
         moments: everything in the world, cycle by cycle.
         begin: s, when the first one was.
         ended: why the episode ended within it; "" if it went on.
@@ -63,7 +63,7 @@ def film(game: GameSetup, episode: int, begin: float, seconds: float) -> Filmed:
 
     Args:
         game: whose world is reset.
-        episode: its number in the run.
+        episode: number of the episode in the run.
         begin: s, when the part begins.
         seconds: how long it takes; less if the episode ends before.
 
@@ -103,7 +103,7 @@ def draw_film(
     """Draw a film; the file is written when it is complete.
 
     Args:
-        filmed: what happened.
+        filmed: the filmed episode.
         path: of the film; the suffix selects the format.
         advance: called with the number of pictures drawn.
         pixels: width of the pictures.

@@ -37,7 +37,7 @@ class LogLine(NamedTuple):
     Attributes:
         seconds: when it was written, since the epoch; of a line without a time: that of the line
             before it.
-        process: that wrote it.
+        process: writer of the line.
         text: with the time readable.
         level: one of `LEVELS`; of a line without a level: that of the line before it, unless it
             begins a failure.

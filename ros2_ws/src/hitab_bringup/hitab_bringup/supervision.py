@@ -69,7 +69,7 @@ def launch(
     Args:
         swarm: the description.
         folder: for its files.
-        domain_id: its ROS domain.
+        domain_id: ROS domain of the swarm.
         temporary: end it with this process, and hide it from other verbs.
 
     Raises:

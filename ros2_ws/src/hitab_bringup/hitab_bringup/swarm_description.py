@@ -83,12 +83,12 @@ class AgentDescription:
     """One agent.
 
     Attributes:
-        library: its library folder; None for a folder in the run folder, kept between runs.
+        library: folder of the library; None for one in the run folder, kept between runs.
         start_from: a library to copy into its own library if that is empty.
         behavior: to start with, such as ``Keepaway``; empty if nothing.
         remap: the names that its node uses, each with the one to use instead.
         parameters: of its node, such as those of its link; a nested one has dots in its name.
-        process: that it runs in; its own name unless it shares one.
+        process: name of the process; the agent's own name unless the process is shared.
         library_name: name of its library folder in the run folder; empty for that of the process.
         superior: name of its commander; empty if none.
         role: in its commander's group.

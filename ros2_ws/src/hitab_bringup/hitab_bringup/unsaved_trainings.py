@@ -32,7 +32,7 @@ def set_aside(before: Mapping[str, Path], now: Mapping[str, Path], folder: Path)
 
     Args:
         before: each agent's library at the last start, by name.
-        now: that at this start.
+        now: the same at this start.
         folder: of the run.
     """
     for agent, library in now.items():

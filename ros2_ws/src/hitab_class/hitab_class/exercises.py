@@ -254,7 +254,7 @@ class Grade(NamedTuple):
 
     Attributes:
         requirement: in words.
-        missing: what is missing; "" if nothing.
+        missing: the unmet part; "" if there is none.
     """
 
     requirement: str

@@ -20,9 +20,9 @@ class GroupMember:
 
     Attributes:
         role: in the group; empty if none.
-        report: what the commander's decisions are based on: the last report, in lockstep that of
+        report: the basis of the commander's decisions: the last report, in lockstep that of
             the last round; None before the first one.
-        latest: its last report, for observers.
+        latest: the last report, for observers.
         heard_at: s, when ``latest`` arrived, or when the commander began to wait for it.
     """
 
@@ -240,7 +240,7 @@ class CommanderBody:
         """Give an order, unless it is in force already.
 
         Args:
-            order: what to order.
+            order: the order to give.
             chosen: the subordinate that an order with a parameter is about; None if none can be
                 picked now, and the order is not given.
         """

@@ -56,7 +56,7 @@ class GroupFeature:
 
     Attributes:
         over: how the subordinates are aggregated.
-        of: what is observed in each; for `Over.GROUP`, ``part`` of their positions instead.
+        of: the observation of each; for `Over.GROUP`, ``part`` of all positions instead.
         role: of the subordinates that count; empty for all.
         parameter: of a feature of one subordinate, `Over.VALUE`.
     """
@@ -92,7 +92,7 @@ class OrderMap:
         name: of the order: a basic behavior of the commander.
         behaviors: by receiver: a role, ``parameter`` for the subordinate that it is bound to, or
             `OTHERS`. Empty text: perform nothing; None to continue.
-        parameter: its parameter, if it is about one subordinate.
+        parameter: name of the parameter of an order about one subordinate.
     """
 
     name: str

@@ -217,7 +217,7 @@ def kind_in(
     """Return a kind; what is wrong is complained about and left out.
 
     Args:
-        record: its description. Without ``orders`` the kind has none.
+        record: description of the kind. Without ``orders`` the kind has none.
         name: of the kind.
         complaints: to add to.
         at: the place of the description.

@@ -35,8 +35,8 @@ def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
     """Return a behavior, with all its parts, as a program without HiTAB.
 
     Args:
-        library: that has it.
-        behavior: its name, with a target for each parameter, such as ``Chase(ball)``.
+        library: source of the behavior.
+        behavior: name with a target for each parameter, such as ``Chase(ball)``.
         to: one of `LANGUAGES`.
 
     Raises:

@@ -67,7 +67,7 @@ class FeatureForm:
     """A feature bound to targets.
 
     Attributes:
-        label: its name with its targets.
+        label: name of the feature with its targets.
         categories, required: as in `hitab_core.running.senses.checked`.
         period: of a toroidal feature, else 0.
         unit: of its values; empty if none.
@@ -86,7 +86,7 @@ class NumbersForm:
 
     Attributes:
         features: indices as in `TestForm.feature`, one for each axis of the table.
-        table: what was learned.
+        table: the learned numbers.
         wanted: the numbers.
     """
 

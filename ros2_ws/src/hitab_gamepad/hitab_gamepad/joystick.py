@@ -38,8 +38,8 @@ class JoystickInput:
 
     Args:
         link: the node to use.
-        demonstrator: that obeys the joystick.
-        mapping: what buttons and axes do.
+        demonstrator: obeys the joystick.
+        mapping: meaning of buttons and axes.
         topic: of `sensor_msgs/Joy`.
     """
 

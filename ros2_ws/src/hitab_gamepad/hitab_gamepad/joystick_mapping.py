@@ -36,7 +36,7 @@ class Button(Record):
 
     Attributes:
         index: in the buttons of the message, or in its axes.
-        above: it is pressed while the axis is above this; None if it is no half of an axis.
+        above: value of the axis above which it counts as pressed; None for a real button.
         below: the same, below.
     """
 
@@ -134,7 +134,7 @@ class Mapping(Record):
         behaviors: by button: a behavior with its targets, or its number in the agent's order.
         actions: by button: one of the demonstrator's actions.
         driving: which axis drives ahead, to the left and turns; a missing one does not.
-        numbers: what gives the numbers of behaviors, by name.
+        numbers: sources of the numbers of behaviors, by name.
         deadzone: how far from its center an axis counts as released, of 1.
         timeout: how long the joystick may be silent, s.
     """

@@ -25,7 +25,7 @@ class Taken:
     Attributes:
         pressed: names of the buttons that have just been pressed and count.
         down: names of the buttons that are down; none unless the switch is held.
-        velocity: that is wanted; zeros: none.
+        velocity: the wanted one; zeros for rest.
         trouble: why the message does not count; empty if it does.
     """
 
@@ -44,7 +44,7 @@ class Stick:
     always, without the switch and in any message.
 
     Args:
-        mapping: what buttons and axes do.
+        mapping: meaning of buttons and axes.
     """
 
     def __init__(self, mapping: Mapping) -> None:

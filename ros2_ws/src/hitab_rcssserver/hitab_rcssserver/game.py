@@ -32,8 +32,8 @@ class Turn:
         state: the current field; None if the message was lost.
         passed: number of cycles; more than one if the server did not wait for us.
         episode_cycle: length of the episode so far.
-        measures: of it.
-        ended: why it has ended; "" if it has not.
+        measures: of the episode so far.
+        ended: reason of the episode's end; "" during the episode.
         began: whether a new episode has begun.
     """
 

@@ -73,7 +73,7 @@ class Link:
         full_state: whether the server reports the full state.
         mode: of play, as last reported.
         time: the server's, in cycles, as last reported.
-        referee: what the referee said in this cycle, with the server's time.
+        referee: the referee's messages of this cycle, with the server's time.
         thinking_since: when the server last started to wait for us.
     """
 
@@ -81,7 +81,7 @@ class Link:
         """Register all players, the keepers first, since the first team is left.
 
         Args:
-            server: its address, and the teams.
+            server: address of the server, and the teams.
             names: of the keepers and the takers.
             keepaway: whether the server plays keepaway itself, instead of a match.
 

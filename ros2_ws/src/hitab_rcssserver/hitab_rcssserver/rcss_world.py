@@ -55,10 +55,10 @@ class RcssWorld:
     and which ends with the first thing that stops play, or when our own referee ends it.
 
     Args:
-        server: its address, and the choice of takers.
+        server: address of the server, and the choice of takers.
         parameters: of the game; those that the server decides are taken from it.
         seed: of the run, for the agents; the server uses its own.
-        rules: who plays, how an episode begins and when it ends.
+        rules: players, beginning and end of an episode.
         patience: how long `reset` waits for an episode to begin, s. A node calls `idle` instead
             and leaves it at 0.
     """

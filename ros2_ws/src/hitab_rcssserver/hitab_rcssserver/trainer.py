@@ -24,7 +24,7 @@ class Trainer:
     """A trainer (offline coach) on a server that was started with ``server::coach_w_referee=1``.
 
     Args:
-        server: its address and the names of the teams.
+        server: address of the server and the names of the teams.
 
     Raises:
         ServerError: if the server does not accept it.

@@ -18,7 +18,7 @@ class Freshness:
     too old itself: then the sensor's clock was set back.
 
     Attributes:
-        trouble: what is wrong with the stamps, for people; empty if nothing.
+        trouble: fault of the stamps, for people; empty if there is none.
     """
 
     def __init__(self, count: int, max_age: float, ahead: float = CLOCK_TOLERANCE_S) -> None:
@@ -42,7 +42,7 @@ class Freshness:
         """Take a reading; return whether it counts.
 
         Args:
-            values: what was read.
+            values: of the reading.
             stamp: when it was measured, s, by the sensor's clock; 0 if it does not say.
             now: s, by the user's clock.
         """

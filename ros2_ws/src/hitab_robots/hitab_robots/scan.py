@@ -22,7 +22,7 @@ class Sector:
 
     Attributes:
         name: a word, such as ``ahead``.
-        center: its middle, rad, counter-clockwise from ahead.
+        center: middle of the sector, rad, counter-clockwise from ahead.
         width: from edge to edge, rad; the whole circle by default.
     """
 
@@ -53,7 +53,7 @@ class Scan(Sensor):
     nothing is known.
 
     Attributes:
-        sectors: what is read; each has two values, such as ``scan.ahead.range``.
+        sectors: parts of the scan, each with two values, such as ``scan.ahead.range``.
         max_range: m; None for the scanner's ``range_max``. Needed if robots with other scanners
             are to share what they learn.
         zero_is_clear: whether 0.0 means that there is nothing, as the drivers of some small

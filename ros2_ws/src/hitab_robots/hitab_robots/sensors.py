@@ -229,7 +229,7 @@ class Joints(Sensor):
     rad and rad/s, or m and m/s if it is no rotating one. A message without it has no value of it.
 
     Attributes:
-        joints: their names.
+        joints: names of the joints.
     """
 
     message: ClassVar[str] = "sensor_msgs/msg/JointState"

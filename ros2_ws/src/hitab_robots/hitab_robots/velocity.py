@@ -149,7 +149,7 @@ class Gate:
         One that is no number, infinite or NaN has the robot stand still.
 
         Args:
-            velocity: that is wanted.
+            velocity: the wanted one.
             now: s.
             by_hand: whether a person commands it, and not the agent.
         """

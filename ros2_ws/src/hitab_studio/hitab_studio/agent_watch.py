@@ -1,7 +1,7 @@
 """Watches the viewed agents: their percepts, decisions and learned behaviors.
 
-Requests cost an agent a little, so only the viewed agents are asked, each by name. What pages read
-of it, `AgentState`, is replaced as a whole and never changed.
+Requests cost an agent a little, so only the viewed agents are asked, each by name. The state
+for pages, `AgentState`, is replaced as a whole and never changed.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ PROBED_MAX = 200
 """Features with targets whose values are asked for at once."""
 
 SHELF_MAX = 40
-"""Trained behaviors that are asked for before anybody looks at them."""
+"""Number of trained behaviors that are read before a page shows them."""
 
 READ_SECONDS = 0.15
 REFUSED_RETRY_SECONDS = 1.0
@@ -46,13 +46,13 @@ class AgentState:
     """The state of a viewed agent.
 
     Attributes:
-        vocabulary: its behaviors, features and targets.
-        behaviors: what is in its library and was needed, by name.
+        vocabulary: behaviors, features and targets of the agent.
+        behaviors: the needed behaviors of the agent's library, by name.
         readings: automaton, feature and its last values, oldest first; of the automata that are
             active, and without an automaton of all features, while nothing is active or a page
             asks for them.
         transitions: the last state changes, newest last.
-        change: what the last change of examples did.
+        change: effect of the last change of examples.
     """
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
@@ -69,15 +69,15 @@ class AgentWatch:
 
     Args:
         agents: of the swarm.
-        agent: its name.
-        events: its last state changes, newest last, which the caller keeps.
+        agent: name of the agent.
+        events: last state changes of the agent, newest last, which the caller keeps.
         do: does something with the swarm in a thread; see `SwarmLink.do`.
         changed: called when something new is known.
         failed: called with what is wrong with an answer, and its `error`.
 
     Attributes:
-        known: what is known now.
-        training: its training at the last look, if any.
+        known: the present state of the agent.
+        training: the agent's training at the last look, if any.
     """
 
     def __init__(

@@ -29,8 +29,8 @@ class Launch:
     Attributes:
         verb: up or down.
         began: on the monotonic clock, s.
-        lines: what the command has printed.
-        status: its exit status; None while it runs.
+        lines: output of the command.
+        status: exit status of the command; None while it runs.
     """
 
     verb: str

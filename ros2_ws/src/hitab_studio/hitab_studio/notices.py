@@ -18,7 +18,7 @@ class Notice:
     """A short message.
 
     Attributes:
-        number: its own, for the page.
+        number: identity of the notice on the page.
         kind: good (it was done), note (nothing was done, or by others) or bad (it failed).
         times: how often it was said since it was first shown.
         until: when it goes, on the monotonic clock, s.

@@ -69,15 +69,15 @@ class Observer:
     Args:
         link: the node to use.
         agents, world: of the swarm to observe.
-        known: what is known at first.
-        viewing: what pages show at present; kept up to date by the caller.
+        known: the state at first.
+        viewing: agents that pages show; kept up to date by the caller.
         colors: of states, in the markers for other viewers.
         complain: called with a text and its `agent`, `session` and `error`, if there are any.
         do: does something with the swarm in a thread; see `SwarmLink.do`.
-        options: what a person has chosen of the robots' topics.
+        options: a person's choice of the robots' topics.
 
     Attributes:
-        known: what is known now.
+        known: the present state.
         watches: of the viewed agents, by name.
     """
 

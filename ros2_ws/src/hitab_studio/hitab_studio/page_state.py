@@ -37,7 +37,7 @@ REAL = "These are real robots: they cannot be paused, put elsewhere or set back.
 
 @dataclass
 class TargetsAsked:
-    """A behavior that was commanded and still needs targets, to be clicked in the field.
+    """A commanded behavior that still needs targets, to be clicked in the field.
 
     Attributes:
         seen: the world's cycle that the page showed when it was commanded.
@@ -75,7 +75,7 @@ class StudioState:
 
     Attributes:
         link: to the swarm.
-        store: what is known.
+        store: the state of the swarm.
         held: by agent, the page that holds it: no other page may command it.
         keys: which key commands which behavior.
         launcher: starts and stops swarms.
@@ -108,16 +108,16 @@ class PageState:
         level: the viewed automaton, if not the outermost one.
         state: the state whose tree is viewed, if not the active one.
         to_start: the swarm that is chosen to be started; empty if none was chosen yet.
-        folds: what was opened (true) or closed in the list of agents, by name.
+        folds: opened (true) and closed commanders in the list of agents, by name.
         showing: the behavior with numbers that is being shown, if one is.
-        lost: the last command, if the agent has not taken it.
-        unseen: outcomes of commands that the person cannot have seen yet.
-        dialog: the open dialog, with all that is needed to show it.
+        lost: the last command, if the agent has not acknowledged it.
+        unseen: outcomes of commands that the page has not shown yet.
+        dialog: the open dialog, with the values of its template.
         player: the open recording, if there is one.
-        messages: what was done, and what went wrong.
+        messages: notices of successes and failures.
         connected: whether the browser is connected.
-        leave: closes the page, after the request that is being handled.
-        sent: the frame that the browser has.
+        leave: closes the page after the present request.
+        sent: the browser's present frame.
     """
 
     def __init__(self, shared: StudioState, key: str, demonstrator: str) -> None:
@@ -292,7 +292,7 @@ class PageState:
 
         Args:
             job: does it; with an agent, after all else that anybody asked of it.
-            agent: whom it concerns, if one alone.
+            agent: the concerned agent, if it is one alone.
             needs: an agent or the world without which it cannot be done, if not that agent.
 
         Raises:

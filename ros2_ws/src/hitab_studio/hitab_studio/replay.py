@@ -60,7 +60,7 @@ class Recording:
     """One recording, in memory.
 
     Attributes:
-        missing: what an unfinished file lacks; "" if nothing.
+        missing: the missing part of an unfinished file; "" if there is none.
     """
 
     def __init__(self, path: Path) -> None:
@@ -121,7 +121,7 @@ class Labels:
     """Which behavior each moment of an agent in a recording was.
 
     Attributes:
-        strip: it.
+        strip: the labeled moments.
         offset: when its first moment is, s after the beginning of the recording.
         chosen: the number of the span that a person looks at; -1 if none.
     """

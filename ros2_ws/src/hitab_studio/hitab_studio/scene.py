@@ -67,7 +67,7 @@ class Scene:
         names, kinds: of everything in it.
         radii: m, shape (n,).
         places: x, y, heading, vx, vy, shape (n, 5).
-        said: what things say, by index.
+        said: messages of things, by index.
         looks: of each kind of thing in it.
         center: middle of the field, m.
         real: whether these are real robots, which cannot be put elsewhere.

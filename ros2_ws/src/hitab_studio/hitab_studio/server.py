@@ -96,7 +96,7 @@ def serve(
         startable: the swarms that pages may start, by name; what each is.
         show: whether to open a browser.
         ready: called once the page can be opened.
-        options: what a person has chosen of the robots' topics.
+        options: a person's choice of the robots' topics.
 
     Raises:
         SwarmError: if the address cannot be used.

@@ -33,10 +33,10 @@ class Studio:
         find: returns the swarm to connect to.
         startable: the swarms that pages may start, by name; what each is.
         choose: has another swarm be found from now on, by its run folder.
-        options: what a person has chosen of the robots' topics.
+        options: a person's choice of the robots' topics.
 
     Attributes:
-        shared: what the pages share; the other attributes are parts of it.
+        shared: the state of all pages; the other attributes are parts of it.
     """
 
     def __init__(

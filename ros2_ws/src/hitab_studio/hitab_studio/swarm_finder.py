@@ -20,13 +20,13 @@ class SwarmTarget:
     """A swarm, or just a ROS domain that may contain one.
 
     Attributes:
-        domain_id: its ROS domain.
-        swarm: its name; empty if unknown.
+        domain_id: ROS domain of the swarm.
+        swarm: name of the swarm; empty if unknown.
         identity: of its present start, or `BY_HAND`: only of nodes that no `hitab up` has started
             may anything be asked; empty for any start.
         world: whether it has started a world.
         namespace: of all its nodes; empty if none.
-        folder: its run folder; "" if unknown, as that of a swarm that was started elsewhere.
+        folder: run folder of the swarm; "" if it was started elsewhere.
         agents: the expected agents.
         start: when it was started, s since the epoch; 0 if unknown.
         problem: why no swarm can be chosen to connect to; "" if one can.
@@ -52,7 +52,7 @@ class Finder:
     identity is given, as on the command line.
 
     Args:
-        swarm: its name, identity, namespace or run folder; None for the one that is up, or chosen.
+        swarm: name, identity, namespace or run folder; None for the running or chosen one.
         run_folder: of a swarm that may be missing from the list of those that are up.
     """
 

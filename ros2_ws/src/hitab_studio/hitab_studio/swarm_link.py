@@ -132,10 +132,10 @@ class SwarmLink:
         tell: called with what is known, whenever that changes.
         complain: called with an error, and the `session` or `agent` whose pages it concerns.
         choose: has a swarm be found from now on, by its run folder.
-        options: what a person has chosen of the robots' topics.
+        options: a person's choice of the robots' topics.
 
     Attributes:
-        viewing: what pages show.
+        viewing: agents that pages show.
         colors: of states, in the markers for other viewers.
     """
 

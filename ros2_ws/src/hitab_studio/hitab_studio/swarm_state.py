@@ -40,14 +40,14 @@ class SwarmState:
             none: the time of the last sign, s, on the monotonic clock.
         why: why processes of these do not answer, as far as the swarm's supervisor knows it.
         groups: the last `CommanderStatus` of each commander, by name.
-        watched: more about the viewed agents, by name.
-        moments: in which examples were recorded.
+        watched: states of the viewed agents, by name.
+        moments: scenes of the recorded examples.
         elsewhere: identities of swarms that were started elsewhere; while there is none from here.
         emergency: the emergency stops that are known.
         stopped_at: when the first of them was heard, by the wall clock, s.
         recording: the file of the run being recorded; "" if none is.
-        recorded: its number of messages.
-        robots: what is known of real robots; None if there is a world, or nothing was heard yet.
+        recorded: number of recorded messages.
+        robots: state of real robots; None if there is a world, or nothing was heard yet.
     """
 
     target: SwarmTarget | None = None

@@ -8,15 +8,15 @@ from hitab_client import is_answered
 from hitab_studio.swarm_state import SwarmState
 
 TAKEN_SECONDS = 2.0
-"""How long to wait for the agent's acknowledgement before a command is said to be lost."""
+"""Time without an acknowledgement after which a command is reported as lost."""
 
 
 @dataclass(frozen=True)
 class UnansweredCommand:
-    """A behavior that was asked of an agent, which has not acknowledged it.
+    """A command that its agent has not acknowledged.
 
     Attributes:
-        agent: that was asked.
+        agent: receiver of the command.
         behavior: with its targets.
         sequence: number of the command, the same when it is sent again; 0 if it was asked to
             perform, without a number.

@@ -1,4 +1,4 @@
-"""Evaluates what agents do by the same episodes: measures, their means and what is better."""
+"""Evaluates agents by the same episodes: measures, their means and comparisons."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Estimate:
 
     Attributes:
         mean: of all values; None if there are none.
-        se: its standard error; None for fewer than two values, as the others.
+        se: standard error of the mean; None for fewer than two values, as the others.
         low, high: the 95 % confidence interval of the mean, from Student's t distribution.
     """
 
@@ -56,7 +56,7 @@ def estimate(values: Sequence[float]) -> Estimate:
 
 
 def student_t(freedom: int) -> float:
-    """Return how many standard errors the 95 % interval reaches to either side.
+    """Return the half-width of the 95 % interval, in standard errors.
 
     Exact for one and two degrees of freedom; for more, to a thousandth (Abramowitz and Stegun,
     26.7.5).
@@ -117,7 +117,7 @@ class Comparison:
     """A measure of the same episodes, in one game or in two.
 
     Attributes:
-        measure: what is measured.
+        measure: the compared measure.
         values: of the episodes, by game.
     """
 

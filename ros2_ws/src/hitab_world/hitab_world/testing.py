@@ -45,7 +45,7 @@ class Wandering:
 
     Args:
         samples: actions that agents can do, in the domain's own layout.
-        say: what they may say, apart from nothing.
+        say: possible messages.
     """
 
     def __init__(self, samples: Sequence[Sequence[float]], say: Sequence[str] = ()) -> None:

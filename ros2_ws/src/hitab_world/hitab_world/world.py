@@ -180,7 +180,7 @@ class World(Protocol):
         cycle: cycles since the world was created; never goes back, except in `restore`.
         episode_cycle: cycles since the present episode began.
         ended: why the present episode has ended, "" while it is being played.
-        refused: what was wrong with actions of the last cycle, by agent; each such action was
+        refused: faults of the last cycle's actions, by agent; each such action was
             treated as no action.
     """
 

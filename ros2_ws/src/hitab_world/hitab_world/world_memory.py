@@ -49,7 +49,7 @@ class WorldMemory:
 
         Args:
             name: of the world and its folder, which is created with the first file.
-            run_state: what to save.
+            run_state: the state to save.
             settings: where, how often, and for which swarm.
             warn: called with what cannot be restored.
             unsaved: called with why the state cannot be saved, and "" once it can be again.

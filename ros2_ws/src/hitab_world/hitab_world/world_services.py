@@ -35,7 +35,7 @@ class WorldServices:
 
         Args:
             node: to offer them on.
-            run_state: what they change.
+            run_state: changed by the services.
             memory: holds the snapshots.
             topics: publish changes at once.
             look: updates which agents have joined the world.

@@ -137,7 +137,7 @@ class Physics:
         """Accelerate the ball, if it is kickable.
 
         Args:
-            player: that kicks.
+            player: the kicker.
             power: 0 to 100, clipped.
             direction: relative to the body, rad.
 

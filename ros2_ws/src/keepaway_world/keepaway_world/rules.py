@@ -28,7 +28,7 @@ class Rules:
         takers: the opponents, which are part of the world.
         set_up: puts everything in its initial position.
         names: of the players; see `Physics`.
-        marks: what viewers see besides, such as a goal.
+        marks: further things for viewers, such as a goal.
         center: of the field on an rcssserver: its x there, m.
         stops: why an episode ends when an rcssserver stops a match, by how its word for that
             begins, such as "goal_l"; empty if the server itself plays this game.

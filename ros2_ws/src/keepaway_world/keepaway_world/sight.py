@@ -45,8 +45,8 @@ def seen_velocity(
     with the perceived distance and direction.
 
     Args:
-        dx, dy: its position relative to the observer.
-        vx, vy: its velocity relative to the observer's.
+        dx, dy: position relative to the observer.
+        vx, vy: velocity relative to the observer's.
         seen_distance: quantised distance.
         seen_bearing: quantised direction, from the x axis of the same frame as ``dx, dy``.
     """

@@ -40,7 +40,7 @@ class KeepawayWorld:
         parameters: of the game; the paper's by default.
         seed: of the run. Episode i draws from a generator seeded by both, so that it can be
             replayed by itself.
-        rules: who plays, how an episode begins and when it ends.
+        rules: players, beginning and end of an episode.
 
     Raises:
         ParameterError: if there are no takers as the parameters name them.

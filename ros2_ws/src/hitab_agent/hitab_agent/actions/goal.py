@@ -43,7 +43,7 @@ class Server:
         limits: how long to wait.
         guard: of the agent's node.
         changed: called after each answer of the server.
-        goals: that the server has or will get.
+        goals: present and future goals of the server.
     """
 
     client: Any
@@ -83,8 +83,7 @@ class Goal:
             call: to carry out.
             message: of the action's goal type.
             server: of the action.
-            identity: what the server knows a goal by that a process which is gone has sent: it
-                is canceled.
+            identity: of a goal that an earlier process has sent, which is to be canceled.
         """
         self.call = call
         self.runs_on = ""

@@ -25,7 +25,7 @@ class _Goal:
 
     Attributes:
         handle: of the server.
-        use: what is performed.
+        use: the performed behavior.
         ended: gets the outcome, empty if it was canceled, and a message.
         path: the active states that were published last.
     """

@@ -12,10 +12,10 @@ class Finding:
     """A finding of the doctor.
 
     Attributes:
-        about: what was looked at, such as "Python".
-        text: what was found.
+        about: the examined thing, such as "Python".
+        text: the finding.
         level: `OK`; `WARNING`: it may cause problems; `ERROR`: it keeps HiTAB from working.
-        way_out: what to do about it; empty if nothing.
+        way_out: the remedy; empty if there is none.
     """
 
     about: str

@@ -130,14 +130,14 @@ def arm(
 
 
 def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) -> str:
-    """Stop or release everything; return what has confirmed it.
+    """Stop or release everything; return the names that have confirmed it.
 
     Args:
-        engaged: whether to stop it.
-        reason: that the user gives.
-        done: what has been done to it then.
-        unsure: what follows if not all confirm it.
-        seconds: how long to repeat it until all have confirmed it.
+        engaged: whether to stop, not to release.
+        reason: given by the user.
+        done: participle for messages, such as "stopped".
+        unsure: the consequence if not all confirm.
+        seconds: longest time to repeat the request until all have confirmed.
 
     Raises:
         SwarmError: if no robot and no world heard it, or not all confirm it.

@@ -88,7 +88,7 @@ def robots_topics(
         node: by which the graph is seen.
         agents: names of agents that are there.
         prefix: namespace of the swarm.
-        options: what a person has chosen.
+        options: a person's choices.
     """
     graph = node.get_topic_names_and_types()
     agents = sorted(agents, key=natural)[:ROBOTS_MAX]

@@ -66,8 +66,8 @@ class Robots:
         scene: where they are; None if no place is known.
         lost: names of robots whose odometry is silent: they were there.
         sensors: of each robot, by the name of its agent; with its camera and the map.
-        notes: what has to be known to read what is drawn of each.
-        layers: what pages draw beside the scene, each as it is sent: "scans", "map", and
+        notes: remarks about the drawing of each.
+        layers: drawings beside the scene, each as it is sent: "scans", "map", and
             "camera robot_1" for each camera.
     """
 
@@ -85,7 +85,7 @@ class RobotWatch:
 
     Args:
         link: the node to use.
-        options: what a person has chosen.
+        options: a person's choices.
     """
 
     def __init__(self, link: RosLink, options: Options) -> None:

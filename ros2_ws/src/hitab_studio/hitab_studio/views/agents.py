@@ -49,9 +49,9 @@ def unfolded(
     """Yield the visible rows: each name with its depth, how many are below it, and if it is open.
 
     Args:
-        agents: their names.
+        agents: names of the agents.
         groups: the last `CommanderStatus` of each commander.
-        folds: what a person has opened (true) or closed, by name.
+        folds: opened (true) and closed commanders, by name.
         viewed: the viewed one, which is always visible unless a person has closed what holds it.
     """
     names = list(agents)
