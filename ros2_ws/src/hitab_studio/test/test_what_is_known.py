@@ -10,7 +10,7 @@ from hitab_msgs.msg import AgentStatus, WorldStatus
 
 from hitab_client import SwarmError
 from hitab_ros import KnownStops
-from hitab_studio.actions import ACTIONS
+from hitab_studio.actions import REGISTERED_ACTIONS
 from hitab_studio.page import perform
 from hitab_studio.page_state import PageState
 from hitab_studio.studio import Studio
@@ -90,8 +90,8 @@ def test_a_refusal_is_shown_in_the_dialog_that_asked_for_it():
     async def nothing(session: PageState, data: Any) -> None: ...
 
     async def made(monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setitem(ACTIONS, "refuses", refuses)
-        monkeypatch.setitem(ACTIONS, "nothing", nothing)
+        monkeypatch.setitem(REGISTERED_ACTIONS, "refuses", refuses)
+        monkeypatch.setitem(REGISTERED_ACTIONS, "nothing", nothing)
         session = Studio(lambda: SwarmTarget(0)).open()
         session.shared.store.known = SwarmState(UP, statuses=hears(ONE))
         session.agent = ONE
