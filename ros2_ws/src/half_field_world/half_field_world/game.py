@@ -134,7 +134,7 @@ class HalfFieldReferee(Referee):
 def set_up(physics: Physics, random: Random) -> None:
     """Put everything in its initial position, at rest, facing anywhere.
 
-    One attacker, any of them, stands just behind the ball; the others stand beside it, one on each
+    Any attacker stands just behind the ball, and the others beside the ball, one on each
     side. The defenders stand before their penalty area, the goalie before its goal.
     """
     midline, uniform = -field.GOAL_X, random.uniform

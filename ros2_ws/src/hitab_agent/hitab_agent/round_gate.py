@@ -13,10 +13,10 @@ Act = Callable[[], None]
 class RoundGate:
     """Calls a function in each round once all commanders have given their order for it.
 
-    A commander that misses a round is not waited for until it gives an order again, or until a
-    round is played after one in which agents only look: a run that is played without a commander
-    must cost a deadline, which marks it. So must a commander that was restarted, however fast: it
-    has lost its state. No clock is involved: a round is over when the next begins.
+    A commander that misses a round is not waited for until its next order, or until a round is
+    played after one of looking: a run without a commander must miss a deadline, which marks the
+    run. A restart of a commander, however fast, must miss one too: the state is lost. No clock is
+    involved: a round is over when the next begins.
     """
 
     def __init__(self, orders: OrderSubscriptions) -> None:

@@ -70,9 +70,8 @@ def bring_up(
         swarm: the description.
         folder: for its files.
         progress: called as nodes come up.
-        warn: called with whatever a person should know: ROS domains that are in use; commanders
-            that do not hear everybody yet; faults that agents have from the start; libraries that
-            are read-only; trainings that they resume.
+        warn: called with notes for people: ROS domains in use; commanders that do not hear
+            everybody yet; faults of agents from the start; read-only libraries; resumed trainings.
         say: called with the reason when an interruption takes a while.
 
     Raises:
@@ -302,8 +301,8 @@ def _to_know(
 def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:
     """Give agents the time to perceive, and commanders to get their subordinates' first values.
 
-    Only then are the faults of the others known. Commanders report until then that they lack
-    these values, which is no fault of a swarm that just starts.
+    Only then are the faults of the others known. Until then commanders report these values as
+    missing, which is no fault in a swarm that just starts.
     """
     statuses = agents.statuses
     link.spin_until(
@@ -327,8 +326,8 @@ def _await_commanders(
 ) -> Iterator[str]:
     """Wait until all commanders hear their subordinates; yield a sentence if some do not yet.
 
-    All nodes of the swarm have been heard here, but they discover each other one by one, which
-    takes a large swarm longer. In lockstep that was waited for already.
+    This process has heard all nodes, but the nodes discover each other one by one, which takes
+    longer in a large swarm. In lockstep that was waited for already.
     """
     commanders = [] if _is_exact(swarm) else [c.name for c in swarm.commanders]
     view = CommandView(link, record.namespace, record.identity)

@@ -57,8 +57,9 @@ def _program(name: str) -> str:
     """Return the section of a process.
 
     It counts as started after startsecs. If it dies earlier, it is retried startretries times,
-    each time after one more second. If it dies later, it is restarted at once, unless its exit
-    code says that a restart would not help; such a process stays up for startsecs before it exits.
+    each time after one more second. A process that dies later is restarted at once, unless its
+    exit code says that a restart would not help; such a process stays up for startsecs before it
+    exits.
     """
     return f"""
 [program:{name}]

@@ -131,8 +131,8 @@ class Process:
         name: unique within the swarm; names its log.
         module: run with ``python -m``; empty if the arguments are the command.
         arguments: before those for ROS.
-        namespace: of its node, or the one around those of its several nodes; in a description it
-            is relative to that of the swarm, unless it begins with a slash.
+        namespace: of the process's node, or around its several nodes; relative to the swarm's
+            namespace in a description, unless it begins with a slash.
         remap, parameters: of its nodes.
         is_node: whether it takes arguments for ROS.
         agents: names of its agents.

@@ -1,9 +1,9 @@
 """A behavior as a tree for BehaviorTree.CPP 4, in XML.
 
-Each automaton is a subtree. Its state is an entry of the blackboard. Scripts query and change it,
-one for each node of a decision tree; nested `WhileDoElse` nodes tick what the state performs, and
-halt it before the next one is started. Groot shows the names: a sequence for each state, in it a
-script for each test and each transition.
+Each automaton is a subtree. Its state is an entry of the blackboard. Scripts query and change the
+state, one for each node of a decision tree; nested `WhileDoElse` nodes tick the state's behavior,
+and halt it before the next behavior is started. Groot shows the names: a sequence for each state,
+in it a script for each test and each transition.
 """
 
 from __future__ import annotations

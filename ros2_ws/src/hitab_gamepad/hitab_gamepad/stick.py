@@ -38,10 +38,10 @@ class Taken:
 class Stick:
     """Keeps what is pressed from one message to the next.
 
-    Only the moment in which a button goes down counts. The dead-man's switch must have been seen
-    released before it counts, and so must the other buttons: what is down in the first message, or
-    in the first one after a silence, may have been down for an hour. The emergency stop counts
-    always, without the switch and in any message.
+    Only the moment in which a button goes down counts. A button, the dead-man's switch included,
+    counts only after it was seen released: a button that is down in the first message, or in the
+    first one after a silence, may have been down for an hour. The emergency stop counts always,
+    without the switch and in any message.
 
     Args:
         mapping: meaning of buttons and axes.

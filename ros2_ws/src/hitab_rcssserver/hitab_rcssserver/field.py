@@ -1,7 +1,7 @@
 """The field as last reported by the server, in our own terms: y up, radians, our names.
 
-It is stored in the bodies of the simulated world, which their physics never moves here, so that
-percepts, takers and referee can read it.
+The field is stored in the bodies of the simulated world, for percepts, takers and referee; the
+physics never moves these bodies here.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """The state of a server's game, cycle by cycle, with what its referee does not report.
 
 In keepaway, the referee only reports that an episode is over, after it has set up the next one.
-But it checks for a ball that is out before one that is taken, and its count of the takers'
-possession follows from earlier cycles. So the referee of the simulated world, which has the same
-rules, tells why. In a match, it stops play and tells why; the other reasons are our referee's.
+But the server checks for a ball that is out before one that is taken, and counts the takers'
+possession from earlier cycles. So the referee of the simulated world, which has the same rules,
+tells why. In a match, it stops play and tells why; the other reasons are our referee's.
 """
 
 from __future__ import annotations

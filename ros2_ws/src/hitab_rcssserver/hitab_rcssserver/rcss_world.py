@@ -51,8 +51,8 @@ class RcssWorld:
     """A game on an rcssserver, keepaway by default; see `hitab_world.world.LiveWorld`.
 
     Percepts and actions are those of `keepaway_world.world.KeepawayWorld`. The server plays
-    keepaway itself; for another game it plays a match, in which the trainer begins each episode
-    and which ends with the first thing that stops play, or when our own referee ends it.
+    keepaway itself. Other games are matches on the server: the trainer begins each episode, and
+    the first stop of play, or our own referee, ends it.
 
     Args:
         server: address of the server, and the choice of takers.

@@ -129,8 +129,8 @@ def _xy(value: complex) -> tuple[float, float]:
 def together(sightings: Iterable[Sighting], mode: str) -> FullState | None:
     """Return the field as several players know it together; None if no player knows anything.
 
-    The ball's place is that which the player closest to it sees. Each of these players gives its
-    own place; the places of all others are those which the player nearest to the ball gives.
+    The ball's place is that which the player closest to it sees. Each player reports its own
+    place; places of other players come from the player nearest to the ball.
     """
     by_nearness = sorted(sightings, key=lambda sighting: sighting.ball_seen_from)
     states = [state for s in by_nearness if (state := s.state(mode)) is not None]

@@ -20,7 +20,7 @@ class Bases:
 
     Attributes:
         missing: whether all of them only listen.
-        unnamed: whether a new one has no name yet, so that it may be a base that came back.
+        unnamed: whether a new base has no name yet, and may be one that came back.
     """
 
     def __init__(self) -> None:

@@ -12,9 +12,9 @@ CLOCK_TOLERANCE_S = 0.1
 class Freshness:
     """The last reading of one sensor; it has values as long as it is not too old.
 
-    A reading is as old as its stamp says. A stamp of zero, or one that is ahead of the clock, says
-    nothing of its age: then the time of arrival counts, so that no reading stays fresh for ever.
-    A reading that is older than the one before came late and is ignored, unless the one before is
+    A reading is as old as its stamp says. A stamp of zero, or ahead of the clock, says nothing
+    about age: the time of arrival counts instead, so that no reading stays fresh for ever. A
+    reading that is older than the one before came late and is ignored, unless the one before is
     too old itself: then the sensor's clock was set back.
 
     Attributes:

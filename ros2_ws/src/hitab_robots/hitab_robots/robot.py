@@ -24,8 +24,8 @@ TIME_LABEL = "time"
 class Robot:
     """The parts of a robot, as plain data; given to a domain, it makes the bodies.
 
-    Its percept is the time in s and then the values of its sensors, in their order; its action is
-    ``[ahead, left, turn]`` in m/s, m/s and rad/s, or empty if no behavior drives it.
+    The percept is the time in s and then the values of the sensors, in order; the action is
+    ``[ahead, left, turn]`` in m/s, m/s and rad/s, or empty if no behavior drives the robot.
 
     Attributes:
         sensors: each with a name of its own.

@@ -263,8 +263,8 @@ def facing(
 def near(name: str = "Near", within: float = 0.2, *, required: bool = True) -> Feature:
     """Return whether the robot's center is near a target.
 
-    A command on a `distance_to` that comes when the robot has stopped at its target holds up to
-    that distance only, which it may not reach again; this feature is yes or no.
+    A command on a `distance_to`, given when the robot has stopped at its target, holds up to that
+    distance only, which the robot may not reach again; this feature is yes or no.
 
     Args:
         name: a word.

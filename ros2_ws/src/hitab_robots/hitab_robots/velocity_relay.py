@@ -83,8 +83,8 @@ class VelocityRelay(GuardedNode):
     robot when both have been silent for `cmd_vel_timeout`, whatever the reason, and until it is
     re-armed (`hitab_ros.stop_machine`) after an emergency stop, a sign of life of its agent that
     was missed, whatever keeps the agent from acting, the loss of its base, a command that is no
-    velocity, and its own start. Then it sends zeros for a second and, unless it is an emergency,
-    nothing more, so that others can drive. What is not a finite number never passes.
+    velocity, and its own start. A stopping relay sends zeros for a second and, except in an
+    emergency, nothing more, so that others can drive. What is not a finite number never passes.
 
     The goals that its agent has at servers of actions are canceled by the agent when the robot has
     to stop, and by the relay when the agent is silent. A robot that has but actions has no base.

@@ -94,8 +94,7 @@ class Finder:
     def _one_of(self, up: Sequence[Found], domain_id: int) -> SwarmTarget:
         """Return the swarm that is kept, or the only one; a problem if a person has to choose.
 
-        If the one that is kept has ended, no other one takes its place by itself: it may come
-        back.
+        A kept swarm that has ended is not replaced by another one: it may come back.
         """
         shown = next((found for found in up if str(found[0].path) == self._kept), None)
         if shown is None and len(up) == 1 and (self._swarm is not None or not self._kept):

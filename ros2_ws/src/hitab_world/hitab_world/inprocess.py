@@ -11,8 +11,7 @@ Example::
     repertoire = Repertoire(DOMAIN, library)
     results = play(world, perform(world, repertoire, "Keepaway"), episodes=200)
 
-A world that computes what all its agents perceive at once does so at the first `World.percept` of
-a cycle; nothing has to be done here for it.
+A world that computes all percepts at once does so at the first `World.percept` of a cycle.
 """
 
 from __future__ import annotations

@@ -250,8 +250,8 @@ class LiveWorld(Protocol):
     """Further members of a `World` that runs by itself, such as on a server elsewhere.
 
     Attributes:
-        waiting: why the world cannot be stepped at the moment, such as that the server has gone,
-            in one sentence that says what to do; "" if it can.
+        waiting: why the world cannot be stepped at the moment, such as a missing server, in one
+            sentence with the remedy; "" if it can.
     """
 
     waiting: str

@@ -1,8 +1,8 @@
 """The memory from which a restarted world continues: its latest state and snapshots.
 
 The latest state is replaced at a period, and before a request that has changed it is acknowledged.
-It is valid for one start of a swarm: the next one starts as its description says, but a world that
-was paused stays so. A snapshot that a person saves stays until a person deletes it.
+The memory is valid for one start of a swarm: the next start follows the description, but a paused
+world stays paused. A snapshot that a person saves stays until a person deletes it.
 """
 
 from __future__ import annotations

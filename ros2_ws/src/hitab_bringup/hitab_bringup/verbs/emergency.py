@@ -33,9 +33,9 @@ def stop(
 
     Each robot stands still, whatever its agent does, until `hitab go` and then `hitab arm`. Relays
     between agents and robots obey it even if an agent has died; goals of actions are cancelled;
-    simulated worlds pause. The command repeats it until each of them has confirmed that it stands
-    still, so that a robot that is out of reach obeys when it is back; after ten seconds it names
-    those that have not. It takes no names: `hitab perform ROBOT` stops one robot.
+    simulated worlds pause. The command repeats the stop until each robot has confirmed standing
+    still, so a robot out of reach obeys when it is back; after ten seconds the command names the
+    others. It takes no names: `hitab perform ROBOT` stops one robot.
 
     Args:
         reason: Why, for those who read the status.

@@ -81,8 +81,8 @@ def unfolded(
 def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, list[str]]:
     """Return the subordinates of each commander, also of those that were not heard yet.
 
-    A commander names its subordinates and its own commander, so a link between two of them is
-    known as soon as one of them was heard.
+    A commander names its subordinates and its own commander, so a link is known as soon as either
+    end was heard.
     """
     there = {*groups, *agents}
     found = {name: [sub.name for sub in group.subordinates] for name, group in groups.items()}
