@@ -34,7 +34,8 @@ RETRY_SECONDS = 0.5  # between two attempts to reach a server
 JOIN_RETRY_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
 HOLD_SECONDS = 0.9  # how long to hold a server while paused; it waits 1.25 s for an answer
 NEW_EPISODE = ("(change_mode drop_ball)", "(change_mode play_on)", "(recover)")
-"""What a trainer begins an episode with: the first makes the server forget earlier kicks."""
+"""Commands by which a trainer begins an episode: the first makes the server forget earlier
+kicks."""
 BUSY_SECONDS = 0.05  # longest time that `RcssWorld.idle` keeps playing before it returns
 
 

@@ -21,7 +21,7 @@ Who: TypeAlias = tuple[str, int]
 
 
 class Sighting:
-    """What one player knows about the field.
+    """A player's knowledge of the field.
 
     An object out of sight stays where it was last seen; the ball keeps rolling.
 

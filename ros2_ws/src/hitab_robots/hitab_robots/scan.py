@@ -47,10 +47,9 @@ class Scan(Sensor):
     are NaN if it is not known: no ray of the scanner is in the sector, or fewer than half of these
     measured anything.
 
-    What a ray means (REP 117): NaN and what is below ``range_min`` is no measurement; negative
-    infinity is a thing that is too near to be measured, and counts as one at ``range_min``; at or
-    above the maximum there is nothing. Of a scan of several rays without an angle between them
-    nothing is known.
+    Meaning of a ray (REP 117): NaN and values below ``range_min`` are no measurements; negative
+    infinity is a thing too near to be measured, and counts as ``range_min``; from the maximum on
+    there is nothing. Of a scan of several rays without an angle between them nothing is known.
 
     Attributes:
         sectors: parts of the scan, each with two values, such as ``scan.ahead.range``.

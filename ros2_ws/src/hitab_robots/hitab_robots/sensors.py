@@ -171,8 +171,8 @@ class Imu(Sensor):
     """A `sensor_msgs/Imu`.
 
     It reads ``roll``, ``pitch`` and ``heading`` in rad, the ``turn_rate`` in rad/s, and the
-    accelerations ``ax``, ``ay``, ``az`` in m/s². What the message marks as not measured, by a
-    covariance that begins with -1, is NaN.
+    accelerations ``ax``, ``ay``, ``az`` in m/s². Values marked as not measured, by a covariance
+    that begins with -1, are NaN.
     """
 
     message: ClassVar[str] = "sensor_msgs/msg/Imu"

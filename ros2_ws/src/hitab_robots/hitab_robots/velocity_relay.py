@@ -79,12 +79,12 @@ MEASURED_S = 1.0
 class VelocityRelay(GuardedNode):
     """Sends the base the agent's velocities within limits; zero when the robot has to stop.
 
-    What a person sends on ``cmd_vel_teleop`` counts instead of the agent's. The relay stops the
+    A person's velocity on ``cmd_vel_teleop`` counts instead of the agent's. The relay stops the
     robot when both have been silent for `cmd_vel_timeout`, whatever the reason, and until it is
     re-armed (`hitab_ros.stop_machine`) after an emergency stop, a sign of life of its agent that
     was missed, whatever keeps the agent from acting, the loss of its base, a command that is no
     velocity, and its own start. A stopping relay sends zeros for a second and, except in an
-    emergency, nothing more, so that others can drive. What is not a finite number never passes.
+    emergency, nothing more, so that others can drive. Only finite numbers pass.
 
     The goals that its agent has at servers of actions are canceled by the agent when the robot has
     to stop, and by the relay when the agent is silent. A robot that has but actions has no base.

@@ -52,8 +52,8 @@ class RequestQueue:
     meant: Go, Stop, Go are three commands however fast they come. Repeating actions are never
     dropped.
 
-    What the page says does nothing at present is tried nevertheless as long as the page may not
-    show what was done before, such as a command that is undone at once.
+    A request marked as unavailable is tried nevertheless while the page may lag behind, such as an
+    undo right after its command.
 
     Attributes:
         waiting: the request being handled, and those after it.

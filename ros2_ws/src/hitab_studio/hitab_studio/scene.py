@@ -213,7 +213,7 @@ def said_message(scene: Scene) -> str:
 def state_shown(status: msg.AgentStatus) -> str:
     """Return by what an agent is colored, without its targets.
 
-    That is its outermost state, or the role that its commander has given it.
+    The shown state is the outermost one, or the role given by a commander.
     """
     path = status.active_path
     if status.superior and status.mode == status.PERFORMING:

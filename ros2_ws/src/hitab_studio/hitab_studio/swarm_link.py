@@ -4,7 +4,7 @@ It reconnects whenever the swarm has been restarted. All this belongs to the ser
 pages do. An error here is shown on the page that caused it, and ends nothing.
 
 Only jobs, requests that wait for the swarm, run in threads. A job is ordinary code that waits by
-spinning the link. The thread holds the link's monitor except while it waits, so only one thread at
+spinning the link. A job holds the link's monitor except while it waits, so only one thread at
 a time uses the node, the clients and their data.
 
 The rule for jobs: wait by the link (`spin`, `spin_until`, `call`), never by sleeping.

@@ -76,8 +76,8 @@ def demonstrate(
 def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
     """Return how long ago a command was due, s of simulated time, and the cycle that it is before.
 
-    It counts from when the person pressed Enter. What this process takes to start and to find the
-    agent is no reaction of theirs: the world went on meanwhile, and they have not seen that yet.
+    It counts from when the person pressed Enter. The start-up of this process and its search for
+    the agent are no part of a person's reaction time: the world went on meanwhile, unseen.
     """
     import time
 

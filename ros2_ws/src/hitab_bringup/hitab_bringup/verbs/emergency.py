@@ -84,9 +84,9 @@ def arm(
     """Let robots act again that were stopped, whatever stopped them; without names, list them.
 
     A robot waits for this after each start of its relay, an emergency stop, a sensor or an agent
-    that fell silent. It is refused while that lasts, and while the robot moves. What the agent
-    performs then drives the robot at once: look at the robot first. Only robots of the swarm that
-    is up are meant; if none is, those in ROS_DOMAIN_ID.
+    that fell silent. It is refused while that lasts, and while the robot moves. The agent's
+    behavior drives the robot at once: look at the robot first. Only robots of the swarm that is up
+    are meant; if none is, those in ROS_DOMAIN_ID.
 
     Args:
         robots: Names of robots.

@@ -28,7 +28,7 @@ def new(
 ) -> None:
     """Write a robot of your own, or with --world a simulated world in one file, to begin with.
 
-    What is written can be started, tested and trained at once; then change it.
+    The new files can be started, tested and trained at once; then change them.
 
     Args:
         name: Of the folder my_robot, or the file my_world.py; neither may exist yet.

@@ -196,8 +196,8 @@ def discard(
 ) -> None:
     """Give up a training and its unsaved examples; the agent is idle afterwards.
 
-    On a terminal it asks first if that is more than a few commands. What was saved before stays.
-    The examples are kept in the folder of the agent's journals, beside those of earlier trainings.
+    On a terminal it asks first if that is more than a few commands. Saved behaviors stay. The
+    examples are kept in the folder of the agent's journals, beside those of earlier trainings.
 
     Args:
         yes: Do not ask, however many examples there are.

@@ -1,7 +1,7 @@
 """Checked contents of a robot's messages: odometry, scans, maps and pictures.
 
-All functions raise `Refused` if a message makes no sense. What pages draw of maps and pictures are
-binary frames, which begin with their kind:
+All functions raise `Refused` if a message makes no sense. Maps and pictures go to pages as binary
+frames, which begin with their kind:
 
     uint32  SCANS, float32 x, y of each point, in the frame in which all is drawn
     uint32  MAP, float32 x, y, yaw of its origin and width of a cell, then a PNG

@@ -1,8 +1,8 @@
 """Which topics belong to which robot, by the graph of ROS.
 
-What an agent's node subscribes to, its robot has: this holds whatever was remapped, and whichever
-link it is. What no agent listens to, such as a camera, is found by its type in the namespaces of
-the agent and of its odometry; of the only robot, anywhere.
+Topics that an agent's node subscribes to belong to its robot, whatever was remapped, and with any
+link. Topics without an agent, such as a camera's, are found by their type in the namespaces of the
+agent and of its odometry; those of a single robot, anywhere.
 """
 
 from __future__ import annotations
