@@ -63,7 +63,7 @@ class GuardedTick:
         self._show(TICK, "")
         if lacking := "; ".join(agent.context.senses.lacking()):
             self._failed_in = self._doing
-            lacking = f"{agent.name} decides without what it needs: {lacking}"
+            lacking = f"{agent.name} decides without needed values: {lacking}"
         self._show(VALUES, lacking)
         return action
 

@@ -27,7 +27,7 @@ class ReachWatch:
         self.why = ""
         self._node = node
         self._commander = node.settings.commander
-        # Not by a clock: this process may be held up itself.
+        # Counted in turns, not by a clock: this process may be starved itself.
         self._unheard_s = -math.inf
         topic = names.in_swarm(node, names.ALIVE if self._commander else names.OPERATORS)
         node.create_subscription(msg.Alive, topic, self._hear, qos.SIGNS_OF_LIFE)

@@ -179,7 +179,7 @@ class _CommanderNode(_Node):
         for node in subordinates:
             node.subordinate.role = roles[node.agent.name]
             node.superior = self
-            # It asks for values before it orders anything.
+            # A commander asks for values before it orders anything.
             node.subordinate.take(body.order)
 
     def hear(self, report: Report) -> None:

@@ -72,7 +72,7 @@ class _Writer:
         taken = {"drawn", "true", "false", *GIVEN}
         self.values = identifiers(labels, taken)
         self.labels = {value: label for label, value in self.values.items()}
-        # What follows this prefix differs from all features.
+        # Names behind this prefix differ from all features.
         self._prefix = "hitab_"
         while any(name.startswith(self._prefix) for name in self.values.values()):
             self._prefix += "x_"

@@ -173,7 +173,7 @@ class _Performance:
                 node = tree[yes]
             elif value == value:
                 node = tree[no]
-            else:  # It is missing: draw, as often as examples went there.
+            else:  # A missing value: draw, as often as examples went there.
                 drawn = percept.draw() if drawn < 0.0 else drawn
                 if drawn < share:
                     node, drawn = tree[yes], drawn / share

@@ -88,7 +88,7 @@ class Stick:
             self._stamp = stamp
         others = self._newly_down({*self._mapping.buttons} - self._stops, axes, buttons)
         hold = self._mapping.hold
-        # What was down when the messages began has not been pressed.
+        # Buttons that were down in the first message have not been pressed.
         held = hold in self._down and hold in self._pressed_at
         bounced = {b for b, at in self._pressed_at.items() if now < at + BOUNCE_S}
         pressed = [b for b in others if held and b != hold and b not in bounced]

@@ -83,7 +83,7 @@ class Sighting:
 
     def _see_ball(self, seen: SeenObject, there: complex, neck: float) -> None:
         if math.isnan(seen.distance_change):
-            # Its distance from the expected position is its extra speed.
+            # The ball's distance from the expected position is its extra speed.
             velocity = self._ball_velocity + (there - self._ball) * self._decay
         else:
             turning = seen.distance * math.radians(seen.direction_change)

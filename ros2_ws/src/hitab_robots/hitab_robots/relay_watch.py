@@ -43,7 +43,7 @@ class RelayWatch:
         self._process = process
         self._cause = ""
         self._is_replaced = False
-        # Not by a clock: this process may be held up itself.
+        # Counted in turns, not by a clock: this process may be starved itself.
         self._unheard_s = 0.0 if process is None else -FIRST_SIGN_TIMEOUT_S
         self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.STREAM)
         node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.STREAM)

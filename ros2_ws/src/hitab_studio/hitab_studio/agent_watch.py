@@ -126,7 +126,7 @@ class AgentWatch:
             return
         if self.known.transitions[-1:] != tuple(self._events)[-1:]:
             self._know(transitions=tuple(self._events))
-        # What is saved again may have learned the same, under another version and description.
+        # A behavior saved again may be the same, under another version and description.
         ended = bool(self._trained) and not status.training
         self._trained = status.training
         library_key = (status.library_digest, status.distribution)

@@ -129,7 +129,7 @@ def effect(before: Learned, after: Learned) -> Effect:
     former = {e.number: e for e in before.examples}
     decisions = []
     for example in after.examples:
-        # What was decided in its situation, by the features of then.
+        # The decision in the example's situation, by the features of then.
         then = example if before.features == after.features else former.get(example.number)
         if then is None or not example.is_learned:
             continue

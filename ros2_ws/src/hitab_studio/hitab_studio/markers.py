@@ -86,7 +86,7 @@ class Markers:
             markers += _thing(header, i, name, look, (x, y, heading), scene.radii[i])
         for marker in markers:
             marker.lifetime = Duration(sec=LIFETIME_SECONDS)
-        # What is no longer there goes at once.
+        # Markers of missing things go at once.
         return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL), *markers])
 
 

@@ -215,7 +215,7 @@ def _kept(agent: Mapping[str, Any]) -> str:
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
-    # It may have been long ago: what is still so is among the faults.
+    # The error may be long ago: present ones are among the faults.
     what = "last refusal" if "agent" in status else "last error"
     if status.get("refused_at"):
         what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))
