@@ -36,7 +36,7 @@ REAL = "These are real robots: they cannot be paused, put elsewhere or set back.
 
 
 @dataclass
-class TargetsAsked:
+class MissingTargets:
     """A commanded behavior that still needs targets, to be clicked in the field.
 
     Attributes:
@@ -50,7 +50,7 @@ class TargetsAsked:
 
 
 @dataclass
-class NumbersAsked:
+class ShownNumbers:
     """A behavior with its targets, and its numbers by name."""
 
     behavior: str
@@ -109,7 +109,8 @@ class PageState:
         state: the state whose tree is viewed, if not the active one.
         to_start: the swarm that is chosen to be started; empty if none was chosen yet.
         folds: opened (true) and closed commanders in the list of agents, by name.
-        showing: the behavior with numbers that is being shown, if one is.
+        shown_numbers: the behavior whose form of numbers is open, if one is.
+        missing_targets: the commanded behavior that still needs targets, if one does.
         lost: the last command, if the agent has not acknowledged it.
         unseen: outcomes of commands that the page has not shown yet.
         dialog: the open dialog, with the values of its template.
@@ -132,8 +133,8 @@ class PageState:
         self.filter = ""
         self.to_start = ""
         self.folds: dict[str, bool] = {}
-        self.asked: TargetsAsked | None = None
-        self.showing: NumbersAsked | None = None
+        self.missing_targets: MissingTargets | None = None
+        self.shown_numbers: ShownNumbers | None = None
         self.lost: UnansweredCommand | None = None
         self.unseen = UnseenOutcomes()
         self.table = ExamplesTable()
@@ -215,7 +216,7 @@ class PageState:
         if agent != self.agent:
             self.agent = agent
             self.level = self.state = self.behavior = ""
-            self.asked = self.showing = None
+            self.missing_targets = self.shown_numbers = None
             self.compare = None
             self.table = ExamplesTable()
         self.shared.link.viewing.focus[self.id] = agent

@@ -138,7 +138,7 @@ class Studio:
     def _close_dialogs(self, target: SwarmTarget) -> None:
         """Close what asks about a swarm that has gone."""
         for session in self.sessions.values():
-            session.asked = session.showing = None
+            session.missing_targets = session.shown_numbers = None
             if session.dialog and session.dialog["kind"] not in OF_NO_SWARM:
                 session.close_dialog()
                 session.tell(_dialog_closed(target), "note")

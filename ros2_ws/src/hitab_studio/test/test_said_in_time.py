@@ -114,7 +114,7 @@ def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
         await perform(session, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
         await perform(session, {"do": "command", "behavior": "GoFast"})
         assert done == ["GoTo(ball)", "GoFast"]
-        assert session.asked is None
+        assert session.missing_targets is None
 
     page(keeper(), use)
 

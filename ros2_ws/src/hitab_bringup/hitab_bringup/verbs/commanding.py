@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_bringup.verbs.showing import plain, tell_faults
+from hitab_bringup.verbs.printing import plain, tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_client.commands import called, with_commands

@@ -11,7 +11,7 @@ import typer
 
 from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import as_text, plain
+from hitab_bringup.verbs.printing import as_text, plain
 from hitab_client import as_direction, console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value

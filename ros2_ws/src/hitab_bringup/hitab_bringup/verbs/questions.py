@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import plain
+from hitab_bringup.verbs.printing import plain
 from hitab_client import console
 from hitab_client.command_options import AgentName, JsonPath, SwarmName
 from hitab_client.commands import called, with_commands

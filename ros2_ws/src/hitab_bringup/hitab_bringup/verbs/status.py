@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_bringup.verbs.showing import plain
+from hitab_bringup.verbs.printing import plain
 from hitab_client import SwarmError, console
 from hitab_client.command_options import JsonPath, SwarmName
 from hitab_client.commands import as_command

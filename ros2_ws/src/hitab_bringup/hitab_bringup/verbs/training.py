@@ -9,7 +9,7 @@ import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.examples import edit
-from hitab_bringup.verbs.showing import tell_faults
+from hitab_bringup.verbs.printing import tell_faults
 from hitab_client import console
 from hitab_client.command_options import AgentName, SwarmName
 from hitab_client.commands import called

@@ -21,7 +21,7 @@ DIALOGS = frozenset(
 async def choose(session: PageState, data: Data) -> None:
     """Select something in the field: an agent to view, or a requested target."""
     name = str(data["name"])
-    if session.asked is not None:
+    if session.missing_targets is not None:
         meant = targets_meant(session, name)
         if len(meant) == 1:
             await give_target(session, meant[0])
@@ -61,7 +61,7 @@ async def neighbor(session: PageState, data: Data) -> None:
 @action("deselect", repeats=True)
 async def deselect(session: PageState, data: Data) -> None:
     """Deselect everything in the field; the viewed agent stays."""
-    if session.asked is None:
+    if session.missing_targets is None:
         session.choose([session.agent] if session.agent else [])
 
 
@@ -127,10 +127,10 @@ async def escape(session: PageState, data: Data) -> None:
     """Close whatever is in front."""
     if session.dialog:
         session.close_dialog()
-    elif session.asked is not None:
-        session.asked = None
-    elif session.showing is not None:
-        session.showing = None
+    elif session.missing_targets is not None:
+        session.missing_targets = None
+    elif session.shown_numbers is not None:
+        session.shown_numbers = None
     elif session.player is not None:
         session.player = None
         session.show_again()

@@ -18,9 +18,9 @@ from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.page_state import (
     CHOOSE_FIRST,
-    NumbersAsked,
+    MissingTargets,
     PageState,
-    TargetsAsked,
+    ShownNumbers,
     nothing_in_training,
 )
 from hitab_studio.swarm_link import Connected
@@ -35,7 +35,7 @@ async def command(session: PageState, data: Data) -> None:
     if (given := keys.get(str(data.get("hotkey")))) is not None:
         await give_target(session, given)  # pressed before the page showed the targets
         return
-    session.showing = session.asked = None
+    session.shown_numbers = session.missing_targets = None
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = Use.parse(behavior).arguments
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
@@ -43,11 +43,11 @@ async def command(session: PageState, data: Data) -> None:
     if training is not None:
         open_ = [p for p in open_ if p not in training.parameters]
     if open_:
-        session.asked = TargetsAsked(Use.parse(behavior).name, tuple(parameters), seen)
+        session.missing_targets = MissingTargets(Use.parse(behavior).name, tuple(parameters), seen)
         return
     if numbers := session.watched.vocabulary.numbers_of(behavior):
         begin = {n.name: min(max(0.0, n.low), n.high) for n in numbers}
-        session.showing = NumbersAsked(behavior, begin)
+        session.shown_numbers = ShownNumbers(behavior, begin)
         return
     await _commanded(session, behavior, seen)
 
@@ -55,14 +55,14 @@ async def command(session: PageState, data: Data) -> None:
 @action("show", repeats=True)
 async def show(session: PageState, data: Data) -> None:
     """Command the behavior that is shown with the numbers of its form, or of an arrow."""
-    showing = session.showing
-    if showing is None:
+    shown = session.shown_numbers
+    if shown is None:
         return  # it was closed while the arrow was drawn
-    for name in showing.values:
-        showing.values[name] = number_from(data["values"], name)
-    numbers = session.watched.vocabulary.numbers_of(showing.behavior)
-    given = [showing.values[number.name] for number in numbers]
-    meant = with_numbers(Use.parse(showing.behavior), given, numbers)
+    for name in shown.values:
+        shown.values[name] = number_from(data["values"], name)
+    numbers = session.watched.vocabulary.numbers_of(shown.behavior)
+    given = [shown.values[number.name] for number in numbers]
+    meant = with_numbers(Use.parse(shown.behavior), given, numbers)
     await _commanded(session, str(meant), int(data.get("seen") or 0))
 
 
@@ -148,7 +148,7 @@ def targets_meant(session: PageState, name: str) -> list[str]:
 
 def targets_asked(session: PageState) -> list[str]:
     """Return the targets that may be given to what was commanded; none if it needs none."""
-    if session.asked is None:
+    if session.missing_targets is None:
         return []
     training = session.training
     parameters = training.parameters if training is not None and session.is_training else ()
@@ -157,14 +157,14 @@ def targets_asked(session: PageState) -> list[str]:
 
 async def give_target(session: PageState, target: str) -> None:
     """Bind a requested target; command after the last one."""
-    asked = session.asked
-    if asked is None:
+    missing = session.missing_targets
+    if missing is None:
         return
-    asked.targets = (*asked.targets, target)
-    if len(asked.targets) == len(asked.parameters):
-        session.asked = None
-        meant = str(Use(asked.behavior, asked.targets))
-        await command(session, {"behavior": meant, "seen": asked.seen})
+    missing.targets = (*missing.targets, target)
+    if len(missing.targets) == len(missing.parameters):
+        session.missing_targets = None
+        meant = str(Use(missing.behavior, missing.targets))
+        await command(session, {"behavior": meant, "seen": missing.seen})
 
 
 @action("target")
@@ -266,7 +266,7 @@ async def discard_now(session: PageState, data: Data) -> None:
     """Give up the training and its examples."""
     answer = await session.request(SwarmClient.discard)
     session.dialog = {}
-    session.lost = session.asked = session.showing = None
+    session.lost = session.missing_targets = session.shown_numbers = None
     session.tell(answered(answer))
 
 

@@ -195,9 +195,9 @@ def _buttons(session: PageState) -> list[dict[str, Any]]:
 
 def _shown_numbers(session: PageState) -> tuple[Number, ...]:
     """Return the numbers of the behavior that is being shown."""
-    if session.showing is None:
+    if session.shown_numbers is None:
         return ()
-    return session.watched.vocabulary.numbers_of(session.showing.behavior)
+    return session.watched.vocabulary.numbers_of(session.shown_numbers.behavior)
 
 
 def _arrow(session: PageState) -> Number | None:
@@ -205,7 +205,7 @@ def _arrow(session: PageState) -> Number | None:
 
     With a target, a direction may be relative to that.
     """
-    if session.showing is None or Use.parse(session.showing.behavior).arguments:
+    if session.shown_numbers is None or Use.parse(session.shown_numbers.behavior).arguments:
         return None
     return next((n for n in _shown_numbers(session) if n.circular), None)
 
