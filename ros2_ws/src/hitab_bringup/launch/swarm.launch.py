@@ -32,14 +32,19 @@ try:
 except ImportError:
     Node = None
 
-BOOLEANS = ["true", "false"]
+TRUE_OR_FALSE = ["true", "false"]
 ARGUMENTS = (
     ("swarm", "keepaway", "A swarm description, or the name of a shipped one", None),
     ("run_dir", "", "Folder for libraries and journals; empty for that of `hitab up`", None),
     ("namespace", "", "Of all nodes; empty for that of the description", None),
-    ("use_sim_time", "false", "Whether all nodes but the world take their time from it", BOOLEANS),
+    (
+        "use_sim_time",
+        "false",
+        "Whether all nodes but the world take their time from it",
+        TRUE_OR_FALSE,
+    ),
     ("pace", "", "lockstep or realtime; empty for that of the description", ["", *PACES]),
-    ("paused", "false", "Whether the world is paused at first", BOOLEANS),
+    ("paused", "false", "Whether the world is paused at first", TRUE_OR_FALSE),
     ("library", "", "Library for all agents; empty for folders of their own", None),
     ("agents", "0", "How many, for a world in one file; 0 for the number in the file", None),
 )

@@ -102,15 +102,15 @@ Behaviors = dict[Annotated[str, AfterValidator(_receiver)], Behavior]
 Time = Annotated[float, Field(ge=1.0 / LONGEST, le=LONGEST)]
 
 
-class ActiveState(Record):
+class ObservedState(Record):
     """An observed active state."""
 
     active: str
 
 
 Observed = Annotated[
-    ActiveState | str,
-    MappingOr(ActiveState, Annotated[str, AfterValidator(lambda t: str(read_use(t)))]),
+    ObservedState | str,
+    MappingOr(ObservedState, Annotated[str, AfterValidator(lambda t: str(read_use(t)))]),
 ]
 
 
@@ -125,7 +125,7 @@ class Observing(Record):
 
     def observation(self) -> Observation:
         """Return the observation of each subordinate."""
-        if isinstance(self.of, ActiveState):
+        if isinstance(self.of, ObservedState):
             return Observation(active=self.of.active)
         if self.of in FLAGS:
             return Observation(flag=self.of)

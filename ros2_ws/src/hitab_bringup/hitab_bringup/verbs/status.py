@@ -30,7 +30,7 @@ WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing la
 WAYS_MAX = 10
 """Ways out that are shown at most."""
 
-WORLD_DISCOVERY_SECONDS = 1.0  # for a world that was started by hand
+HAND_STARTED_WORLD_SECONDS = 1.0  # for a world that was started by hand
 
 
 def status(
@@ -76,7 +76,7 @@ def _await_world(swarm_up: Connection) -> None:
 
     world = swarm_up.world
     if swarm_up.record is None:
-        swarm_up.link.spin_until(lambda: world.status is not None, WORLD_DISCOVERY_SECONDS)
+        swarm_up.link.spin_until(lambda: world.status is not None, HAND_STARTED_WORLD_SECONDS)
     elif swarm_up.has_world:
         with suppress(SwarmError):  # shown with all that does not answer
             world.wait()

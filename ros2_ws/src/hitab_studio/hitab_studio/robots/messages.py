@@ -31,7 +31,7 @@ PICTURE_SIDE = 4096
 """Pixels; a small file may claim more than a browser can hold."""
 
 MAP_CELLS = 16_777_216
-MESSAGE_BYTES_MAX = MAP_CELLS + 10_000
+ROBOT_MESSAGE_BYTES_MAX = MAP_CELLS + 10_000
 """Size of a message; larger ones are refused."""
 
 POINTS_MAX = 2000

@@ -12,7 +12,7 @@ from hitab_client import RosLink, SwarmError
 from hitab_client.recording import message_class
 from hitab_ros import qos
 from hitab_studio.robots.messages import (
-    MESSAGE_BYTES_MAX,
+    ROBOT_MESSAGE_BYTES_MAX,
     Refused,
     map_of,
     odometry_of,
@@ -68,7 +68,7 @@ class Reading:
             self.value, self.trouble = None, str(error)
 
     def _message(self, data: bytes) -> Any:
-        if len(data) > MESSAGE_BYTES_MAX:
+        if len(data) > ROBOT_MESSAGE_BYTES_MAX:
             raise Refused(f"sends {len(data) / 1e6:.0f} MB in one message, too many to show")
         try:
             return deserialize_message(data, self._class)
