@@ -32,7 +32,7 @@ try:
 except ImportError:
     Node = None
 
-TRUE_OR_FALSE = ["true", "false"]
+SWITCH = ["true", "false"]
 ARGUMENTS = (
     ("swarm", "keepaway", "A swarm description, or the name of a shipped one", None),
     ("run_dir", "", "Folder for libraries and journals; empty for that of `hitab up`", None),
@@ -41,10 +41,10 @@ ARGUMENTS = (
         "use_sim_time",
         "false",
         "Whether all nodes but the world take their time from it",
-        TRUE_OR_FALSE,
+        SWITCH,
     ),
     ("pace", "", "lockstep or realtime; empty for that of the description", ["", *PACES]),
-    ("paused", "false", "Whether the world is paused at first", TRUE_OR_FALSE),
+    ("paused", "false", "Whether the world is paused at first", SWITCH),
     ("library", "", "Library for all agents; empty for folders of their own", None),
     ("agents", "0", "How many, for a world in one file; 0 for the number in the file", None),
 )
