@@ -112,7 +112,7 @@ def make_app(wanted: str = "") -> typer.Typer:
     """Return the command with its verbs, including those of other packages.
 
     Args:
-        wanted: if this is a verb in `HELP_PANELS`, only that one, which is faster: a stop is urgent.
+        wanted: if a verb in `HELP_PANELS`, only that one, which is faster: a stop is urgent.
     """
     app = typer.Typer(
         name="hitab",
