@@ -204,7 +204,7 @@ def test_what_makes_no_sense_is_refused_and_the_reason_shown_beside_its_topic():
         ("/odom", odometry(turn=Quaternion(w=0.0)), "orientation that is none"),
         ("/odom", odometry()[:60], "no Odometry"),
         ("/scan", scan(angle_increment=math.nan), "rays point"),
-        ("/map", grid(2, 2, [0, 0, 0]), "says that it has 2 x 2 cells, and has 3"),
+        ("/map", grid(2, 2, [0, 0, 0]), "announces 2 x 2 cells and has 3"),
         ("/map", grid(0, 0, []), "has 0 x 0 cells"),
         ("/map", grid(2**31, 2**31, [0]), "can be shown"),
         ("/map", grid(1, 1, [0], math.nan), "cells of nan m"),
