@@ -10,7 +10,7 @@ from typing import Any
 
 from hitab_core import Automaton, Domain, Repertoire, Target, Use
 from hitab_core.running import Change, RunContext, RunningAutomaton, Senses
-from hitab_export.hierarchy_form import OWN_LABELS, Hierarchy, TestForm
+from hitab_export.hierarchy_form import INTERNAL, Hierarchy, TestForm
 
 Percept = Mapping[str, float]
 Step = tuple[Percept, float, bool]
@@ -127,7 +127,7 @@ def steered_steps(hierarchy: Hierarchy, count: int, seed: str) -> list[Step]:
                 if isinstance(node, TestForm):
                     numbers.setdefault(node.feature, []).extend((node.low, node.high))
     choices: dict[str, list[float]] = {}
-    for index, feature in enumerate(hierarchy.features, len(OWN_LABELS)):
+    for index, feature in enumerate(hierarchy.features, len(INTERNAL)):
         ends = sorted({n for n in numbers[index] if math.isfinite(n)})
         if feature.categories > 0:
             values = [float(category) for category in range(feature.categories)]

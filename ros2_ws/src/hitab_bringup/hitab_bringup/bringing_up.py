@@ -32,7 +32,7 @@ from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Do, each_once, some
 
-SWARM_START_SECONDS = 60.0
+SWARM_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
 COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
@@ -238,9 +238,7 @@ def _answering(
             return not names
 
         running = len({member.process for member in swarm.members})
-        allowed = (
-            SWARM_START_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
-        )
+        allowed = SWARM_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
         if not link.spin_until(complete, allowed):
             names = missing()
             lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))

@@ -47,7 +47,7 @@ from hitab_commander import CommanderKind
 from hitab_core import NAME, NAME_RULE
 
 PACES = ("lockstep", "realtime")
-AGENT_PLACEHOLDER = "{agent}"
+AGENT_MARK = "{agent}"
 """Placeholder for the agent's name, in names and texts."""
 
 CLOCK_TOPIC = "/clock"

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from hitab_bringup.commander_tree import CommanderTree, in_hosts
 from hitab_bringup.library_choice import known_libraries
 from hitab_bringup.swarm_description import (
-    AGENT_PLACEHOLDER,
+    AGENT_MARK,
     SIM_TIME,
     AgentDescription,
     CommanderDescription,
@@ -110,13 +110,13 @@ def _under(above: Nodes, line: L, keys: set[str]) -> L:
     return line.but(**more)
 
 
-def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT_PLACEHOLDER) -> dict[str, Any]:
+def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT_MARK) -> dict[str, Any]:
     """Return the remappings and parameters of a line; an agent's name replaces ``{agent}``."""
 
     def named(value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(map(named, value))
-        return value.replace(AGENT_PLACEHOLDER, agent) if isinstance(value, str) else value
+        return value.replace(AGENT_MARK, agent) if isinstance(value, str) else value
 
     clock = {} if line.use_sim_time is None else {SIM_TIME: line.use_sim_time}
     return {
@@ -192,7 +192,7 @@ class _Reader:
         for key in sorted({"library", "start_from"} & line.model_fields_set):
             folder = getattr(line, key)
             there = self._start(folder) if key == "start_from" else self._path.parent / folder
-            if folder and AGENT_PLACEHOLDER not in folder and not there.is_dir():
+            if folder and AGENT_MARK not in folder and not there.is_dir():
                 text = (
                     f'`{key}:` there is no folder "{folder}"; make it, correct the path, which is '
                     "relative to this file, or leave it out"
@@ -275,9 +275,7 @@ class _Reader:
         base = self._path.parent
         return {
             "name": name,
-            "library": base / own.library.replace(AGENT_PLACEHOLDER, name)
-            if own.library
-            else None,
+            "library": base / own.library.replace(AGENT_MARK, name) if own.library else None,
             "start_from": self._start(own.start_from) if own.start_from else None,
             "behavior": own.behavior,
             "seed": own.seed,
@@ -353,13 +351,13 @@ class _Reader:
         if line.agents is None:
             ros = {**_ros(own), "is_node": is_node}
             return [Process(key, line.module, command, line.namespace, **ros)]
-        space = line.namespace or AGENT_PLACEHOLDER
+        space = line.namespace or AGENT_MARK
         return [
             Process(
                 f"{a.name}_{key}",
                 line.module,
                 command,
-                space.replace(AGENT_PLACEHOLDER, a.name),
+                space.replace(AGENT_MARK, a.name),
                 **_ros(own, a.name),
             )
             for a in groups[line.agents]

@@ -14,7 +14,7 @@ from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 from hitab_core import FLAGS, START
 from hitab_core.learning.compiled_tree import LARGEST_DRAW
 from hitab_export.hierarchy_form import (
-    OWN_LABELS,
+    INTERNAL,
     AutomatonForm,
     Hierarchy,
     StateForm,
@@ -130,9 +130,7 @@ class _Writer:
         is_idle = _any(state, (s.label for s in automaton.states if s.performs is None))
         _script(body, "", f"{state} := ({is_idle}) ? '{START}' : {state}", name="leave flags")
         nodes = [node for form in automaton.states for node in form.tree or ()]
-        if not any(
-            isinstance(node, TestForm) and node.feature < len(OWN_LABELS) for node in nodes
-        ):
+        if not any(isinstance(node, TestForm) and node.feature < len(INTERNAL) for node in nodes):
             return
         _script(body, "", *(f"{self._prefix}{flag} := 0.0" for flag in FLAGS))
         for form in automaton.states:
@@ -152,11 +150,11 @@ class _Writer:
         _script(body, "", f"{self._prefix}SecondsInState := {stays}")
 
     def _value(self, feature: int) -> str:
-        if feature < len(OWN_LABELS):
+        if feature < len(INTERNAL):
             return (
                 self._prefix + (*FLAGS, "SecondsInState", *(f"Since{f}" for f in FLAGS))[feature]
             )
-        return self.values[self._hierarchy.features[feature - len(OWN_LABELS)].label]
+        return self.values[self._hierarchy.features[feature - len(INTERNAL)].label]
 
     def _decide(self, body: Element, automaton: AutomatonForm) -> None:
         """Walk down the tree of the state; every node comes before its successors."""
@@ -192,9 +190,7 @@ class _Writer:
         node_at, value = f"{self._prefix}node", self._value(test.feature)
         label = self.labels.get(value, value.removeprefix(self._prefix))
         yes, no = first + test.yes, first + test.no
-        if test.feature >= len(
-            OWN_LABELS
-        ):  # which may be missing: only NaN is not equal to itself
+        if test.feature >= len(INTERNAL):  # which may be missing: only NaN is not equal to itself
             known = f"{elsewhere} || {value} == {value}"
             _draw(body, known)
             left = f"(drawn - {test.share!r}) / (1 - {test.share!r})"

@@ -28,7 +28,7 @@ from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_cho
 from hitab_core.regression import Neighbors, Table
 from hitab_core.running import checks_of
 
-OWN_LABELS = tuple(map(str, OWN_FEATURES))
+INTERNAL = tuple(map(str, OWN_FEATURES))
 """The features that each automaton has of its own, which come before those of the robot."""
 
 
@@ -37,7 +37,7 @@ class TestForm:
     """``low < value <= high``, after ``value %= period`` if there is one; see `compiled_tree`.
 
     Attributes:
-        feature: index into `OWN_LABELS` followed by `Hierarchy.features`.
+        feature: index into `INTERNAL` followed by `Hierarchy.features`.
         yes, no: index of the next node.
         share: of the examples that went to ``yes``, which decides where the value is missing.
     """
@@ -176,13 +176,13 @@ def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
             if state.name in repertoire.automata
         ]
 
-    slots: dict[str, int] = {label: slot for slot, label in enumerate(OWN_LABELS)}
+    slots: dict[str, int] = {label: slot for slot, label in enumerate(INTERNAL)}
     forms = [
         _automaton(repertoire, Use.parse(label), slots)
         for label in in_order([str(use)], automata_of)
     ]
     features = []
-    for label in list(slots)[len(OWN_LABELS) :]:
+    for label in list(slots)[len(INTERNAL) :]:
         feature = repertoire.domain.features[Use.parse(label).name]
         checks = checks_of(Use.parse(label), feature)
         features.append(FeatureForm(*checks, feature.scale.period, feature.unit))
@@ -206,7 +206,7 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
             slots.setdefault(features[used], len(slots))
         trees[label] = _tree(function, [slots.get(name, -1) for name in features], indices)
     required = [
-        slots.setdefault(label, len(slots)) - len(OWN_LABELS)
+        slots.setdefault(label, len(slots)) - len(INTERNAL)
         for feature, label in zip(automaton.features, features, strict=True)
         if repertoire.domain.feature(feature.name).required
     ]

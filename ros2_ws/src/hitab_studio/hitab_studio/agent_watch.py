@@ -20,7 +20,7 @@ from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Use
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import (
-    EMPTY_MAPPING,
+    NO_ITEMS,
     Effect,
     Vocabulary,
     effect,
@@ -56,10 +56,8 @@ class AgentState:
     """
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
-    behaviors: Mapping[str, Learned] = field(default_factory=lambda: EMPTY_MAPPING)
-    readings: Mapping[tuple[str, str], tuple[float, ...]] = field(
-        default_factory=lambda: EMPTY_MAPPING
-    )
+    behaviors: Mapping[str, Learned] = field(default_factory=lambda: NO_ITEMS)
+    readings: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=lambda: NO_ITEMS)
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
 

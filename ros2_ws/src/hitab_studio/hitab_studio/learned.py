@@ -12,7 +12,7 @@ from hitab_client import Learned
 from hitab_core import OWN_FEATURES, START, Example, Number, Use, contradictions, with_numbers
 from hitab_ros.conversions import numbers_of_behaviors
 
-EMPTY_MAPPING: Mapping[Any, Any] = MappingProxyType({})
+NO_ITEMS: Mapping[Any, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,14 @@ class Vocabulary:
 
     domain: str = ""
     behaviors: tuple[str, ...] = ()
-    behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: EMPTY_MAPPING)
+    behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
     trained: frozenset[str] = frozenset()
     one_shot: frozenset[str] = frozenset()
-    numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=lambda: EMPTY_MAPPING)
+    numbers: Mapping[str, tuple[Number, ...]] = field(default_factory=lambda: NO_ITEMS)
     features: tuple[str, ...] = ()
-    units: Mapping[str, str] = field(default_factory=lambda: EMPTY_MAPPING)
-    kinds: Mapping[str, str] = field(default_factory=lambda: EMPTY_MAPPING)
-    feature_descriptions: Mapping[str, str] = field(default_factory=lambda: EMPTY_MAPPING)
+    units: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
+    kinds: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
+    feature_descriptions: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
     targets: tuple[str, ...] = ()
 
     @classmethod

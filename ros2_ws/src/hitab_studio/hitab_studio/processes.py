@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hitab_client import RunFolder
 from hitab_client.run_processes import RunProcesses, Silence
-from hitab_studio.learned import EMPTY_MAPPING
+from hitab_studio.learned import NO_ITEMS
 
 POLL_INTERVAL_SECONDS = 0.5
 """Period of questions, while a process does not answer."""
@@ -27,7 +27,7 @@ class Processes:
     def __init__(self, folder: str) -> None:
         record = RunFolder(Path(folder)).read() if folder else None
         self._processes = RunProcesses(record) if record is not None else None
-        self._known: Mapping[str, Silence] = EMPTY_MAPPING
+        self._known: Mapping[str, Silence] = NO_ITEMS
         self._asking: threading.Thread | None = None
         self._next = 0.0
 
@@ -38,8 +38,8 @@ class Processes:
             absent: names of agents, or of the world.
         """
         if not absent or self._processes is None:
-            self._known = EMPTY_MAPPING
-            return EMPTY_MAPPING
+            self._known = NO_ITEMS
+            return NO_ITEMS
         now = time.monotonic()
         if now >= self._next and (self._asking is None or not self._asking.is_alive()):
             self._next = now + POLL_INTERVAL_SECONDS

@@ -17,10 +17,8 @@ from hitab_core.showing import Strip
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9
-MESSAGE_TYPES = {
-    type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)
-}
-STATE, STATUS, TRANSITION, EPISODE = MESSAGE_TYPES
+REPLAYED = {type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)}
+STATE, STATUS, TRANSITION, EPISODE = REPLAYED
 
 
 @dataclass
@@ -86,7 +84,7 @@ class Recording:
     def _read(self, messages: Iterable[Received]) -> None:
         for message in messages:
             name = message.schema.name
-            if name not in MESSAGE_TYPES:
+            if name not in REPLAYED:
                 continue
             seconds = message.received / NANOSECONDS
             if name == EPISODE:

@@ -13,7 +13,7 @@ from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
 from hitab_studio.agent_watch import AgentState
-from hitab_studio.learned import EMPTY_MAPPING
+from hitab_studio.learned import NO_ITEMS
 from hitab_studio.remembered_scenes import Key
 from hitab_studio.robots.watch import Robots
 from hitab_studio.scene import SILENT_MODE, Scene, state_shown
@@ -54,14 +54,14 @@ class SwarmState:
     revision: int = 0
     world: Any = None
     scene: Scene | None = None
-    statuses: Mapping[str, Any] = field(default_factory=lambda: EMPTY_MAPPING)
+    statuses: Mapping[str, Any] = field(default_factory=lambda: NO_ITEMS)
     joined: float = -math.inf
-    gone: Mapping[str, float] = field(default_factory=lambda: EMPTY_MAPPING)
-    silent: Mapping[str, float] = field(default_factory=lambda: EMPTY_MAPPING)
-    why: Mapping[str, Silence] = field(default_factory=lambda: EMPTY_MAPPING)
-    groups: Mapping[str, Any] = field(default_factory=lambda: EMPTY_MAPPING)
-    watched: Mapping[str, AgentState] = field(default_factory=lambda: EMPTY_MAPPING)
-    moments: Mapping[Key, Scene] = field(default_factory=lambda: EMPTY_MAPPING)
+    gone: Mapping[str, float] = field(default_factory=lambda: NO_ITEMS)
+    silent: Mapping[str, float] = field(default_factory=lambda: NO_ITEMS)
+    why: Mapping[str, Silence] = field(default_factory=lambda: NO_ITEMS)
+    groups: Mapping[str, Any] = field(default_factory=lambda: NO_ITEMS)
+    watched: Mapping[str, AgentState] = field(default_factory=lambda: NO_ITEMS)
+    moments: Mapping[Key, Scene] = field(default_factory=lambda: NO_ITEMS)
     elsewhere: tuple[str, ...] = ()
     emergency: KnownStops = field(default_factory=KnownStops)
     stopped_at: float = 0.0

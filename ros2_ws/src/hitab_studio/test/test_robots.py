@@ -25,7 +25,7 @@ from hitab_studio.robots.topics import (
     CAMERA,
     COMMAND_TYPE,
     MAP,
-    ODOMETRY_TYPE,
+    ODOM_TYPE,
     SCAN,
     Options,
     map_topic,
@@ -164,7 +164,7 @@ def tf2_msgs(monkeypatch):
 
 
 def one_robot() -> Watched:
-    seen = Watched({"a": {"/odom": ODOMETRY_TYPE, "/scan": SCAN}}, {"/cam": CAMERA, "/map": MAP})
+    seen = Watched({"a": {"/odom": ODOM_TYPE, "/scan": SCAN}}, {"/cam": CAMERA, "/map": MAP})
     seen.says("/odom", odometry())
     return seen
 
@@ -257,7 +257,7 @@ def test_frames_are_related_along_the_tree_and_nonsense_ends_nothing():
 
 def test_robots_stand_in_the_map_where_tf_says_that_their_odometries_began():
     seen = Watched(
-        {"a": {"/a/odom": ODOMETRY_TYPE, "/a/scan": SCAN}, "b": {"/b/odom": ODOMETRY_TYPE}},
+        {"a": {"/a/odom": ODOM_TYPE, "/a/scan": SCAN}, "b": {"/b/odom": ODOM_TYPE}},
         {"/map": MAP},
     )
     seen.says("/a/odom", odometry("a/odom", 1.0))
@@ -297,8 +297,8 @@ def test_nothing_is_listened_to_without_a_page():
 
 def test_of_several_robots_each_has_the_camera_in_its_namespaces():
     agents = {
-        "a": {"/red/odom": ODOMETRY_TYPE, "/red/scan": SCAN},
-        "b": {"/b/odom": ODOMETRY_TYPE},
+        "a": {"/red/odom": ODOM_TYPE, "/red/scan": SCAN},
+        "b": {"/b/odom": ODOM_TYPE},
     }
     cameras = dict.fromkeys(("/red/right", "/red/left", "/b/left", "/b/right", "/up"), CAMERA)
     for options, expected in [
@@ -321,8 +321,8 @@ def test_the_map_is_meant_and_no_costmap():
 def test_robots_are_a_field_that_holds_all_in_which_no_command_means_a_moment_of_a_world():
     seen = Watched(
         {
-            "robot_10": {"/odom": ODOMETRY_TYPE, "/scan": SCAN},
-            "robot_2": {"/b/odom": ODOMETRY_TYPE},
+            "robot_10": {"/odom": ODOM_TYPE, "/scan": SCAN},
+            "robot_2": {"/b/odom": ODOM_TYPE},
         }
     )
     seen.says("/odom", odometry(x=12.0))

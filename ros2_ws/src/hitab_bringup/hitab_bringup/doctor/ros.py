@@ -14,7 +14,7 @@ from hitab_core import way_to_install
 
 DISTRO = "jazzy"
 FAST_DDS = "rmw_fastrtps_cpp"
-SAFE_DOMAINS_MAX = 102
+SAFE_DOMAINS = 102
 """Domains whose ports no other program of the system uses."""
 
 
@@ -74,7 +74,5 @@ def domain() -> Iterator[Finding]:
         yield Finding("ROS domain", told)
         return
     mean = "all commands mean swarms in this domain"
-    told = (
-        f"{number}: {mean if number < SAFE_DOMAINS_MAX else 'its ports may be in use by others'}"
-    )
-    yield judged("ROS domain", told, number < SAFE_DOMAINS_MAX, "choose a ROS_DOMAIN_ID up to 101")
+    told = f"{number}: {mean if number < SAFE_DOMAINS else 'its ports may be in use by others'}"
+    yield judged("ROS domain", told, number < SAFE_DOMAINS, "choose a ROS_DOMAIN_ID up to 101")

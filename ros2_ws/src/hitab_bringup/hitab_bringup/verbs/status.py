@@ -226,7 +226,5 @@ def _wrong(status: dict[str, Any]) -> list[str]:
         told.append(f"asks {quantity(status['questions'], 'question')}")
     if status.get("remarks"):
         see = as_command(Do.QUESTIONS(agent=status["agent"]))
-        told.append(
-            f"{quantity(status['remarks'], 'sign')} that the learned behavior does not play; {see}"
-        )
+        told.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
     return told

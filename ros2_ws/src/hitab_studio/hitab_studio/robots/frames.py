@@ -14,16 +14,14 @@ Matrix = NDArray[np.float64]
 FRAMES_MAX = 2000
 """Frames that are kept, whatever anybody publishes."""
 
-SHOWN_DISTANCE_MAX = 1e5
+PLACE_MAX = 1e5
 """m; what is farther away cannot be shown."""
 
 
 def matrix(place: Any, turn: Any) -> Matrix | None:
     """Return a motion of a point and a quaternion; None if they are none, as zeros are no turn."""
     length = math.hypot(turn.x, turn.y, turn.z, turn.w)
-    if not 0.5 < length < 2.0 or not all(
-        abs(n) < SHOWN_DISTANCE_MAX for n in (place.x, place.y, place.z)
-    ):
+    if not 0.5 < length < 2.0 or not all(abs(n) < PLACE_MAX for n in (place.x, place.y, place.z)):
         return None
     x, y, z, w = (part / length for part in (turn.x, turn.y, turn.z, turn.w))
     return np.array(

@@ -19,12 +19,12 @@ from hitab_studio.robots.messages import (
     picture_of,
     scan_of,
 )
-from hitab_studio.robots.topics import CAMERA, MAP, ODOMETRY_TYPE, SCAN
+from hitab_studio.robots.topics import CAMERA, MAP, ODOM_TYPE, SCAN
 
 ROBOT_SILENT_SECONDS = 2.0
 """Silence after which the robot's place is unknown, and its scan is not drawn any more."""
 
-READERS = {ODOMETRY_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
+READERS = {ODOM_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
 
 
 class Reading:

@@ -13,7 +13,7 @@ from typing import Any
 
 from hitab_core import natural
 
-ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+ODOM_TYPE = "nav_msgs/msg/Odometry"
 SCAN = "sensor_msgs/msg/LaserScan"
 MAP = "nav_msgs/msg/OccupancyGrid"
 CAMERA = "sensor_msgs/msg/CompressedImage"
@@ -70,9 +70,7 @@ class RobotTopics:
 
 def is_sensor(kind: str) -> bool:
     """Whether messages of a type come from a robot's sensor."""
-    return kind == ODOMETRY_TYPE or (
-        kind.startswith("sensor_msgs/msg/") and kind not in NOT_LISTED
-    )
+    return kind == ODOM_TYPE or (kind.startswith("sensor_msgs/msg/") and kind not in NOT_LISTED)
 
 
 def _of_type(graph: Graph, kind: str) -> list[str]:
@@ -129,15 +127,13 @@ def _robot(
         near = [topic for topic in topics if topic.startswith(tuple(places))]
         return list(heard or near or (topics if alone else ()))
 
-    odometry = next(
-        iter(sorted(of(ODOMETRY_TYPE), key=lambda topic: not topic.endswith("/odom"))), ""
-    )
+    odometry = next(iter(sorted(of(ODOM_TYPE), key=lambda topic: not topic.endswith("/odom"))), "")
     places += [f"{odometry.rpartition('/')[0]}/"] if odometry.count("/") > 1 else []
     cameras = _of_type(graph, CAMERA)
     if options.cameras:
         cameras = [t for t in cameras if any(f"/{t}".endswith(f"/{c}") for c in options.cameras)]
     camera = next(iter(of(CAMERA, cameras)), "")
-    sensors |= dict.fromkeys(of(SCAN), SCAN) | ({odometry: ODOMETRY_TYPE} if odometry else {})
+    sensors |= dict.fromkeys(of(SCAN), SCAN) | ({odometry: ODOM_TYPE} if odometry else {})
     return RobotTopics(node, sensors, odometry, camera)
 
 

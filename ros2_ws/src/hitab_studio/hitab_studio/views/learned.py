@@ -15,7 +15,7 @@ from hitab_studio.views.numbers import measured
 TRANSITIONS_SHOWN_MAX = 8
 """Changes of state that are listed."""
 
-TREE_LEVELS_MAX = 6
+LEVELS_MAX = 6
 
 
 def context(session: PageState) -> dict[str, Any]:
@@ -69,12 +69,7 @@ def _levels(session: PageState) -> list[dict[str, Any]]:
     def visit(label: str, depth: int, *, active: bool) -> None:
         name = Use.parse(label).name
         behavior = _behavior(session, name)
-        if (
-            name in found
-            or behavior is None
-            or not behavior.is_automaton
-            or depth > TREE_LEVELS_MAX
-        ):
+        if name in found or behavior is None or not behavior.is_automaton or depth > LEVELS_MAX:
             return
         state = path[depth] if active and depth < len(path) else ""
         found[name] = {"name": name, "label": label, "depth": depth, "state": state}

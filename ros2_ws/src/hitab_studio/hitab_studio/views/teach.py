@@ -14,7 +14,7 @@ from hitab_studio.views.numbers import measure
 from hitab_studio.views.perceived import perceived
 from hitab_studio.views.questions import TITLES, when_unsure
 
-EDITS_SHOWN_MAX = 6
+EDITS_MAX = 6
 """Edits of the history that are shown on either side of now."""
 
 
@@ -31,10 +31,8 @@ def context(session: PageState) -> dict[str, Any]:
         "abouts": watched.vocabulary.feature_descriptions,
         "values_of": lambda example: _values(session, example),
         "trained": sorted(session.watched.vocabulary.trained),
-        "last_edits": [
-            (text, False) for text in (training.done if training else ())[-EDITS_SHOWN_MAX:]
-        ]
-        + [(text, True) for text in (training.undone if training else ())[:EDITS_SHOWN_MAX]],
+        "last_edits": [(text, False) for text in (training.done if training else ())[-EDITS_MAX:]]
+        + [(text, True) for text in (training.undone if training else ())[:EDITS_MAX]],
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
         "given_up": _given_up(session),
