@@ -34,7 +34,7 @@ def pages(repository: str = "") -> Iterator[tuple[str, str]]:
     """Yield the name and the text of each page.
 
     Args:
-        repository: address of the repository; empty: none is public.
+        repository: address of the repository; empty if none is public.
     """
     for path in sorted(ROOT.glob("docs/*.md")):
         yield path.name, on_the_site(path.read_text(encoding="utf-8"), "docs", repository)
@@ -50,7 +50,7 @@ def on_the_site(text: str, folder: str, repository: str) -> str:
     Args:
         text: of the page.
         folder: where the page is in the checkout, to which its links are relative.
-        repository: address of the repository; empty: links to it become plain text.
+        repository: address of the repository; without one, links to it become plain text.
     """
     code = [match.span() for match in _CODE.finditer(text)]
 

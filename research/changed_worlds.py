@@ -9,7 +9,7 @@ from intentions import INTENTIONS, Edges, Intention
 
 from hitab_world import Sensed
 from keepaway_world.parameters import PAPER, KeepawayParameters
-from keepaway_world.percept import OTHERS
+from keepaway_world.percept import OTHER_PLAYERS
 from keepaway_world.world import KeepawayWorld
 
 
@@ -21,7 +21,7 @@ class Misread(KeepawayWorld):
     def percept(self, agent: str) -> Sensed:
         """Return what a keeper perceives now."""
         values, heard = super().percept(agent)
-        for place in range(OTHERS, len(values), 2):
+        for place in range(OTHER_PLAYERS, len(values), 2):
             values[place] = max(0.0, values[place] + self.offset)
         return values, heard
 

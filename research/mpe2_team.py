@@ -42,7 +42,7 @@ from hitab_core import (
 from hitab_core.plain_body import PlainBody
 from hitab_world import SimulationWorld
 from hitab_world.inprocess import Player, PolicyPlayer, perform, play
-from hitab_world.simulation import SimulationFigures
+from hitab_world.simulation import SimulationParameters
 
 FILE = Path(__file__).resolve().parents[1] / "examples/mpe2_team.py"
 WORDS: Any = load_file(FILE)
@@ -61,7 +61,7 @@ Play = Callable[[SimulationWorld], Mapping[str, Player]]
 
 def world_of(seed: int) -> SimulationWorld:
     """Return the world of a run."""
-    return SimulationWorld(SimulationFigures(str(FILE)), seed)
+    return SimulationWorld(SimulationParameters(str(FILE)), seed)
 
 
 def intention(percept: Percept) -> int:

@@ -28,7 +28,7 @@ from rcss_programs import (
 from records import TRAINED_AWAY, trained_team
 
 from hitab_bringup import players_of
-from hitab_bringup.evaluating import Part
+from hitab_bringup.evaluating import CastMember
 from hitab_bringup.opened_library import open_library
 from hitab_client.shipped import shipped
 from hitab_core import Use
@@ -76,7 +76,7 @@ def main(
         }
     )
     opened = open_library(library or shipped("libraries", "keepaway_fullspeed"))
-    trained = Part(trained_team(opened, away), Use("Keepaway"))
+    trained = CastMember(trained_team(opened, away), Use("Keepaway"))
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         start(

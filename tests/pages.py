@@ -48,7 +48,7 @@ class Step:
     Attributes:
         place: page and line.
         command: as it is typed.
-        shown: the output that the page shows; empty: none.
+        shown: the output that the page shows; empty if none.
     """
 
     place: str
@@ -200,7 +200,7 @@ class Reader:
 
 
 def _read(screen: int) -> str | None:
-    """Return what has come on a terminal within a moment; None: whoever wrote there has ended."""
+    """Return what has come on a terminal within a moment; None if the writer has ended."""
     if not select.select([screen], [], [], 0.1)[0]:
         return ""
     try:

@@ -111,7 +111,7 @@ def all_transitions(hierarchy: Hierarchy) -> set[Taken]:
         for automaton in hierarchy.automata
         for index, state in enumerate(automaton.states)
         for leaf in state.tree or ()
-        if not isinstance(leaf, Test)
+        if not isinstance(leaf, TestForm)
         for _, to in leaf.chances
         if to != index
     }
@@ -124,10 +124,10 @@ def steered_steps(hierarchy: Hierarchy, count: int, seed: str) -> list[Step]:
     for automaton in hierarchy.automata:
         for state in automaton.states:
             for node in state.tree or ():
-                if isinstance(node, Test):
+                if isinstance(node, TestForm):
                     numbers.setdefault(node.feature, []).extend((node.low, node.high))
     choices: dict[str, list[float]] = {}
-    for index, feature in enumerate(hierarchy.features, len(OWN)):
+    for index, feature in enumerate(hierarchy.features, len(INTERNAL)):
         ends = sorted({n for n in numbers[index] if math.isfinite(n)})
         if feature.categories > 0:
             values = [float(category) for category in range(feature.categories)]

@@ -73,7 +73,7 @@ def test_a_person_orders_by_the_command_line_and_sees_who_obeys(team, view, hita
     assert [line[4:] for line in shown.stdout.splitlines()[1:4]] == [
         f"{name}: Freeze" for name in KEEPERS
     ]
-    assert "captain gives Freeze until it is told what else to perform" in shown.stderr
+    assert "captain gives Freeze until another order" in shown.stderr
     back = hitab("order", "captain", "Captain")
     assert "captain performs Captain and orders" in back.stdout
     refused = hitab("order", "captain", "Attack")

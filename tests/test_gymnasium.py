@@ -7,7 +7,7 @@ from zlib import crc32
 import pytest
 
 from hitab_world import SimulationWorld, WorldError
-from hitab_world.simulation import SimulationFigures
+from hitab_world.simulation import SimulationParameters
 from hitab_world.testing import Wandering, check_world
 
 TEAM = Path(__file__).parents[1] / "examples/mpe2_team.py"
@@ -30,7 +30,7 @@ SPREAD = "    agents = 3\n\n    def environment(self):\n        return simple_sp
 def world_of(folder: Path, body: str, seed: int = 1, agents: int = 0) -> SimulationWorld:
     path = folder / f"game_{crc32(body.encode())}.py"
     path.write_text(HEAD + body)
-    return SimulationWorld(SimulationFigures(str(path), agents), seed)
+    return SimulationWorld(SimulationParameters(str(path), agents), seed)
 
 
 def played(world: SimulationWorld, *actions: list[float]) -> list[object]:

@@ -28,7 +28,7 @@ def test_the_team_of_hard_coded_and_trained_automata_is_evaluated_as_any_other()
 
 
 def by_themselves(episodes: int, seed: int, library: Path | None) -> list[float]:
-    """Return how long the team keeps the ball in one process, s; None: all hard-coded."""
+    """Return how long the team keeps the ball in one process, s; None for all hard-coded."""
     domain = load_domain("keepaway_handcoded")
     repertoire = Repertoire(domain, {} if library is None else open_library(library).load())
     world = KeepawayWorld(variant("paper"), seed)

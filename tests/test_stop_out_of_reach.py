@@ -85,7 +85,7 @@ def test_a_stop_during_a_cut_is_obeyed_when_the_link_heals(machines: Machines) -
     until_it_says(machines, ("released: robot_1",), "go")
     machines.network.cut_off(ROBOT)
     stop = machines.hitab("stop", "--reason", "second")
-    until(says(stop, "not confirmed: nobody answers", "or Ctrl-C"), stop)
+    until(says(stop, "not confirmed: no node answers", "or Ctrl-C"), stop)
     machines.network.heal()
     until(says(stop, "stand still: robot_1"), stop)
     until_it_says(machines, ("robot_1 may not act again", "(second)"), "arm", "robot_1")

@@ -14,10 +14,10 @@ from keepers import trained_keepers
 from waiting import hanging, pid_of
 
 from hitab_bringup.bringing_up import temporary_swarm
-from hitab_studio.scene import MODES, SILENT
+from hitab_studio.scene import SHOWN_MODES, SILENT_MODE
 
 SECONDS = 60.0
-SILENT_MODE = 1 + MODES.index(SILENT)
+SILENT_MODE = 1 + SHOWN_MODES.index(SILENT_MODE)
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ DATA = ("lessons", "libraries", "swarms")
 
 
 def shipped(folder: str) -> list[tuple[str, list[str]]]:
-    """Return what is to be installed of a data folder, for `data_files`."""
+    """Return the files of a data folder to install, for `data_files`."""
     files = (path for path in sorted(Path(folder).rglob("*")) if path.is_file())
     return [(f"share/{NAME}/{path.parent}", [str(path)]) for path in files]
 

@@ -5,7 +5,7 @@ value   meaning
 ======  =====================================================================================
 drive   speed of walking or pulling along the body: -1 to 1, as a fraction of the maximum
 turn    angle to turn by, rad, counter-clockwise
-grip    0: as before; -1: let go of what is held; n >= 1: grip box number n; nothing happens
+grip    0: as before; -1: let go of the held box; n >= 1: grip box number n; nothing happens
         unless it is in reach and nothing is held
 ======  =====================================================================================
 
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 DRIVE, TURN, GRIP = range(3)
-LENGTH = 3
+ACTION_LENGTH = 3
 RELEASE = -1.0
 
 Commands = NDArray[np.float64]
@@ -31,13 +31,13 @@ Commands = NDArray[np.float64]
 def parse_all(
     actions: Mapping[str, tuple[Sequence[float], str]], index: Mapping[str, int]
 ) -> tuple[Commands, dict[str, str]]:
-    """Return what all foragers do, and what was refused, by agent.
+    """Return the actions of all foragers, and the refused ones by agent.
 
     Args:
         actions: by agent; agents that are missing do nothing.
         index: row of each forager.
     """
-    commands = np.zeros((len(index), LENGTH))
+    commands = np.zeros((len(index), ACTION_LENGTH))
     refused: dict[str, str] = {}
     for name, action in actions.items():
         if name not in index:

@@ -5,8 +5,8 @@ snapshot continues bit for bit like the original:
 
 * bodies and shapes are added once, in a fixed order, and found by a spatial hash, which is
   refilled in each step;
-* pymunk keeps the impulses of touching bodies for the next step. It forgets them in a step in
-  which nothing touches, so one such step, with everything far apart, ends a cycle.
+* pymunk keeps the impulses of touching bodies for the next step. The solver forgets contacts in a
+  step without any, so one such step, with everything far apart, ends a cycle.
 """
 
 from __future__ import annotations

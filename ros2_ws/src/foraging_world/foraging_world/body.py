@@ -1,4 +1,4 @@
-"""A forager's body: what it perceives in this cycle, and what it does."""
+"""A forager's body: its percept of this cycle, and its action."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from foraging_world import percept
 from foraging_world.action import RELEASE
-from foraging_world.percept import FAR, LENGTH
+from foraging_world.percept import NOT_SEEN_M, PERCEPT_LENGTH
 from hitab_core import quantity
 
 
@@ -34,10 +34,10 @@ class ForagerBody:
         Raises:
             ValueError: if the percept does not have a forager's layout.
         """
-        if len(values) != LENGTH:
+        if len(values) != PERCEPT_LENGTH:
             raise ValueError(
                 f"{self.name}: a percept of {quantity(len(values), 'value')} is not from "
-                f"foraging, which has {LENGTH}; link the agent to a foraging world"
+                f"foraging, which has {PERCEPT_LENGTH}; link the agent to a foraging world"
             )
         self.values = values
         self._action = [0.0, 0.0, 0.0]
@@ -48,22 +48,22 @@ class ForagerBody:
 
     @property
     def position(self) -> tuple[float, float]:
-        """Its position, m."""
+        """The forager's position, m."""
         return self.values[percept.X], self.values[percept.Y]
 
     @property
     def heading(self) -> float:
-        """The direction of its body, rad."""
+        """The direction of the forager's body, rad."""
         return self.values[percept.HEADING]
 
     @property
     def held(self) -> float:
-        """The number of the box that it holds, 0 if none."""
+        """The number of the held box, 0 if none."""
         return self.values[percept.HELD]
 
     def sees(self, place: int) -> bool:
         """Whether the thing at a place is seen or known by radio."""
-        return self.values[place] < FAR
+        return self.values[place] < NOT_SEEN_M
 
     def drive(self, effort: float) -> None:
         """Walk, or pull if a box is held, along the body; 1 is full speed."""

@@ -12,12 +12,12 @@ from foraging_world import action
 from foraging_world.bodies import Bodies
 from foraging_world.laying_out import box_place, obstacle_places, start_places
 from foraging_world.parameters import ForagingParameters
-from foraging_world.percept import FAR
+from foraging_world.percept import NOT_SEEN_M
 from hitab_world.parameters import ParameterError
 
 Floats = NDArray[np.float64]
 
-NOTHING = -1
+NO_BOX = -1
 AWAY = 1e6  # m: where boxes are kept that are home for good
 
 
@@ -27,7 +27,7 @@ class Field:
     Attributes:
         xy, velocity: of the robots, m and m/s; shape (foragers, 2).
         heading: rad.
-        held: index of the box that each holds, or `NOTHING`.
+        held: index of the box that each holds, or `NO_BOX`.
         grip: where each holds it, relative to the box's center, m.
         waited: how long the box that each holds has not moved, s.
         rested: how long ago each has let go of a box by itself, s.
@@ -65,10 +65,10 @@ class Field:
         self.xy = start_places(p)
         self.velocity = np.zeros((p.foragers, 2))
         self.heading = random.uniform(-np.pi, np.pi, p.foragers)
-        self.held = np.full(p.foragers, NOTHING)
+        self.held = np.full(p.foragers, NO_BOX)
         self.grip = np.zeros((p.foragers, 2))
         self.waited = np.zeros(p.foragers)
-        self.rested = np.full(p.foragers, FAR)
+        self.rested = np.full(p.foragers, NOT_SEEN_M)
         self.obstacles = obstacle_places(p, random)
         self.box_xy = np.full((boxes, 2), AWAY)
         self.box_velocity = np.zeros((boxes, 2))
@@ -123,11 +123,11 @@ class Field:
         self._come_home()
 
     def _change_grips(self, wanted: Floats) -> None:
-        letting_go = (wanted == action.RELEASE) & (self.held != NOTHING)
-        self.held[letting_go] = NOTHING
+        letting_go = (wanted == action.RELEASE) & (self.held != NO_BOX)
+        self.held[letting_go] = NO_BOX
         self.rested[letting_go] = 0.0
         self.waited[letting_go] = 0.0
-        gripping = np.flatnonzero((wanted >= 1.0) & (self.held == NOTHING))
+        gripping = np.flatnonzero((wanted >= 1.0) & (self.held == NO_BOX))
         if len(gripping):
             p, box = self.parameters, wanted[gripping].astype(np.int64) - 1
             there = (box < len(self.large)) & (wanted[gripping] == box + 1)
@@ -143,14 +143,14 @@ class Field:
 
     def let_go(self, foragers: NDArray[np.bool_]) -> None:
         """Have the robots of a mask lose what they hold; this does not count as giving up."""
-        foragers = foragers & (self.held != NOTHING)
-        self.held[foragers] = NOTHING
+        foragers = foragers & (self.held != NO_BOX)
+        self.held[foragers] = NO_BOX
         self.waited[foragers] = 0.0
-        self.rested[foragers] = FAR
+        self.rested[foragers] = NOT_SEEN_M
         self._count_hands()
 
     def _count_hands(self) -> None:
-        held = self.held[self.held != NOTHING]
+        held = self.held[self.held != NO_BOX]
         self.hands = np.bincount(held, minlength=len(self.large))
 
     def _pulled(self, ahead: Floats, drive: Floats) -> Floats:
@@ -160,7 +160,7 @@ class Field:
         move, however many they are.
         """
         p, boxes = self.parameters, len(self.large)
-        pulling = (self.held != NOTHING) & (drive > 0.0)
+        pulling = (self.held != NO_BOX) & (drive > 0.0)
         held, force = self.held[pulling], ahead[pulling] * drive[pulling, None]
         pullers = np.bincount(held, minlength=boxes)
         total = [np.bincount(held, force[:, i], minlength=boxes) for i in (0, 1)]
@@ -171,7 +171,7 @@ class Field:
     def _move(self, ahead: Floats, drive: Floats, slips: Floats, seconds: float) -> None:
         p, before, boxes_before = self.parameters, self.xy, self.box_xy
         pulled = self._pulled(ahead, drive)
-        holds = self.held != NOTHING
+        holds = self.held != NO_BOX
         walking = ahead * (p.speed * drive * slips)[:, None]
         velocity = np.where(holds[:, None], pulled[self.held], walking) if len(pulled) else walking
         found = self._bodies.step(
@@ -186,7 +186,7 @@ class Field:
             went = np.hypot(*(self.box_xy - boxes_before).T) > 0.1 * p.pull_speed * seconds
             waits = holds & ~went[self.held]
             self.waited = np.where(waits, self.waited + seconds, 0.0)
-        self.rested = np.minimum(self.rested + seconds, FAR)
+        self.rested = np.minimum(self.rested + seconds, NOT_SEEN_M)
         self.velocity = (self.xy - before) / seconds
         self.box_velocity = (self.box_xy - boxes_before) / seconds
 
@@ -246,7 +246,7 @@ class Field:
                 raise ValueError(f"{name} is not finite")
         random = PCG64(0)
         random.state = state["random"]
-        if np.any(arrays["held"] >= len(self.large)) or np.any(arrays["held"] < NOTHING):
+        if np.any(arrays["held"] >= len(self.large)) or np.any(arrays["held"] < NO_BOX):
             raise ValueError("a robot holds a box that does not exist")
         for name, array in arrays.items():
             setattr(self, name, array)

@@ -13,7 +13,7 @@ from hitab_world.parameters import ParameterError
 
 Floats = NDArray[np.float64]
 
-TRIES = 2000
+LAYOUT_TRIES = 2000
 SPREAD = 0.35  # m: the distance from the middle grows with the root of the forager's number
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 
@@ -78,7 +78,7 @@ def _free_place(
     x, y = p.width / 2.0 - from_walls, p.height / 2.0 - from_walls
     if x <= 0.0 or y <= 0.0:
         return None
-    for _ in range(TRIES):
+    for _ in range(LAYOUT_TRIES):
         place = random.uniform((-x, -y), (x, y))
         if np.hypot(*place) < from_middle:
             continue

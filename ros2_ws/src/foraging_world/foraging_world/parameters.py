@@ -15,12 +15,12 @@ class ForagingParameters(Parameters):
 
     Attributes:
         foragers: number of robots.
-        squad_size: consecutive robots that share a radio channel, on which each reports its
-            position and the box it holds: 1 to 5, 6 to 10 and so on.
+        squad_size: consecutive robots that share a radio channel for positions and held boxes: 1
+            to 5, 6 to 10 and so on.
         company_squads: consecutive squads that share a second channel.
         scouts: robots of each squad, its first ones, that cannot grip and have a range of sight
             of their own. With scouts, robots are called scout_1, ..., carrier_1, ..., instead of
-            forager_1, ...; 0: none.
+            forager_1, ...; 0 if none.
         scout_sight: range at which scouts see boxes, m.
         width, height: of the field, which is centered on the origin, m.
         home_radius: of the home, a disc in the middle, m. A box is home when its center is.

@@ -12,7 +12,6 @@ from foraging_world.percept import (
     ATTACHED_BOX,
     BOX,
     COMPANY_BOX,
-    FAR,
     HANDS,
     HEADING,
     HELD,
@@ -20,9 +19,10 @@ from foraging_world.percept import (
     HOME,
     LARGE,
     LARGE_BOX,
-    LENGTH,
+    NOT_SEEN_M,
     NUMBER,
     OBSTACLE,
+    PERCEPT_LENGTH,
     REACH,
     RESTED,
     SCOUT,
@@ -41,10 +41,10 @@ Ints = NDArray[np.int64]
 
 
 def perceive_all(field: Field) -> Floats:
-    """Return what all foragers perceive now; shape (foragers, LENGTH)."""
+    """Return the percepts of all foragers; shape (foragers, LENGTH)."""
     p = field.parameters
     foragers = p.foragers
-    senses = np.zeros((foragers, LENGTH))
+    senses = np.zeros((foragers, PERCEPT_LENGTH))
     xy, heading = field.xy, field.heading
     senses[:, NUMBER] = np.arange(1, foragers + 1)
     senses[:, X : Y + 1] = xy
@@ -52,13 +52,13 @@ def perceive_all(field: Field) -> Floats:
     senses[:, WAITED] = field.waited
     senses[:, RESTED] = field.rested
     senses[:, REACH] = field.reach
-    senses[:, HOME:LENGTH:3] = FAR
+    senses[:, HOME:PERCEPT_LENGTH:3] = NOT_SEEN_M
 
     def put(place: int, to: Floats, gap: Floats, numbers: Ints | None, seen: NDArray) -> None:
         """Fill a place: vectors, distances and box numbers, where something is seen."""
         direction = np.arctan2(to[:, 1], to[:, 0]) - heading
         direction -= 2.0 * np.pi * np.round(direction / (2.0 * np.pi))
-        senses[:, place] = np.where(seen, np.maximum(gap, 0.0), FAR)
+        senses[:, place] = np.where(seen, np.maximum(gap, 0.0), NOT_SEEN_M)
         senses[:, place + 1] = np.where(seen, direction, 0.0)
         if numbers is not None:
             senses[:, place + 2] = np.where(seen, numbers + 1, 0)
@@ -70,7 +70,7 @@ def perceive_all(field: Field) -> Floats:
     put(OBSTACLE, *_closest_obstacle(field))
     scout = xy[np.arange(foragers) // p.squad_size * p.squad_size] - xy
     put(SCOUT, scout, np.hypot(scout[:, 0], scout[:, 1]), None, everyone & (p.scouts > 0))
-    senses[senses[:, OBSTACLE] == FAR, OBSTACLE + 1] = np.pi
+    senses[senses[:, OBSTACLE] == NOT_SEEN_M, OBSTACLE + 1] = np.pi
     if len(field.box_xy):
         _put_boxes(field, senses, put)
     return senses
@@ -144,7 +144,7 @@ class _Sightings:
         return _Sightings(self.forager[mask], self.thing[mask], self.gap[mask])
 
     def by(self, groups: Ints) -> _Sightings:
-        """Return what groups of foragers see; a group stands for a forager."""
+        """Return the percepts of groups of foragers; a group stands for a forager."""
         order = np.lexsort((self.gap, groups[self.forager]))
         return _Sightings(groups[self.forager][order], self.thing[order], self.gap[order])
 
@@ -155,7 +155,7 @@ class _Sightings:
         return self.where(np.diff(self.forager, prepend=-1) != 0)
 
     def spread(self, foragers: int) -> tuple[Ints, Floats]:
-        """Return what each forager sees, and how far away; infinitely far if it sees nothing."""
+        """Return the thing in each forager's sight, and its distance; infinite if none."""
         thing, gap = np.zeros(foragers, np.int64), np.full(foragers, np.inf)
         thing[self.forager] = self.thing
         gap[self.forager] = self.gap

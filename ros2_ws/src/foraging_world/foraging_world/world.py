@@ -94,7 +94,7 @@ class ForagingWorld:
     # -- perceiving -------------------------------------------------------------------------
 
     def percepts(self) -> Floats:
-        """Return what all foragers perceive now: a row each, in the order of ``agents``.
+        """Return the percepts of all foragers: a row each, in the order of ``agents``.
 
         The array is computed once a cycle and must not be changed.
         """
@@ -104,7 +104,7 @@ class ForagingWorld:
         return self._perceived
 
     def percept(self, agent: str) -> Sensed:
-        """Return what a forager perceives now.
+        """Return a forager's percept.
 
         Raises:
             WorldError: if there is no such forager.

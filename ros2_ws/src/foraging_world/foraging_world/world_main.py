@@ -14,7 +14,7 @@ from rclpy.node import Node
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_world import run_world
-from hitab_world.figures import declare_figures
+from hitab_world.ros_parameters import declare_parameters
 
 
 def make_world(node: Node, seed: int) -> ForagingWorld:
@@ -23,7 +23,7 @@ def make_world(node: Node, seed: int) -> ForagingWorld:
     Raises:
         HitabError: if a figure is invalid, or there is no room for all boxes and obstacles.
     """
-    return ForagingWorld(declare_figures(node, ForagingParameters), seed)
+    return ForagingWorld(declare_parameters(node, ForagingParameters), seed)
 
 
 def main() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from foraging_world.body import ForagerBody
 from foraging_world.parameters import ForagingParameters
-from foraging_world.percept import FAR
+from foraging_world.percept import NOT_SEEN_M
 from foraging_world.world import ForagingWorld
 from hitab_world.parameters import ParameterError
 from hitab_world.world import Placement, WorldError
@@ -17,7 +17,7 @@ def test_boxes_are_seen_within_sight_and_not_beyond(quiet, put, sensed):
     put(world, small_box_1=(15.0, 0.0), large_box_1=(-20.0, -20.0), forager_1=(10.0, 0.0, 90.0))
     assert sensed(world, "forager_1", "DistanceTo(closest_box)") == pytest.approx(4.2)
     assert sensed(world, "forager_1", "DirectionTo(closest_box)") == pytest.approx(-math.pi / 2)
-    assert sensed(world, "forager_1", "DistanceTo(closest_large_box)") == FAR
+    assert sensed(world, "forager_1", "DistanceTo(closest_large_box)") == NOT_SEEN_M
     assert sensed(world, "forager_1", "Sees(closest_large_box)") == 0.0
     put(world, forager_1=(8.1, 0.0))
     assert sensed(world, "forager_1", "Sees(closest_small_box)") == 0.0
@@ -42,7 +42,7 @@ def test_the_closest_obstacle_may_be_a_wall(quiet, put, sensed):
     put(world, forager_1=(29.0, 0.0, 0.0), forager_2=(28.0, 0.0, 0.0))
     assert sensed(world, "forager_1", "DistanceTo(closest_obstacle)") == pytest.approx(0.8)
     assert sensed(world, "forager_1", "DirectionTo(closest_obstacle)") == pytest.approx(0.0)
-    assert sensed(world, "forager_2", "DistanceTo(closest_obstacle)") == FAR
+    assert sensed(world, "forager_2", "DistanceTo(closest_obstacle)") == NOT_SEEN_M
 
 
 def test_nobody_walks_through_walls_or_others(quiet, seen):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from half_field_world import field
-from keepaway_world.body import CORNERS, NOBODY, KeeperBody
+from keepaway_world.body import CORNERS, NO_PLAYER, KeeperBody
 from keepaway_world.kicking import off_place, pass_speed
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.percept import BALL
@@ -35,7 +35,7 @@ AT_FOOT = 1.0  # m from the receiver, where a pass has arrived
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class BallPath:
     """A way on which the ball can be sent.
 
     Attributes:
@@ -54,7 +54,7 @@ class AttackerBody(KeeperBody):
 
     def __init__(self, name: str, parameters: KeepawayParameters = PAPER) -> None:
         super().__init__(name, parameters)
-        self._lines: dict[int, Line] = {}
+        self._lines: dict[int, BallPath] = {}
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
         """Take this cycle's percept; clear the last one and its command."""
@@ -70,7 +70,7 @@ class AttackerBody(KeeperBody):
         dx, dy = self.vector_to(place)
         return x + dx, y + dy
 
-    def line_to(self, place: int) -> Line:
+    def line_to(self, place: int) -> BallPath:
         """Return the way of a pass to a mate, or of the best shot to `GOAL`, from the ball."""
         if place not in self._lines:
             ball = self.at(BALL)
@@ -81,7 +81,7 @@ class AttackerBody(KeeperBody):
                 self._lines[place] = self._line(ball, self.at(place), AT_FOOT)
         return self._lines[place]
 
-    def _line(self, ball: Point, to: Point, short: float) -> Line:
+    def _line(self, ball: Point, to: Point, short: float) -> BallPath:
         p, (x, y) = self.parameters, ball
         far, bearing = math.dist(ball, to), math.atan2(to[1] - y, to[0] - x)
         ux, uy = math.cos(bearing), math.sin(bearing)
@@ -93,13 +93,13 @@ class AttackerBody(KeeperBody):
         rolled, cycle, slack = 0.0, 0, math.inf
         while rolled < far - short:
             if speed < 0.3:
-                return Line(-far, bearing)  # it does not get there
+                return BallPath(-far, bearing)  # it does not get there
             rolled, cycle, speed = rolled + speed, cycle + 1, speed * p.ball_decay
             at_x, at_y = x + ux * rolled, y + uy * rolled
             reach = max(cycle - LATE, 0) * p.player_speed_max + p.kickable
             for other_x, other_y in opponents:
                 slack = min(slack, math.hypot(at_x - other_x, at_y - other_y) - reach)
-        return Line(min(slack, far), bearing)
+        return BallPath(min(slack, far), bearing)
 
     def best_mate(self) -> int:
         """Return the mate to pass to: the most advanced that a pass reaches, else the freest."""
@@ -109,7 +109,7 @@ class AttackerBody(KeeperBody):
             free = slack > 0.0
             return free, -math.dist(self.at(mate), self.at(GOAL)) if free else slack
 
-        return max(self.others, key=worth, default=NOBODY)
+        return max(self.others, key=worth, default=NO_PLAYER)
 
     def near_wing(self) -> int:
         """Return the place on the wing on the ball's side."""

@@ -1,9 +1,9 @@
 """The opponents of half-field attack: defenders and a goalie, who see everything exactly.
 
-The defender that is first at the ball goes there and holds it; each other one marks an attacker
-that has not the ball, the most advanced first, between it and the goal. The goalie catches, comes
-out for a ball that it reaches first and for a shot, and otherwise stands on the line from the ball
-to the middle of the goal. Frozen: the figures of attackers depend on it.
+The defender nearest in time goes to the ball and holds it; each other defender stands between the
+goal and an attacker without the ball, the most advanced attacker first. The goalie catches, comes
+out for a shot and for a ball that no attacker reaches earlier, and otherwise stands on the line
+from the ball to the middle of the goal. Frozen: the figures of attackers depend on it.
 """
 
 from __future__ import annotations

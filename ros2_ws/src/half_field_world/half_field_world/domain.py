@@ -13,7 +13,7 @@ from half_field_world.body import GOAL, SPOT, AttackerBody
 from hitab_core import BasicBehavior, Domain, Feature, Target
 from keepaway_world.angles import wrapped
 from keepaway_world.behaviors import FAST, TURN_WHEN_OFF, go_by, pass_to, send_ball, stop, turn_to
-from keepaway_world.body import NOBODY
+from keepaway_world.body import NO_PLAYER
 from keepaway_world.domain import DOMAIN as KEEPAWAY
 from keepaway_world.features import NAN
 from keepaway_world.interception import HORIZON, Interceptor
@@ -56,7 +56,7 @@ def run(body: AttackerBody, bearing: float) -> None:
 
 def run_to(body: AttackerBody, place: int) -> None:
     """Go to a place and rest there, facing the ball."""
-    if place == NOBODY:
+    if place == NO_PLAYER:
         return
     (x, y), (to_x, to_y) = body.position, body.at(place)
     if math.hypot(to_x - x, to_y - y) > THERE:
@@ -96,7 +96,7 @@ def dribble(body: AttackerBody) -> None:
 
 def line_slack(body: AttackerBody, place: int) -> float:
     """Return by how much opponents miss a pass to a mate or the best shot, m."""
-    return NAN if place == NOBODY else body.line_to(place).slack
+    return NAN if place == NO_PLAYER else body.line_to(place).slack
 
 
 BEHAVIORS = (

@@ -1,9 +1,9 @@
-"""What is drawn on the field, m: rcssserver's, halved. The goal is on the right."""
+"""Lines and marks of the field, m: rcssserver's, halved. The goal is on the right."""
 
 LENGTH, WIDTH = 52.5, 68.0
 GOAL_X = LENGTH / 2.0
 GOAL_WIDTH = 14.02
-POST = 0.06  # radius of a goal post
+POST_RADIUS = 0.06  # radius of a goal post
 AREA_LENGTH, AREA_WIDTH = 16.5, 40.32  # of the penalty area, in which the goalie may catch
 CATCHABLE = 1.2  # from the goalie's center to the ball's, if it catches where the ball is
 

@@ -19,7 +19,7 @@ from hitab_world import Entity, Look, Measure
 from hitab_world.snapshots import whole
 from keepaway_world.physics import Mover, Names, Physics
 from keepaway_world.referee import OUT, Referee
-from keepaway_world.rules import BALL, TAKER, Rules
+from keepaway_world.rules import BALL_LOOK, TAKER, Rules
 from keepaway_world.world import KeepawayWorld
 
 GOAL, CAUGHT, OFFSIDE, TIME = "goal", "caught", "offside", "time"
@@ -40,7 +40,7 @@ MATES_AHEAD, MATES_ASIDE = (0.0, 6.0), (8.0, 14.0)
 DEFENDERS_FROM_GOAL, DEFENDERS_ASIDE = (13.0, 21.0), 10.0
 GOALIE_FROM_GOAL = 1.5
 
-POST = Look("#555555", "square", faces=False, labelled=False)
+POST_LOOK = Look("#555555", "square", faces=False, labelled=False)
 POSTS = tuple(
     Entity(f"post_{i + 1}", "post", field.GOAL_X, side * field.GOAL_WIDTH / 2.0, radius=0.25)
     for i, side in enumerate((-1.0, 1.0))
@@ -50,7 +50,7 @@ DEFAULT = HalfFieldParameters()
 
 
 class HalfFieldReferee(Referee):
-    """Watches one episode at a time."""
+    """The referee of one episode at a time."""
 
     def __init__(self, physics: Physics) -> None:
         p = physics.parameters
@@ -106,7 +106,7 @@ class HalfFieldReferee(Referee):
         beyond = ball.x - field.GOAL_X - ball.radius
         if beyond > 0.0:
             at_line = ball.y - (beyond * ball.vy / ball.vx if ball.vx > 0.0 else 0.0)
-            return GOAL if abs(at_line) <= field.GOAL_WIDTH / 2.0 + field.POST else OUT
+            return GOAL if abs(at_line) <= field.GOAL_WIDTH / 2.0 + field.POST_RADIUS else OUT
         out = ball.x < -field.GOAL_X - ball.radius or abs(ball.y) > field.WIDTH / 2.0 + ball.radius
         return OUT if out else ""
 
@@ -115,7 +115,7 @@ class HalfFieldReferee(Referee):
         return {**super().measures(ended), "goals": float(ended == GOAL)}
 
     def state(self) -> dict[str, Any]:
-        """Return its counts as JSON-serializable data."""
+        """Return the referee's counts as JSON-serializable data."""
         return {**super().state(), "cycles": self._cycles, "offside": list(self._offside)}
 
     def restore(self, state: Mapping[str, Any], players: Sequence[Mover]) -> None:
@@ -134,7 +134,7 @@ class HalfFieldReferee(Referee):
 def set_up(physics: Physics, random: Random) -> None:
     """Put everything in its initial position, at rest, facing anywhere.
 
-    One attacker, any of them, stands just behind the ball; the others stand beside it, one on each
+    Any attacker stands just behind the ball, and the others beside the ball, one on each
     side. The defenders stand before their penalty area, the goalie before its goal.
     """
     midline, uniform = -field.GOAL_X, random.uniform
@@ -175,8 +175,8 @@ def rules_of(p: HalfFieldParameters) -> Rules:
             "attacker": Look(),
             "defender": TAKER,
             "goalie": Look("#8e5bb5"),
-            "ball": BALL,
-            "post": POST,
+            "ball": BALL_LOOK,
+            "post": POST_LOOK,
         },
         (Measure("goals"), Measure("passes"), Measure("seconds", "s", "less")),
         HalfFieldReferee,

@@ -12,7 +12,7 @@ from keepaway_world.parameters import KeepawayParameters
 
 @dataclass(frozen=True)
 class HalfFieldParameters(KeepawayParameters):
-    """Those of keepaway with other values, and two more.
+    """Parameters of the attack: keepaway's with other values, and two more.
 
     Attributes:
         offside: whether offside ends an episode.

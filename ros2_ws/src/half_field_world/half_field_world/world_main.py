@@ -7,7 +7,7 @@ from rclpy.node import Node
 from half_field_world.game import half_field
 from half_field_world.parameters import HalfFieldParameters
 from hitab_world import run_world
-from hitab_world.figures import declare_figures
+from hitab_world.ros_parameters import declare_parameters
 from keepaway_world.world import KeepawayWorld
 
 
@@ -17,7 +17,7 @@ def make_world(node: Node, seed: int) -> KeepawayWorld:
     Raises:
         HitabError: if a parameter of the game is invalid.
     """
-    return half_field(declare_figures(node, HalfFieldParameters), seed)
+    return half_field(declare_parameters(node, HalfFieldParameters), seed)
 
 
 def main() -> None:

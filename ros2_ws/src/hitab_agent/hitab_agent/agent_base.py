@@ -1,4 +1,4 @@
-"""What the parts of an agent's node know of the node."""
+"""The node of an agent as its parts know it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hitab_msgs import msg
 
 from hitab_agent.guarded_tick import Action
 from hitab_agent.robot_link import RobotStop
-from hitab_agent.settings import AgentSettings
+from hitab_agent.settings import AgentParameters
 from hitab_core import Agent
 from hitab_ros import GuardedNode
 from hitab_ros.diagnostics import Diagnosis, Level
@@ -20,31 +20,31 @@ class AgentBase(GuardedNode):
 
     Attributes:
         agent: the engine's agent.
-        agent_name: its name.
-        settings: its parameters.
-        shared: what it shares with the other agents of its process, a `Shared`.
-        status: its status, a `StatusPublisher`.
+        agent_name: name of the agent.
+        settings: parameters of the agent.
+        shared: the `HostResources` of its process.
+        status: the agent's `StatusPublisher`.
         percept_log: publishes its percepts for recorders, a `PerceptLog`.
         stop: of its robot; None if it has none.
     """
 
     agent: Agent
     agent_name: str
-    settings: AgentSettings
+    settings: AgentParameters
     shared: Any
     status: Any
     percept_log: Any
     stop: RobotStop | None = None
 
     def take_in(self, percept: msg.Percept) -> None:
-        """Perceive. The percept object may be reused: an agent must copy what it keeps."""
+        """Perceive. The percept object may be reused: an agent must copy the values that stay."""
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""
         raise NotImplementedError
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that it waits for in a lockstep round."""
+        """Return the topics of the orders that a lockstep round waits for."""
         raise NotImplementedError
 
     def ordered(self) -> None:
@@ -60,9 +60,9 @@ class AgentBase(GuardedNode):
         """Publish that a distribution was accepted or, without a digest, refused."""
 
     def diagnose(self) -> Diagnosis:
-        """Return what is wrong with it."""
+        """Return the faults of the agent."""
         raise NotImplementedError
 
     def troubles(self) -> list[tuple[Level, str]]:
-        """Return what else is wrong, for a kind of agent that has more than one body."""
+        """Return further faults, for a kind of agent that has more than one body."""
         return []

@@ -15,13 +15,13 @@ from hitab_agent.agent_services import AgentServices
 from hitab_agent.command_receiver import CommandReceiver
 from hitab_agent.diagnosis import diagnosis_of_agent
 from hitab_agent.guarded_tick import NO_ACTION, Action, GuardedTick
+from hitab_agent.host_resources import HostResources
 from hitab_agent.inspection_services import InspectionServices
 from hitab_agent.percept_log import PerceptLog
-from hitab_agent.reach import Reach
+from hitab_agent.reach_watch import ReachWatch
 from hitab_agent.restart_memory import RestartMemory
 from hitab_agent.robot_link import OwnStop, link_class
-from hitab_agent.settings import AgentSettings
-from hitab_agent.shared import Shared
+from hitab_agent.settings import AgentParameters
 from hitab_agent.status_publisher import StatusPublisher
 from hitab_agent.superior_link import HEARTBEAT_S, SuperiorLink
 from hitab_agent.training_topic import TrainingTopic
@@ -59,14 +59,14 @@ class AgentNode(AgentBase):
         self,
         node_name: str = "agent",
         *,
-        shared: Shared | None = None,
+        shared: HostResources | None = None,
         **options: Any,
     ) -> None:
         """Create the node, load the library and resume an interrupted training.
 
         Args:
             node_name: name of the node in the agent's namespace.
-            shared: what the agents of its process share; None: it is the only one.
+            shared: resources of all agents of the process; None if this agent is alone.
             options: passed on to the base class.
 
         Raises:
@@ -75,9 +75,9 @@ class AgentNode(AgentBase):
         self._joined = False
         # In a host it would cost two endpoints and more for each of many agents.
         super().__init__(node_name, **{"enable_rosout": shared is None, **options})
-        self.settings = settings = AgentSettings.declare(self)
+        self.settings = settings = AgentParameters.declare(self)
         self.agent_name = names.own_name(self)
-        self.shared = shared or Shared(self)
+        self.shared = shared or HostResources(self)
         self.ticker = self.shared.ticker
         domain = self.load_domain(settings.domain)
         if uses_actions(domain):
@@ -111,7 +111,7 @@ class AgentNode(AgentBase):
         self.actions: actions.ActionClients | None = None
         self._offered: actions.OfferedAction | None = None
         self.superior: SuperiorLink | None = None
-        self._reach: Reach | None = None
+        self._reach: ReachWatch | None = None
         self._start_error = ""
         self.memory = RestartMemory(state, settings.swarm)
         if self.memory.damage:
@@ -125,7 +125,7 @@ class AgentNode(AgentBase):
         self.guard.run("noting what a restart resumes", self.memory.keep, self.resumed())
 
     def resumed(self) -> dict[str, Any]:
-        """Return what a restart resumes."""
+        """Return the behavior that a restart resumes."""
         agent = self.agent
         performed = agent.top if agent.mode is Mode.PERFORMING else agent.pending_behavior
         return {"behavior": str(performed or "")}
@@ -174,7 +174,7 @@ class AgentNode(AgentBase):
             self.stop_changed()
             self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if settings.when_out_of_reach == "halt":
-            self._reach = Reach(self)
+            self._reach = ReachWatch(self)
         training, performed = self.agent.session, self.memory.performed
         if training is not None:
             self.training.offer()
@@ -232,7 +232,7 @@ class AgentNode(AgentBase):
             ParameterService(self)
 
     def destroy_node(self) -> None:
-        """Cancel its actions, have the link stop the robot, then destroy the node.
+        """Cancel the agent's actions, have the link stop the robot, then destroy the node.
 
         Its executor must not spin afterwards: it fails at events of action clients that are gone.
         """
@@ -318,7 +318,7 @@ class AgentNode(AgentBase):
     # -- stop of its robot --------------------------------------------------------------------
 
     def stop_changed(self) -> None:
-        """Say why its robot may not act, and cancel its goals, or go on with them."""
+        """Report why the robot may not act, and cancel its goals, or go on with them."""
         why = self.stop.why if self.stop is not None else ""
         self.status.message.stopped = why
         ways = [Fix.GO()] if self.stop is not None and self.stop.is_emergency else []
@@ -336,7 +336,7 @@ class AgentNode(AgentBase):
     # -- orders of a commander ----------------------------------------------------------------
 
     def awaited_orders(self) -> Collection[str]:
-        """Return the topics of the orders that it waits for in a lockstep round."""
+        """Return the topics of the orders that a lockstep round waits for."""
         return () if self.superior is None else (self.superior.orders,)
 
     def ordered(self) -> None:
@@ -374,7 +374,7 @@ class AgentNode(AgentBase):
             self.shared.diagnostics.soon()
 
     def diagnose(self) -> Diagnosis:
-        """Return what is wrong with it."""
+        """Return the faults of the agent."""
         return diagnosis_of_agent(self)
 
     def _prepare_status(self) -> None:

@@ -80,7 +80,7 @@ class AgentServices:
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
 
     def _telling(self, serve: Serve) -> Serve:
-        """Return what serves a request, and replies with the training's revision afterwards."""
+        """Return a service function that replies with the training's revision."""
 
         def served(request: Any, response: Any) -> str:
             message = serve(request, response)
@@ -340,7 +340,7 @@ def bindings_of(request: Any) -> dict[str, str]:
 
 
 def _open_questions(agent: Agent) -> str:
-    """Return how many questions about a training are open, as far as known; empty: none."""
+    """Return how many questions about a training are open, as far as known; empty if none."""
     session = agent.session
     known = session.questions.known() if session is not None else []
     if not known:

@@ -29,7 +29,7 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
     Args:
         automaton: the automaton.
         domain: of its agent.
-        more: what the automaton itself does not know.
+        more: fields that the automaton lacks.
     """
     return msg.Automaton(
         name=automaton.name,
@@ -57,7 +57,7 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
 
 
 def training_message(session: TrainingSession, domain: Domain) -> msg.Automaton:
-    """Return what a training has taught so far as a message."""
+    """Return the state of a training as a message."""
     curriculum, examples = session.curriculum, session.examples
     automaton = Automaton(
         curriculum.name,

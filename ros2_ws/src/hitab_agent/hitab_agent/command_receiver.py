@@ -24,8 +24,8 @@ YOUNG_S = 50.0
 class CommandReceiver:
     """Has an agent carry out demonstrators' commands; its status acknowledges each one.
 
-    An agent that was restarted in a training perceives only after a moment. What it is commanded
-    before, it does not answer, so that its demonstrator sends it again.
+    An agent that was restarted in a training perceives only after a moment. Commands
+    before that stay unanswered, so that the demonstrator sends them again.
     """
 
     def __init__(self, node: AgentBase) -> None:
@@ -72,7 +72,7 @@ class CommandReceiver:
                 status.left = taught[0].state if taught else ""
         except Exception as error:
             refusal = (error,)
-        node.status.together = self._together(status.demonstrator or "somebody")
+        node.status.together = self._together(status.demonstrator or "a person")
         self._recent.keep(status.demonstrator, command.sequence, refusal)
         if refusal:
             status.last_refused_sequence = command.sequence
@@ -82,7 +82,7 @@ class CommandReceiver:
         node.settle()
 
     def _together(self, demonstrator: str) -> str:
-        """Return who commands the agent at the same time; empty if this demonstrator is alone."""
+        """Return the people who command the agent at the same time; empty if only one does."""
         now = time.monotonic()
         heard = {who: at for who, at in self._heard.items() if now - at <= TOGETHER_S}
         self._heard = heard | {demonstrator: now}

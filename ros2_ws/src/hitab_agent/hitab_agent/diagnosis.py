@@ -1,17 +1,17 @@
-"""What is wrong with an agent, for the topic ``/diagnostics``."""
+"""The faults of an agent, for the topic ``/diagnostics``."""
 
 from __future__ import annotations
 
 from hitab_agent.agent_base import AgentBase
-from hitab_agent.guarded_tick import FEATURES, TICK, VALUES
+from hitab_agent.guarded_tick import FEATURES_FAULT, TICK, VALUES
 from hitab_ros.diagnostics import Diagnosis, Level
 
-MILD = (FEATURES, VALUES, "action ")
+MILD = (FEATURES_FAULT, VALUES, "action ")
 """How the keys of faults begin with which an agent still acts; with others it may not."""
 
 
 def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
-    """Return what is wrong with the agent of a node."""
+    """Return the faults of a node's agent."""
     agent, status, faults = node.agent, node.status, node.guard.faults.by_key
     found = [
         *node.troubles(),

@@ -2,7 +2,7 @@
 
 One message on a topic of the swarm reaches any number of receivers; each accepts all files or
 none and acknowledges on another topic. The agents of a process verify and read it once, see
-`hitab_agent.intake`.
+`hitab_agent.bundle_install`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import partial
 from hitab_msgs import msg, srv
 
 from hitab_agent.agent_base import AgentBase
-from hitab_agent.intake import Intake
+from hitab_agent.bundle_install import BundleInstall
 from hitab_agent.slices import Slices
 from hitab_core import Use, VocabularyError, quantity
 from hitab_core.library import Bundle, make_bundle
@@ -52,14 +52,16 @@ class Distributions:
         if meant:
             bundle = Bundle(tuple((f.name, f.text) for f in sent.files), sent.digest)
             start = Use(sent.behavior, tuple(sent.arguments)) if sent.start else None
-            self._slices.do(Intake(sent.sequence, bundle, start, meant, self._taken_in).job())
+            self._slices.do(
+                BundleInstall(sent.sequence, bundle, start, meant, self._taken_in).job()
+            )
 
     def _taken_in(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
         """Publish the outcome of a distribution; a failure affects this agent only."""
         node.guard.run("distribution", self._acknowledge, node, sequence, digest, error)
 
     def _acknowledge(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
-        # The status first: whoever has all acknowledgements may compare the agents' digests.
+        # The status first: a client with all acknowledgements may compare the agents' digests.
         node.taken_in(sequence, digest, error)
         self._acknowledgements.publish(
             msg.DistributionAck(

@@ -13,7 +13,7 @@ from hitab_ros import Guard
 from hitab_ros.answering import what_went_wrong
 
 Action = tuple[Sequence[float], str]
-"""What a body does, and what it says."""
+"""A body's action and message."""
 
 NO_ACTION: Action = ((), "")
 
@@ -23,7 +23,7 @@ TICK = "tick"
 VALUES = "values"
 """The fault of an agent that decides without the values of some features."""
 
-FEATURES = "features"
+FEATURES_FAULT = "features"
 """The fault of an agent whose domain's code raises where it should read features."""
 
 
@@ -48,10 +48,10 @@ class GuardedTick:
 
     def perceived(self) -> None:
         """Report features that cannot be read, whether decisions need them or not."""
-        self._show(FEATURES, failing(self._agent))
+        self._show(FEATURES_FAULT, failing(self._agent))
 
     def act(self) -> Action:
-        """Have the agent decide and act; return what it does and says, or nothing if it fails."""
+        """Have the agent decide and act; return its action and message, or nothing if it fails."""
         agent = self._agent
         try:
             agent.tick()
@@ -63,7 +63,7 @@ class GuardedTick:
         self._show(TICK, "")
         if lacking := "; ".join(agent.context.feature_cache.lacking()):
             self._failed_in = self._doing
-            lacking = f"{agent.name} decides without what it needs: {lacking}"
+            lacking = f"{agent.name} decides without needed values: {lacking}"
         self._show(VALUES, lacking)
         return action
 
@@ -104,7 +104,7 @@ def failing(agent: Agent) -> str:
 
 
 def _action(values: Sequence[float], say: str) -> Action:
-    """Return what a body does and says, in the types that messages need.
+    """Return a body's action and message, in the types that messages need.
 
     Raises:
         HitabError: if it is not numbers and a text.

@@ -22,7 +22,7 @@ from hitab_msgs.msg import AgentStatus
 from rclpy.parameter import Parameter
 
 from hitab_agent.host.roster import read_roster
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import HostResources
 from hitab_ros import (
     NO_TYPE_DESCRIPTIONS,
     Spinner,
@@ -52,7 +52,7 @@ def start(spinning: Spinner) -> None:
         use_global_arguments=False,
     )
     spinning.executor.add_node(desk)
-    shared = Shared(desk, len(entries), swarm)
+    shared = HostResources(desk, len(entries), swarm)
     nodes = []
     for entry in entries:
         parameters = {"swarm": swarm, **entry.parameters}
@@ -73,7 +73,7 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
-    # A world announces only the agents that it knows, not commanders and those with robots.
+    # A world announces only its own agents, neither commanders nor agents of robots.
     others = [node.agent_name for node in nodes if node.agent.domain.link]
     give_signs_of_life(desk, swarm, others)
     # The objects made so far stay: a collection over them would take longer than a cycle. What a

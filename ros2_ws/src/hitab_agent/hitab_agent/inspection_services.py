@@ -1,4 +1,4 @@
-"""The read-only services of an agent: they show its behaviors and what it perceives."""
+"""The read-only services of an agent, which show its behaviors and its percepts."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class InspectionServices:
         node.create_service(srv.GetBehavior, names.GET_BEHAVIOR, self._get_behavior)
         node.create_service(srv.ReadFeatures, names.READ_FEATURES, self._read_features)
 
-    # -- what it perceives ------------------------------------------------------------------
+    # -- percepts ---------------------------------------------------------------------------
 
     def _read_features(
         self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
@@ -48,7 +48,7 @@ class InspectionServices:
         answer.success = True
         return answer
 
-    # -- what it can do ---------------------------------------------------------------------
+    # -- vocabulary -------------------------------------------------------------------------
 
     def _get_behavior(
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response

@@ -15,7 +15,7 @@ Follow = Callable[[str, Order], None]
 
 
 class OrderSubscriptions:
-    """Has one subscription per commander and hands its orders to all its subordinates.
+    """Subscribes to each commander once, and hands its orders to all its subordinates.
 
     Reading an order costs more than obeying it, so a squad in one process reads each order once.
     """

@@ -1,4 +1,4 @@
-"""What an agent perceives, on a topic, while somebody records it."""
+"""Publishes an agent's percepts on a topic while it has a subscriber."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hitab_msgs import msg
 from hitab_agent.agent_base import AgentBase
 from hitab_ros import Receivers, names, qos
 
-LOOK_PERIOD_S = 0.25
+SUBSCRIBER_PERIOD_S = 0.25
 
 
 class PerceptLog:
@@ -25,7 +25,7 @@ class PerceptLog:
         self._receivers: Receivers | None = None
         self._last: msg.Percept | None = None
         if node.shared.host is None:
-            node.shared.ticker.every(LOOK_PERIOD_S, self._look, node.guard)
+            node.shared.ticker.every(SUBSCRIBER_PERIOD_S, self._look, node.guard)
 
     def tell(self, percept: msg.Percept) -> None:
         """Publish a percept that the agent is about to take in."""

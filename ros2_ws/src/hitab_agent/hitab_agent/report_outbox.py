@@ -17,9 +17,9 @@ from hitab_ros.conversions import report_message
 class ReportOutbox:
     """Has a publisher per commander; while held, it collects reports into one message each.
 
-    The agents of a host share one. There a report waits briefly for others: a commander gets one
-    message when an order has changed what all its subordinates do, and orders pass further down
-    before their outcome is reported.
+    The agents of a host share one. A host holds a report back briefly: a commander gets one
+    message when an order has changed all its subordinates, and orders pass further down before
+    their outcome is reported.
     """
 
     def __init__(self, node: GuardedNode, later: Deferred | None = None) -> None:
@@ -27,7 +27,7 @@ class ReportOutbox:
 
         Args:
             node: to publish on.
-            later: sends reports later; None: they are sent at once.
+            later: sends reports later; None if they are sent at once.
         """
         self._node = node
         self._later = later

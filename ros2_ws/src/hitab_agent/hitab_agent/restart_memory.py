@@ -1,4 +1,4 @@
-"""What an agent notes for the process that takes its place, should its own be killed."""
+"""Notes of an agent for the process that takes its place, should its own be killed."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class RestartMemory:
     microseconds. Only the first line is read; the rest of a longer previous line stays behind it.
 
     Attributes:
-        values: what is noted, by name; at first what the process before this one has noted.
+        values: the notes by name; at first those of the process before this one.
         performed: the top-level behavior of the process before this one, empty if there was none;
             None if this is the agent's first start in its swarm. An agent outside any swarm is
-            started by a person, who says what it should do.
+            started by a person, who chooses its behavior.
         damage: why the file is ignored; empty if it can be read.
     """
 
@@ -30,7 +30,7 @@ class RestartMemory:
 
         Args:
             folder: the folder of the file; it is created at the first write.
-            swarm: identity of the agent's swarm; empty: none.
+            swarm: identity of the agent's swarm; empty if none.
         """
         self._path = folder / FILE_NAME
         self._swarm = swarm

@@ -17,10 +17,10 @@ the action, in the domain's layout and empty if something was wrong, and a text 
 
 
 class RobotStop(Protocol):
-    """What keeps the robot of an agent from acting; a link with a relay sets `AgentNode.stop`.
+    """Interface of a robot's stop; a link with a relay sets `AgentNode.stop`.
 
     Attributes:
-        why: why the robot may not act, and the way out; empty: it may.
+        why: why the robot may not act, and the way out; empty if it may.
         is_emergency: whether an emergency stop holds it.
     """
 
@@ -33,18 +33,18 @@ class RobotStop(Protocol):
         """See above."""
 
     def cause(self, why: str) -> None:
-        """Stop the robot until it is re-armed, since its agent cannot act; empty: it can."""
+        """Stop the robot until it is re-armed, since its agent cannot act; empty if it can."""
 
 
 class OwnStop:
-    """The stop of a robot whose link has no relay: its agent withholds what it would do."""
+    """The stop of a robot whose link has no relay: its agent withholds its actions."""
 
     def __init__(self, node: Any, *, rearms: bool) -> None:
         self._stop = Stop(node, node.stands, changed=node.stop_changed, rearms=rearms)
 
     @property
     def why(self) -> str:
-        """Why the robot may not act, and the way out; empty: it may."""
+        """Why the robot may not act, and the way out; empty if it may."""
         return self._stop.why
 
     @property
@@ -53,7 +53,7 @@ class OwnStop:
         return self._stop.switch.engaged
 
     def cause(self, why: str) -> None:
-        """Stop the robot until it is re-armed, since its agent cannot act; empty: it can."""
+        """Stop the robot until it is re-armed, since its agent cannot act; empty if it can."""
         self._stop.machine.cause("agent", why)
 
 

@@ -13,10 +13,10 @@ Act = Callable[[], None]
 class RoundGate:
     """Calls a function in each round once all commanders have given their order for it.
 
-    A commander that misses a round is not waited for until it gives an order again, or until a
-    round is played after one in which agents only look: a run that is played without a commander
-    must cost a deadline, which marks it. So must a commander that was restarted, however fast: it
-    has forgotten what it was doing. No clock is involved: a round is over when the next begins.
+    A commander that misses a round is not waited for until its next order, or until a round is
+    played after one of looking: a run without a commander must miss a deadline, which marks the
+    run. A restart of a commander, however fast, must miss one too: the state is lost. No clock is
+    involved: a round is over when the next begins.
     """
 
     def __init__(self, orders: OrderSubscriptions) -> None:
@@ -25,10 +25,10 @@ class RoundGate:
         self._act: Act | None = None
         self._awaited: set[str] = set()
         self._silent: set[str] = set()
-        self._spoken: dict[str, int] = {}
+        self._last_round: dict[str, int] = {}
         self._epochs: dict[str, int] = {}
-        self._owing: set[str] = set()  # restarted, and that has cost no deadline yet
-        self._looked = True
+        self._restarted: set[str] = set()  # since then, no deadline was missed
+        self._last_was_look = True
 
     def begin(self, number: int, commanders: Collection[str], act: Act, *, look: bool) -> None:
         """Begin a round; drop what was held back in the previous one.
@@ -36,26 +36,26 @@ class RoundGate:
         Args:
             number: of the round.
             commanders: the topics of the orders to wait for.
-            act: what to do then; called at once if there is no order to wait for.
+            act: called then; at once if there is no order to wait for.
             look: whether agents only look in it.
         """
-        if self._looked and not look:
+        if self._last_was_look and not look:
             self._silent.clear()
         elif self._act is not None:
-            self._silent |= self._awaited - self._owing
-            self._owing -= self._awaited
-        if look or self._looked:
-            self._owing.clear()
-        self._looked = look
+            self._silent |= self._awaited - self._restarted
+            self._restarted -= self._awaited
+        if look or self._last_was_look:
+            self._restarted.clear()
+        self._last_was_look = look
         for commander in commanders:
-            if commander not in self._spoken:
-                self._spoken[commander] = 0
+            if commander not in self._last_round:
+                self._last_round[commander] = 0
                 self._orders.follow(commander, self._hear)
         self._awaited = {
             commander
             for commander in commanders
             if commander not in self._silent
-            and (self._spoken[commander] != number or commander in self._owing)
+            and (self._last_round[commander] != number or commander in self._restarted)
         }
         self._round, self._act = number, act
         self._go_on()
@@ -63,10 +63,10 @@ class RoundGate:
     def _hear(self, commander: str, order: Order) -> None:
         if order.epoch != self._epochs.setdefault(commander, order.epoch):
             self._epochs[commander] = order.epoch
-            self._owing.add(commander)
+            self._restarted.add(commander)
         self._silent.discard(commander)
-        self._spoken[commander] = order.round
-        if order.round == self._round and commander not in self._owing:
+        self._last_round[commander] = order.round
+        if order.round == self._round and commander not in self._restarted:
             self._awaited.discard(commander)
             self._go_on()
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from hitab_agent.ticker import Ticker
 from hitab_ros import GuardedNode
 
-LOOK_PERIOD_S = 0.25
+DEMAND_PERIOD_S = 0.25
 LOOK_AT_PER_S = 500.0  # agents: looking takes time in proportion to their number
 
 
@@ -30,7 +30,7 @@ class ServicesOnDemand:
         """
         self._host = host
         self._offers: dict[str, Callable[[], None]] = {}
-        ticker.every(max(LOOK_PERIOD_S, agents / LOOK_AT_PER_S), self.look)
+        ticker.every(max(DEMAND_PERIOD_S, agents / LOOK_AT_PER_S), self.look)
 
     def add(self, node: GuardedNode, offer: Callable[[], None]) -> None:
         """Call ``offer`` once a client asks for a service of a node, or in its namespace."""

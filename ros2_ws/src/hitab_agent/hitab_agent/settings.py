@@ -19,36 +19,36 @@ def _is(default: Any, description: str) -> Any:
 
 
 @dataclass(frozen=True)
-class AgentSettings:
-    """How one agent is set up; each field is a ROS parameter."""
+class AgentParameters:
+    """The parameters of one agent; each field is a ROS parameter."""
 
     domain: str = _is("", "name of an installed domain: what the agent can do and perceive")
-    library: str = _is("", "folder of trained behaviors; empty: library in its part of state_dir")
+    library: str = _is("", "folder of trained behaviors; empty for one in state_dir")
     state_dir: str = _is(
         "~/.local/state/hitab",
         "folder with one per agent, where an unfinished training survives a crash",
     )
-    behavior: str = _is("", "what to perform at startup, such as GoTo(ball); empty: nothing")
+    behavior: str = _is("", "what to perform at startup, such as GoTo(ball), if anything")
     world: str = _is("world", "name of the world's node, which sends the percepts")
     seed: int = _is(0, "of the agent's random numbers, until a world sets one")
     most_probable: bool = _is(False, "take the most probable next state instead of drawing one")
-    commander: str = _is("", "name of the commander whose orders it obeys; empty: it has none")
+    commander: str = _is("", "name of the commander whose orders it obeys; empty if it has none")
     role: str = _is("", "in its commander's group, for orders that differ by role")
     services_on_demand: bool = _is(False, "create the services only when a client asks")
     when_out_of_reach: str = _is("go_on", "or halt, while its commander or operator is silent")
     out_of_reach_after: float = _is(5.0, "s of silence after which they are out of reach")
     auto_rearm: bool = _is(False, "act again by itself when a stop of its robot is over: a risk")
-    swarm: str = _is("", "identity of its swarm; empty: none, and nothing to resume")
+    swarm: str = _is("", "identity of its swarm; empty if none, and nothing to resume")
     offer_actions: bool = _is(False, "offer its behaviors as one action, perform_until_done")
     action_timeout: float = _is(2.0, "s; how long to wait for an action's server and its answers")
-    action_patience: float = _is(2.0, "s without a tick until goals are canceled; 0: never")
+    action_patience: float = _is(2.0, "s without a tick until goals are canceled; 0 for never")
 
     def __post_init__(self) -> None:
         if (given := self.when_out_of_reach) not in ("go_on", "halt"):
             raise HitabError(f'when_out_of_reach is "{given}"; it must be go_on or halt')
 
     @classmethod
-    def declare(cls, node: Node) -> AgentSettings:
+    def declare(cls, node: Node) -> AgentParameters:
         """Declare the parameters and return their values."""
         return cls(**{one.name: _declared(node, one) for one in fields(cls)})
 

@@ -1,4 +1,4 @@
-"""The status of an agent: what it does, and its faults."""
+"""The status of an agent: its activity and its faults."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class Beginning(NamedTuple):
     """How an agent began.
 
     Attributes:
-        fault: why it did not begin as it should; empty: it did.
-        note: how it came back from a restart; empty: it did not.
+        fault: why the start failed; empty if it succeeded.
+        note: the state that a restarted agent resumed; empty after a first start.
     """
 
     fault: str = ""
@@ -38,8 +38,8 @@ class StatusPublisher:
     Attributes:
         message: the status; the handlers of requests record their outcome in it.
         path: the last published path of active states.
-        superior: the link to its commander; None: it has none.
-        together: which demonstrators command it at the same time; empty: one at most.
+        superior: the link to its commander; None if it has none.
+        together: the demonstrators that command it at the same time, if several.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class StatusPublisher:
 
     @property
     def notice(self) -> str:
-        """Why the last command or request was refused; else, its start; empty: nothing was."""
+        """Why the last command or request was refused; else, its start; empty if nothing was."""
         return self._error or self._beginning.fault
 
     @property
@@ -126,8 +126,8 @@ class StatusPublisher:
         """Publish how the agent began, until it does something else or records an example.
 
         Args:
-            fault: why it did not begin as it should; empty: it did. It is no refusal.
-            note: how it came back from a restart; empty: it did not.
+            fault: why the start failed; empty if it succeeded. A fault is no refusal.
+            note: the state that a restarted agent resumed; empty after a first start.
         """
         self._began, self._began_in = Beginning(fault, note), self._state
         if fault:

@@ -1,4 +1,4 @@
-"""What an agent is being trained, on a latched topic while anybody subscribes to it."""
+"""Publishes an agent's training on a latched topic while the topic has a subscriber."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import cost_message, remark_messages
 
-PERIOD_S = 0.1
-"""At least this long passes between two messages."""
+TRAINING_PERIOD_S = 0.1
+"""Least time between two messages, s."""
 
 CALM_S = 1.0
-"""After a change until questions are looked for, which takes up to a second of slices."""
+"""Time from a change to the search for questions, which takes up to a second of slices."""
 
 
 class TrainingTopic:
     """Publishes each revision of the training under way, as a whole.
 
     A revision is published at once, and again when its questions have been looked for. Nothing is
-    built while nobody subscribes.
+    built without a subscriber.
 
     Attributes:
-        revision: counts up with each change, of the mode too, also over restarts; 0: nothing is
+        revision: counts up with each change, of the mode too, also over restarts; 0 if nothing is
             being trained.
         searched: called whenever questions have been looked for.
     """
@@ -67,7 +67,7 @@ class TrainingTopic:
                 msg.Training, names.TRAINING, qos.LATCHED
             )
             self._slices = Slices(self._node)
-            self._ticker.every(PERIOD_S, self.look, self._node.guard)
+            self._ticker.every(TRAINING_PERIOD_S, self.look, self._node.guard)
 
     def notice(self) -> int:
         """Notice what has changed, and who decides; return the revision."""
@@ -99,7 +99,7 @@ class TrainingTopic:
             self._publish(msg.Training(agent=self._agent.name, revision=self._last), state)
         elif self._publisher.get_subscription_count():
             self._publish(self._message(session), state)
-            self._next = time.monotonic() + PERIOD_S
+            self._next = time.monotonic() + TRAINING_PERIOD_S
 
     def _publish(self, message: msg.Training, state: tuple[int, bool]) -> None:
         self._published = state
@@ -149,7 +149,7 @@ class TrainingTopic:
 
 
 def _marks(session: TrainingSession | None) -> tuple[Any, ...]:
-    """Return what tells a change: the examples are others then, or the rest differs."""
+    """Return marks that differ after a change of examples, or of the rest."""
     if session is None:
         return (None,)
     known = [question.number for question in session.questions.known()]

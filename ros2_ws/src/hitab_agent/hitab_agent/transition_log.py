@@ -15,7 +15,7 @@ _LINE_S = 0.2  # between two lines of the log, after a first burst
 class TransitionLog:
     """Publishes each state change while there are subscribers; otherwise costs next to nothing.
 
-    It can also log them, at info level and not too many, while somebody listens to ``/rosout``.
+    It can also log them, at info level and not too many, while ``/rosout`` has a subscriber.
     """
 
     def __init__(self, node: Node, *, logs: bool = False) -> None:
@@ -35,7 +35,7 @@ class TransitionLog:
         self.changed = False
 
     def look(self) -> None:
-        """Check whether somebody listens to the log."""
+        """Check whether the log has a subscriber."""
         listened = self._logs and self._node.count_subscribers(names.ROSOUT) > 0
         if not listened:
             self._write = None

@@ -50,7 +50,7 @@ def test_a_feature_without_a_value_is_a_fault_until_it_has_one(tmp_path: Path) -
         agent.sense([math.nan], [])
         assert tick.act()[0], "it acts all the same"
         assert guard.faults.texts() == [
-            'one decides without what it needs: feature "X" has no value; check its sensor'
+            'one decides without needed values: feature "X" has no value; check its sensor'
         ]
     agent.sense([2.0], [])
     assert tick.act()[0]

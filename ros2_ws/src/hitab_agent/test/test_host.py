@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hitab_msgs import msg
 
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import HostResources
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.learning.transition_tree import TransitionTree
@@ -65,7 +65,7 @@ class Swarm:
     ) -> None:
         self._process = process
         self.desk = desk = process.node
-        shared = Shared(desk, SIZE)
+        shared = HostResources(desk, SIZE)
         domain = domain or _domain("Choose")
         self.nodes = []
         for number in range(SIZE):

@@ -9,8 +9,8 @@ import pytest
 from hitab_msgs import msg, srv
 
 from hitab_agent.agent_node import AgentNode
+from hitab_agent.host_resources import HostResources
 from hitab_agent.restart_memory import RestartMemory
-from hitab_agent.shared import Shared
 from hitab_core import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.training import Curriculum
@@ -32,7 +32,7 @@ class Walkers:
 
     def __init__(self, process: Any, folder: Path, start: Any) -> None:
         self.process, self.folder = process, folder
-        self._start, self._shared = start, Shared(process.node)
+        self._start, self._shared = start, HostResources(process.node)
         self.agents: dict[str, Any] = {}
 
     def start(self, name: str, domain: Domain = DOMAIN, **settings: Any) -> AgentNode:

@@ -14,7 +14,7 @@ from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_sensor_data
 
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import HostResources
 from hitab_core import (
     START,
     Automaton,
@@ -127,7 +127,7 @@ def test_changes_of_state_are_logged_while_somebody_listens(one):
 
 
 def test_a_host_tells_of_all_its_agents_in_one_message_and_of_none_in_rosout(process, start):
-    shared = Shared(process.node, 3)
+    shared = HostResources(process.node, 3)
     arrays: list[DiagnosticArray] = []
     process.node.create_subscription(DiagnosticArray, "/diagnostics", arrays.append, 10)
     nodes = [start(DOMAIN, name, shared=shared).node for name in ("a", "b", "c")]

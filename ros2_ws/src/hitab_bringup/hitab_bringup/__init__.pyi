@@ -1,7 +1,7 @@
 from . import plots as plots
 from .bringing_up import RunningSwarm as RunningSwarm
 from .bringing_up import temporary_swarm as temporary_swarm
-from .evaluating import Part as Part
+from .evaluating import CastMember as CastMember
 from .evaluating import figures_in as figures_in
 from .evaluating import games_of as games_of
 from .evaluating import part_of as part_of

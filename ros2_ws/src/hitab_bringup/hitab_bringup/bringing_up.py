@@ -35,7 +35,7 @@ from hitab_client.run_folder import registry_held, running_swarms
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Fix, each_once, some
 
-START_SECONDS = 60.0
+SWARM_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
 COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
@@ -43,7 +43,7 @@ DOMAINS_TRIED = 3  # if the names are taken there
 SENSORS_SECONDS = 1.5  # for robots to look for their sensors after they are up
 VALUES_SECONDS = 2.0  # for agents to perceive, commanders the values of their subordinates
 STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
-LOOK_SECONDS = 0.3  # between two looks at the processes
+PROCESS_PERIOD_SECONDS = 0.3  # between two looks at the processes
 
 Progress = Callable[[int, int, str], None]
 """Called with the number of nodes that are up, the expected number and the missing names."""
@@ -73,10 +73,9 @@ def bring_up(
         swarm: the description.
         folder: for its files.
         progress: called as nodes come up.
-        warn: called with whatever a person should know: ROS domains that are in use; commanders
-            that do not hear everybody yet; faults that agents have from the start; libraries that
-            are read-only; trainings that they resume.
-        say: called with what it does if it is interrupted, which takes a while.
+        warn: called with notes for people: ROS domains in use; commanders that do not hear
+            everybody yet; faults of agents from the start; read-only libraries; resumed trainings.
+        say: called with the reason when an interruption takes a while.
 
     Raises:
         SwarmError: naming what did not start, or the names in use and their owner; nothing is left
@@ -114,7 +113,7 @@ def temporary_swarm(
 
     Args:
         swarm: the description.
-        run_folder: for its files; None: a folder that is removed at the end.
+        run_folder: for its files; None for a folder that is removed at the end.
         progress: called as nodes come up.
     """
     with contextlib.ExitStack() as stack:
@@ -243,7 +242,7 @@ def _answering(
             return not names
 
         running = len({member.process for member in swarm.members})
-        allowed = START_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
+        allowed = SWARM_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
         if not link.spin_until(complete, allowed):
             names = missing()
             lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))
@@ -288,7 +287,7 @@ def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
 def _to_know(
     swarm: SwarmDescription, running: RunningSwarm, progress: Progress | None
 ) -> Iterator[str]:
-    """Yield what a person should know of a swarm that has just started."""
+    """Yield notes for people about a swarm that has just started."""
     record, folder, agents = running.record, running.folder, running.agents
     yield from _await_commanders(swarm, record, running.link, progress)
     _let_agents_perceive(running.link, agents, [c.name for c in swarm.commanders])
@@ -307,8 +306,8 @@ def _to_know(
 def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:
     """Give agents the time to perceive, and commanders to get their subordinates' first values.
 
-    Only then are the faults of the others known. Commanders report until then that they lack
-    these values, which is no fault of a swarm that just starts.
+    Only then are the faults of the others known. Until then commanders report these values as
+    missing, which is no fault in a swarm that just starts.
     """
     statuses = agents.statuses
     link.spin_until(
@@ -332,8 +331,8 @@ def _await_commanders(
 ) -> Iterator[str]:
     """Wait until all commanders hear their subordinates; yield a sentence if some do not yet.
 
-    All nodes of the swarm have been heard here, but they discover each other one by one, which
-    takes a large swarm longer. In lockstep that was waited for already.
+    This process has heard all nodes, but the nodes discover each other one by one, which takes
+    longer in a large swarm. In lockstep that was waited for already.
     """
     commanders = [] if _is_exact(swarm) else [c.name for c in swarm.commanders]
     view = CommanderView(link, record.namespace, record.identity)

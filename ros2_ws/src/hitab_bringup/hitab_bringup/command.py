@@ -17,7 +17,7 @@ def main() -> None:
     # Arrays are small: numpy's own threads only make the start longer.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Commands that it prints run as they stand, also where the environment is not activated.
+    # Printed commands run as they stand, also where the environment is not activated.
     if os.path.basename(sys.argv[0]) == PROGRAM and shutil.which(PROGRAM) is None:
         os.environ.setdefault("HITAB_CALLED_AS", shlex.quote(sys.argv[0]))
     try:

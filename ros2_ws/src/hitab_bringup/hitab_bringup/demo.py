@@ -24,7 +24,7 @@ from hitab_client.cli_remedies import called
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
 from hitab_client.shipped import find_file
 from hitab_core import HitabError, has, quantity
-from hitab_world.demo import GROUP, Demo
+from hitab_world.demo import DEMO_ENTRY_POINTS, Demo
 from hitab_world.evaluation import mean_and_error
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def offered_demo(name: str = "") -> Demo:
     Raises:
         HitabError: if no installed domain offers this.
     """
-    there = {point.name: point for point in entry_points(group=GROUP)}
+    there = {point.name: point for point in entry_points(group=DEMO_ENTRY_POINTS)}
     if name not in there and (name or not there):
         raise HitabError(f'no installed domain offers a demo "{name}" {has(there, name)}')
     demo: Demo = there[name or min(there)].load()
@@ -62,11 +62,11 @@ def run_demo(
     """Train, play, compare, and write everything to a folder.
 
     Args:
-        demo: what to teach and play.
+        demo: the demo to play.
         out: the folder; pictures, figures and the library of an earlier demo are replaced.
         episodes: number to play.
         seed: of the episodes.
-        studio_port: of the studio during the demo; None: no studio.
+        studio_port: of the studio during the demo; None for no studio.
         browser: whether to open the studio in a browser.
 
     Returns:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from hitab_bringup.bringing_up import RunningSwarm
 from hitab_client import SwarmError, console
 
-START_SECONDS = 20.0
+STUDIO_START_SECONDS = 20.0
 
 
 @contextlib.contextmanager
@@ -25,7 +25,7 @@ def studio_beside(running: RunningSwarm, port: int, *, browser: bool) -> Iterato
     command += ["--run-dir", str(running.folder.path), "--browser" if browser else "--no-browser"]
     process = subprocess.Popen(command, start_new_session=True)
     try:
-        deadline = time.monotonic() + START_SECONDS
+        deadline = time.monotonic() + STUDIO_START_SECONDS
         node = running.link.node
         while node.count_subscribers("/world/state") < 2:  # this process watches too
             if process.poll() is not None or time.monotonic() > deadline:

@@ -1,4 +1,4 @@
-"""What `hitab drive` shows: what the agent does, what came of the last key, and the keys."""
+"""The view of `hitab drive`: what the agent does, what came of the last key, and the keys."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from hitab_client.demonstrating import Demonstrator
 
-FAULTS_MAX = 3
+SHOWN_FAULTS_MAX = 3
 SPACE = "Space"
 
 
@@ -34,7 +34,7 @@ def lines(
         yield console.line(f"{agent}  has not answered yet", "yellow")
     else:
         yield console.line(f"{agent}  {_doing(status, demonstrator.words.training)}", "bold")
-        for fault in status.faults[:FAULTS_MAX]:
+        for fault in status.faults[:SHOWN_FAULTS_MAX]:
             yield console.line(f"  {fault}", "yellow")
     if agent in silent:
         logs = as_command(Fix.LOGS(node=agent))

@@ -38,23 +38,23 @@ from hitab_core import (
 )
 from hitab_core.library.yaml_places import read_yaml
 from hitab_world import World
-from hitab_world.evaluation import Game
-from hitab_world.figures import GivenFigures
+from hitab_world.evaluation import GameSetup
 from hitab_world.inprocess import AutomatonPlayer, Player
+from hitab_world.ros_parameters import GivenParameters
 
-NOTHING = "nothing"
+UNTRAINED = "nothing"
 _VERSION = re.compile(r"(\w+)@(\d+)")
 
 
 @dataclass(frozen=True)
-class Part:
-    """What an agent performs.
+class CastMember:
+    """A member of a cast: an agent or commander with its behavior and library.
 
     Attributes:
-        repertoire: its behaviors.
-        behavior: that it performs from the beginning of each episode; None: what it is ordered.
-        opened: its library; None: it has learned nothing.
-        library: the folder of its trained behaviors; None: there are none.
+        repertoire: behaviors of the member.
+        behavior: performed from the beginning of each episode; None for the commander's order.
+        opened: library of the member; None without learned behaviors.
+        library: the folder of its trained behaviors; None if there are none.
         digest: of what is learned there.
         versions: of its behaviors, where it is not the present one.
     """
@@ -74,14 +74,14 @@ def part_of(
     domain: str = "",
     kind: CommanderKind | None = None,
     versions: Mapping[str, int] | None = None,
-) -> Part:
-    """Return what an agent performs that has a library.
+) -> CastMember:
+    """Return the cast member of an agent with a library.
 
     Args:
-        library: its folder.
-        behavior: of the library or the domain; empty: what it is ordered.
+        library: folder of the library.
+        behavior: of the library or the domain; empty for the commander's order.
         domain: of an agent without a library.
-        kind: of a commander; None: it is an agent.
+        kind: of a commander; None if it is an agent.
         versions: of behaviors of the library, instead of the present ones.
 
     Raises:
@@ -92,7 +92,7 @@ def part_of(
         repertoire = Repertoire(load_domain(domain))
         if use is not None:
             repertoire.check_performable(use)
-        return Part(repertoire, use)
+        return CastMember(repertoire, use)
     opened = (
         open_library(library) if kind is None else BehaviorLibrary(library, commander_domain(kind))
     )
@@ -106,11 +106,11 @@ def part_of(
             there = [*automata, *opened.domain.automata]
             raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
         repertoire.check_performable(use)
-    return Part(repertoire, use, opened, library, opened.digest, versions)
+    return CastMember(repertoire, use, opened, library, opened.digest, versions)
 
 
-def players_of(world: World, parts: Mapping[str, Part]) -> dict[str, Player]:
-    """Return what plays the agents of a world; other agents than the world has are left out.
+def players_of(world: World, parts: Mapping[str, CastMember]) -> dict[str, Player]:
+    """Return the players of a world's agents; other agents than the world has are left out.
 
     Raises:
         DescriptionError: if it has none of them.
@@ -126,7 +126,7 @@ def players_of(world: World, parts: Mapping[str, Part]) -> dict[str, Player]:
     }
 
 
-def _there(world: World, parts: Mapping[str, Part]) -> dict[str, Part]:
+def _there(world: World, parts: Mapping[str, CastMember]) -> dict[str, CastMember]:
     there = {name: parts[name] for name in world.agents if name in parts}
     if not there:
         raise DescriptionError(f"the world has none of {some([*parts])} {has(world.agents)}")
@@ -145,7 +145,7 @@ def world_of(described: WorldDescription) -> Iterator[World]:
         raise DescriptionError(
             f"{described.module} has no make_world(node, seed), which makes a world without ROS"
         )
-    made: World = module.make_world(GivenFigures(described.parameters), described.seed)
+    made: World = module.make_world(GivenParameters(described.parameters), described.seed)
     with ExitStack() as leaving:
         if close := getattr(made, "close", None):
             leaving.callback(close)
@@ -187,7 +187,7 @@ def figures_in(texts: Sequence[str]) -> dict[str, Any]:
 
 
 class Cast:
-    """Who performs what in a swarm with a world."""
+    """The cast of a swarm with a world: each member's behavior and library."""
 
     def __init__(self, swarm: SwarmDescription) -> None:
         self._agents = {agent.name: agent for agent in swarm.agents}
@@ -199,7 +199,7 @@ class Cast:
         self._versions: dict[str, dict[str, int]] = {}
 
     def _own(self, agent: AgentDescription) -> Path | None:
-        """Return the library that an agent has, or would begin with; None: nothing trained."""
+        """Return an agent's present or first library; None if it has no trained behavior."""
         for folder in (library_of(agent, self._folder), agent.start_from):
             if folder is not None and holds_behaviors(folder):
                 return folder
@@ -221,7 +221,7 @@ class Cast:
                     if (library := self._libraries[name])
                     and number in open_library(library).on_disk.versions(behavior)
                 ]
-                for name in having or agents:  # the first is refused with what it has
+                for name in having or agents:  # the first is refused with its behaviors
                     self._versions.setdefault(name, {})[behavior] = number
             else:
                 self._libraries |= dict.fromkeys(agents, named_library(text))
@@ -234,7 +234,7 @@ class Cast:
         for agents, text in map(self._whose, texts):
             if agents == [*self._agents]:
                 self._behaviors |= dict.fromkeys(self._commanders, "")
-            self._behaviors |= dict.fromkeys(agents, "" if text == NOTHING else text)
+            self._behaviors |= dict.fromkeys(agents, "" if text == UNTRAINED else text)
 
     def _whose(self, text: str) -> tuple[list[str], str]:
         """Return whom a choice is for, and the choice; without a name it is for all agents."""
@@ -245,11 +245,11 @@ class Cast:
             raise HitabError(f'no agent "{name}" {has(self._members, name)}')
         return [*self._agents], text
 
-    def parts(self) -> dict[str, Part]:
-        """Return what agents and commanders perform; who does nothing is left out.
+    def parts(self) -> dict[str, CastMember]:
+        """Return the cast of agents and commanders; who does nothing is left out.
 
         Raises:
-            HitabError: if nobody performs anything, or somebody something that is not there.
+            HitabError: if no member performs anything, or one a behavior that is missing.
         """
         parts = {}
         ordered = self._ordered()
@@ -260,7 +260,7 @@ class Cast:
             kind = member.kind if isinstance(member, CommanderDescription) else None
             if kind is not None and library is None:
                 raise HitabError(
-                    f"{name} has learned nothing that it could perform; give it a library with "
+                    f"{name} has learned no behavior to perform; give it a library with "
                     f"-l {name}=LIBRARY, or have it order nothing with -b {name}=nothing"
                 )
             parts[name] = part_of(
@@ -275,7 +275,7 @@ class Cast:
         return parts
 
     def _ordered(self) -> set[str]:
-        """Return who obeys a commander that performs something, or one that obeys such a one."""
+        """Return the members below a commander that performs something, on all levels."""
         found: set[str] = set()
         superiors = [name for name in self._commanders if self._behaviors[name]]
         while superiors:
@@ -286,7 +286,9 @@ class Cast:
 
 
 @contextmanager
-def games_of(swarm: SwarmDescription, casts: Sequence[Mapping[str, Part]]) -> Iterator[list[Game]]:
+def games_of(
+    swarm: SwarmDescription, casts: Sequence[Mapping[str, CastMember]]
+) -> Iterator[list[GameSetup]]:
     """Yield a game for each way to cast the agents of a swarm; all worlds begin alike.
 
     Raises:
@@ -304,14 +306,14 @@ def games_of(swarm: SwarmDescription, casts: Sequence[Mapping[str, Part]]) -> It
 
 def _commanded(
     world: World,
-    parts: Mapping[str, Part],
+    parts: Mapping[str, CastMember],
     commanders: Sequence[CommanderDescription],
     leaving: ExitStack,
-) -> Game:
+) -> GameSetup:
     """Return a game in which those commanders give orders that perform something."""
     by_name = {one.name: one for one in commanders if one.name in parts}
     if not by_name:
-        return Game(world, players_of(world, parts))
+        return GameSetup(world, players_of(world, parts))
     agents = _there(world, parts)
     there, made = {*agents}, []
     for name in TopologicalSorter(
@@ -331,10 +333,10 @@ def _commanded(
         for name, part in agents.items()
     ]
     hierarchy = HierarchyPlayers(members, made, world.cycle_seconds)
-    return Game(world, hierarchy.players, hierarchy.confer)
+    return GameSetup(world, hierarchy.players, hierarchy.confer)
 
 
-def _library(part: Part, leaving: ExitStack) -> BehaviorLibrary:
+def _library(part: CastMember, leaving: ExitStack) -> BehaviorLibrary:
     """Return a library with what a part can perform, a copy if that is not what its own has."""
     domain = part.repertoire.domain
     if part.opened is not None and not part.versions:

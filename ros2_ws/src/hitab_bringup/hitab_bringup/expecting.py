@@ -32,8 +32,8 @@ def expected(
         file: of the behavior.
         domain: in which it was trained.
         words: the state, the next one, and ``FEATURE=VALUE`` for each feature of the situation.
-        example: the number of an example with all that, instead of the words; 0: none.
-        name: what to call it; empty: by its number.
+        example: the number of an example with all that, instead of the words; 0 if none.
+        name: of the expectation; empty for its number.
 
     Raises:
         LibraryError: if something is unknown, or the name is taken.

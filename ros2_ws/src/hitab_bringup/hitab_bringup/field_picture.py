@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOR = "#1f5fb4"
-"""Of agents, and of all for which the world declares none."""
-BALL = "ball"
+"""The color of agents, and of things without a declared color."""
+BALL_SHAPE = "ball"
 """The shape of what viewers follow with their eyes; see `hitab_world.Look`."""
 GROUND = "#5d9150"
 
@@ -75,7 +75,7 @@ def draw_moment(
 
 
 def _rectangle(left: float, low: float, **style: Any) -> Any:
-    """Return one that is centered on the origin."""
+    """Return a rectangle that is centered on the origin."""
     from matplotlib.patches import Rectangle
 
     return Rectangle((left, low), -2.0 * left, -2.0 * low, **style)
@@ -87,7 +87,7 @@ def _layer(thing: Thing, looks: Mapping[str, Any]) -> int:
 
 
 def shape_of(thing: Thing, looks: Mapping[str, Any]) -> str:
-    """Return the shape with which a world has viewers draw a thing; empty: none."""
+    """Return the shape with which a world has viewers draw a thing; empty if none."""
     return str(getattr(looks.get(thing.kind), "shape", ""))
 
 

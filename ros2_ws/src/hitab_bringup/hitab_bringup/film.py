@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hitab_bringup.field_picture import BALL, draw_moment, shape_of
+from hitab_bringup.field_picture import BALL_SHAPE, draw_moment, shape_of
 from hitab_bringup.plots import check_folder, figure
 from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from hitab_client import Thing
     from hitab_client.console import Advance
     from hitab_world import World
-    from hitab_world.evaluation import Game
+    from hitab_world.evaluation import GameSetup
 
 SUFFIXES = (".gif", ".png", ".webp")
 INCHES = 3.6  # width of the drawing; text and lines are as large in it
-TITLE = 0.25  # inches, above the field
+TITLE_INCHES = 0.25  # inches, above the field
 TRAIL = 10  # moments of the ball's path
 
 
@@ -30,7 +30,7 @@ class Filmed:
     """A part of an episode.
 
     Attributes:
-        world: that was filmed.
+        world: the filmed world.
         moments: everything in the world, cycle by cycle.
         begin: s, when the first one was.
         ended: why the episode ended within it; "" if it went on.
@@ -43,7 +43,7 @@ class Filmed:
 
     @property
     def seconds(self) -> float:
-        """How long it takes, s."""
+        """The length of the film, s."""
         return len(self.moments) * self.world.cycle_seconds
 
 
@@ -58,12 +58,12 @@ def check_film(path: Path) -> None:
     check_folder(path, "filmed")
 
 
-def film(game: Game, episode: int, begin: float, seconds: float) -> Filmed:
+def film(game: GameSetup, episode: int, begin: float, seconds: float) -> Filmed:
     """Play an episode and keep a part of it.
 
     Args:
         game: whose world is reset.
-        episode: its number in the run.
+        episode: number of the episode in the run.
         begin: s, when the part begins.
         seconds: how long it takes; less if the episode ends before.
 
@@ -103,7 +103,7 @@ def draw_film(
     """Draw a film; the file is written when it is complete.
 
     Args:
-        filmed: what happened.
+        filmed: the filmed episode.
         path: of the film; the suffix selects the format.
         advance: called with the number of pictures drawn.
         pixels: width of the pictures.
@@ -117,9 +117,9 @@ def draw_film(
     check_film(path)
     (width, height), looks = filmed.world.size, filmed.world.looks
     cycle_seconds = filmed.world.cycle_seconds
-    drawing, axes = figure(INCHES, INCHES * height / width + TITLE)
+    drawing, axes = figure(INCHES, INCHES * height / width + TITLE_INCHES)
     drawing.set_layout_engine("none")  # the same in all pictures
-    axes.set_position((0.0, 0.0, 1.0, 1.0 - TITLE / drawing.get_figheight()))
+    axes.set_position((0.0, 0.0, 1.0, 1.0 - TITLE_INCHES / drawing.get_figheight()))
     rate: Any = speed / cycle_seconds  # need not be whole
     writer = PillowWriter(fps=rate)
     try:
@@ -131,7 +131,7 @@ def draw_film(
                 advance(number, len(filmed.moments), "drawing pictures")
                 axes.clear()
                 recent = filmed.moments[max(0, number - TRAIL) : number + 1]
-                paths = {t.name: recent for t in moment if shape_of(t, looks) == BALL}
+                paths = {t.name: recent for t in moment if shape_of(t, looks) == BALL_SHAPE}
                 draw_moment(axes, moment, width, height, looks, paths)
                 axes.set_axis_off()
                 at = filmed.begin + number * cycle_seconds

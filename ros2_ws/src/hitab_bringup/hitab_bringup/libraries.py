@@ -36,8 +36,8 @@ def _fill(library: Path, source: Path) -> None:
 def prepare(swarm: SwarmDescription, folder: Path) -> None:
     """Write everything that the swarm's processes need to a run folder.
 
-    This covers libraries, the members of each host, and what commanders can order and perceive,
-    which is also written to their libraries for reference.
+    These files are libraries, the members of each host, and the kinds of commanders, which are
+    also written to the commanders' libraries for reference.
     """
     fill_libraries(swarm, folder)
     write_rosters(swarm, folder)

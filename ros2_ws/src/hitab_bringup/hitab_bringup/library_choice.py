@@ -144,7 +144,7 @@ def _files(folder: Path, name: str = "") -> frozenset[tuple[str, bytes]]:
 
 
 def users_of(library: Path) -> list[tuple[str, list[str]]]:
-    """Return what chooses each swarm that is up and uses a library, and its agents that do."""
+    """Return the running swarms that use a library, each with its agents that do."""
     found = [
         (
             name_to_choose(record),

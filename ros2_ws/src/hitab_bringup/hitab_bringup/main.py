@@ -62,7 +62,7 @@ class HitabGroup(HelpfulGroup):
             raise
 
 
-PANELS = {
+HELP_PANELS = {
     "Begin here": "film.demo new.new",
     "Swarm": "swarm.up swarm.down status.status logs.logs recording.record doctor.doctor",
     "Train": "commanding.demonstrate driving.drive training.train "
@@ -112,7 +112,7 @@ def make_app(wanted: str = "") -> typer.Typer:
     """Return the command with its verbs, including those of other packages.
 
     Args:
-        wanted: if this is a verb in `PANELS`, only that one, which is faster: a stop is urgent.
+        wanted: if a verb in `HELP_PANELS`, only that one, which is faster: a stop is urgent.
     """
     app = typer.Typer(
         name="hitab",
@@ -123,14 +123,14 @@ def make_app(wanted: str = "") -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(help=HELP)(_hitab)
-    alone = f".{wanted} " in f"{' '.join(PANELS.values())} "
-    for panel, places in PANELS.items():
+    alone = f".{wanted} " in f"{' '.join(HELP_PANELS.values())} "
+    for panel, places in HELP_PANELS.items():
         for place in places.split():
             module, _, function = place.partition(".")
             if alone and function != wanted:
                 continue
             name = "test" if function == "start_testing" else function
-            # Names that somebody gives in the belief that they choose robots get a reason.
+            # Names given in the belief that they choose robots get a reason.
             names = {"allow_extra_args": name in ("stop", "go")}
             app.command(name, rich_help_panel=panel, context_settings=names)(
                 _verb(module, function)

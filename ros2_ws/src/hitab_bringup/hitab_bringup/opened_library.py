@@ -35,7 +35,7 @@ def open_library(folder: Path) -> BehaviorLibrary:
 def domain_in(folder: Path) -> str | None:
     """Return the name of a library's domain; None if no file in it says so.
 
-    That of a library of commanders is the name of their kind.
+    The domain of a library of commanders is the name of their kind.
     """
     kind = folder / KIND_FILE
     if kind.exists():

@@ -44,7 +44,7 @@ def check_folder(path: Path, done: str) -> None:
 
     Args:
         path: of the file.
-        done: what is done to it, such as "drawn".
+        done: participle for messages, such as "drawn".
 
     Raises:
         HitabError: if there is none.

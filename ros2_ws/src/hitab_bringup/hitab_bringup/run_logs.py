@@ -25,19 +25,19 @@ _FAILURE = re.compile(r"(Traceback|error:|Fatal Python error)")
 _MEANINGLESS = re.compile(
     r"Server 'unix_http_server' running without|Supervisor is running as root"
 )
-"""What is critical only to a supervisor whose socket others can reach."""
+"""Log lines that matter only for a supervisor whose socket others can reach."""
 
 _GIVES_UP = re.compile(r"gave up|spawnerr")
 """Begins what the supervisor does not name an error."""
 
 
-class Line(NamedTuple):
-    """One line of a log.
+class LogLine(NamedTuple):
+    """A line of a log.
 
     Attributes:
         seconds: when it was written, since the epoch; of a line without a time: that of the line
             before it.
-        process: that wrote it.
+        process: writer of the line.
         text: with the time readable.
         level: one of `LEVELS`; of a line without a level: that of the line before it, unless it
             begins a failure.
@@ -60,7 +60,7 @@ class LogFile:
     _seconds: float = 0.0
     _level: str = "info"
 
-    def new(self, *, ended: bool) -> list[Line]:
+    def new(self, *, ended: bool) -> list[LogLine]:
         """Return the lines since the last call, or all; ``ended``: leave a begun one for later."""
         lines = []
         for path in self._rotated() if not self._inode else ():
@@ -84,11 +84,11 @@ class LogFile:
         earlier = self.path.parent.glob(f"{self.path.name}.[0-9]*")
         return sorted(earlier, key=lambda path: int(path.suffix[1:]), reverse=True)
 
-    def _lines(self, data: bytes) -> list[Line]:
+    def _lines(self, data: bytes) -> list[LogLine]:
         lines = data.decode(errors="replace").splitlines()
         return [self._line(line) for line in lines if line and not _MEANINGLESS.search(line)]
 
-    def _line(self, line: str) -> Line:
+    def _line(self, line: str) -> LogLine:
         if match := _OF_ROS.match(line):
             level, stamp, logger, text = match.groups()
             self._seconds = float(stamp)
@@ -102,10 +102,10 @@ class LogFile:
         else:
             if _FAILURE.match(line):
                 self._level = "error"
-            return Line(self._seconds, self.process, line, self._level)
+            return LogLine(self._seconds, self.process, line, self._level)
         self._level = level.lower() if level.lower() in LEVELS else "info"
         moment = datetime.fromtimestamp(self._seconds).isoformat(" ", "milliseconds")
-        return Line(self._seconds, self.process, f"{moment} {level:5} {text}", self._level)
+        return LogLine(self._seconds, self.process, f"{moment} {level:5} {text}", self._level)
 
 
 def logs_of(folder: RunFolder) -> list[LogFile]:
@@ -115,7 +115,7 @@ def logs_of(folder: RunFolder) -> list[LogFile]:
     return [*found, LogFile(SUPERVISOR, supervisor)] if supervisor.exists() else found
 
 
-def new_lines(files: Iterable[LogFile], level: str, *, ended: bool) -> list[Line]:
+def new_lines(files: Iterable[LogFile], level: str, *, ended: bool) -> list[LogLine]:
     """Return the new lines of several logs in the order of their times.
 
     Args:

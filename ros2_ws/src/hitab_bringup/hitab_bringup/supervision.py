@@ -69,7 +69,7 @@ def launch(
     Args:
         swarm: the description.
         folder: for its files.
-        domain_id: its ROS domain.
+        domain_id: ROS domain of the swarm.
         temporary: end it with this process, and hide it from other verbs.
 
     Raises:
@@ -202,7 +202,7 @@ def stop(folder: RunFolder) -> list[int]:
 def _end(folder: RunFolder) -> list[int]:
     """End all remaining processes, the supervisor first: terminate, then kill."""
     killed: list[int] = []
-    for end, patience in ((psutil.Process.terminate, 3.0), (psutil.Process.kill, 20.0)):
+    for end, timeout in ((psutil.Process.terminate, 3.0), (psutil.Process.kill, 20.0)):
         left = folder.processes()
         if not left:
             return killed
@@ -212,7 +212,7 @@ def _end(folder: RunFolder) -> list[int]:
                 end(process)
                 if end is psutil.Process.kill:
                     killed.append(process.pid)
-        psutil.wait_procs(left, timeout=patience)
+        psutil.wait_procs(left, timeout=timeout)
     if left := folder.processes():
         numbers = ", ".join(str(process.pid) for process in left)
         raise SwarmError(

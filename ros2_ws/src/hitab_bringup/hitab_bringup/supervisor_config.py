@@ -1,6 +1,6 @@
 """The configuration of supervisord for a swarm.
 
-It contains no path and no text of a user: supervisord expands and cuts off parts of what it reads.
+It contains neither a path nor a user's text: supervisord expands and cuts off parts of its input.
 Each command is in a file of its own, which a shell runs; the path of the socket is a variable.
 """
 
@@ -16,15 +16,15 @@ from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 SOCKET_VARIABLE = "HITAB_SUPERVISOR_SOCKET"
 """Environment variable of supervisord with the path of the socket where it listens."""
 
-COMMANDS = "commands"
+COMMANDS_FOLDER = "commands"
 """Folder in the run folder, which is where supervisord runs, with the command of each process."""
 
-START_SECONDS = 3
+PROCESS_START_SECONDS = 3
 
 
 def write_commands(processes: Sequence[Process], folder: Path) -> None:
     """Write the command of each process, for a shell, to a file of its name."""
-    commands = folder / COMMANDS
+    commands = folder / COMMANDS_FOLDER
     commands.mkdir(exist_ok=True)
     for process in processes:
         line = f"exec {shlex.join(process.command)}\n"
@@ -57,14 +57,15 @@ def _program(name: str) -> str:
     """Return the section of a process.
 
     It counts as started after startsecs. If it dies earlier, it is retried startretries times,
-    each time after one more second. If it dies later, it is restarted at once, unless its exit
-    code says that a restart would not help; such a process stays up for startsecs before it exits.
+    each time after one more second. A process that dies later is restarted at once, unless its
+    exit code says that a restart would not help; such a process stays up for startsecs before it
+    exits.
     """
     return f"""
 [program:{name}]
-command=/bin/sh {COMMANDS}/{name}
-environment={FINAL_AFTER}="{START_SECONDS}"
-startsecs={START_SECONDS}
+command=/bin/sh {COMMANDS_FOLDER}/{name}
+environment={FINAL_AFTER}="{PROCESS_START_SECONDS}"
+startsecs={PROCESS_START_SECONDS}
 startretries=12
 exitcodes={DO_NOT_RESTART}
 stopwaitsecs=5

@@ -47,10 +47,10 @@ from hitab_commander import CommanderKind
 from hitab_core import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 
 PACES = ("lockstep", "realtime")
-AGENT = "{agent}"
+AGENT_MARK = "{agent}"
 """Placeholder for the agent's name, in names and texts."""
 
-CLOCK = "/clock"
+CLOCK_TOPIC = "/clock"
 SIM_TIME = "use_sim_time"
 
 
@@ -83,14 +83,14 @@ class AgentDescription:
     """One agent.
 
     Attributes:
-        library: its library folder; None: a folder in the run folder, kept between runs.
+        library: folder of the library; None for one in the run folder, kept between runs.
         start_from: a library to copy into its own library if that is empty.
-        behavior: to start with, such as ``Keepaway``; empty: nothing.
+        behavior: to start with, such as ``Keepaway``; empty if nothing.
         remap: the names that its node uses, each with the one to use instead.
         parameters: of its node, such as those of its link; a nested one has dots in its name.
-        process: that it runs in; its own name unless it shares one.
-        library_name: name of its library folder in the run folder; empty: that of the process.
-        superior: name of its commander; empty: none.
+        process: name of the process; the agent's own name unless the process is shared.
+        library_name: name of its library folder in the run folder; empty for that of the process.
+        superior: name of its commander; empty if none.
         role: in its commander's group.
     """
 
@@ -113,7 +113,7 @@ class CommanderDescription(AgentDescription):
     """One commander; its domain is its kind.
 
     Attributes:
-        kind: defines what it can order and perceive.
+        kind: defines its orders and its features.
         subordinates: roles of its subordinates, by name.
         asks_position: whether it needs their positions, for itself or its superiors.
     """
@@ -129,10 +129,10 @@ class Process:
 
     Attributes:
         name: unique within the swarm; names its log.
-        module: run with ``python -m``; empty: the arguments are the command.
+        module: run with ``python -m``; empty if the arguments are the command.
         arguments: before those for ROS.
-        namespace: of its node, or the one around those of its several nodes; in a description it
-            is relative to that of the swarm, unless it begins with a slash.
+        namespace: of the process's node, or around its several nodes; relative to the swarm's
+            namespace in a description, unless it begins with a slash.
         remap, parameters: of its nodes.
         is_node: whether it takes arguments for ROS.
         agents: names of its agents.
@@ -169,7 +169,7 @@ class Process:
 
 
 def _as_yaml(value: Any) -> str:
-    """Write a parameter so that it keeps its type: JSON is YAML."""
+    """Write a parameter as JSON, which is YAML, to keep its type."""
     if isinstance(value, tuple):
         return f"[{', '.join(map(_as_yaml, value))}]"
     if isinstance(value, float) and not math.isfinite(value):
@@ -182,7 +182,7 @@ class SwarmDescription:
     """A whole swarm.
 
     Attributes:
-        namespace: of all its nodes, such as ``/left``; empty: none.
+        namespace: of all its nodes, such as ``/left``; empty if none.
     """
 
     name: str
@@ -205,7 +205,7 @@ class SwarmDescription:
 
     @property
     def uses_sim_time(self) -> bool:
-        """Whether some of its nodes take their time from the topic ``/clock``."""
+        """Whether some nodes of the swarm take their time from the topic ``/clock``."""
         nodes: tuple[AgentDescription | Process, ...] = (*self.members, *self.processes)
         return any(node.parameters.get(SIM_TIME) for node in nodes)
 
@@ -215,7 +215,7 @@ class SwarmDescription:
 
     def remap(self, given: Mapping[str, str]) -> dict[str, str]:
         """Return the remappings of a node: in a namespace, each swarm has its own clock."""
-        own = {CLOCK: self.full_name("clock")} if self.namespace else {}
+        own = {CLOCK_TOPIC: self.full_name("clock")} if self.namespace else {}
         return {**own, **given}
 
     def in_namespace(self, namespace: str) -> SwarmDescription:

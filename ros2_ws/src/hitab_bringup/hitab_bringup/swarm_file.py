@@ -8,10 +8,10 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, TypeVar
 
-from hitab_bringup.command_tree import CommandTree, in_hosts
+from hitab_bringup.commander_tree import CommanderTree, in_hosts
 from hitab_bringup.library_choice import known_libraries
 from hitab_bringup.swarm_description import (
-    AGENT,
+    AGENT_MARK,
     SIM_TIME,
     AgentDescription,
     CommanderDescription,
@@ -29,7 +29,7 @@ from hitab_bringup.swarm_lines import (
     WorldLine,
     module_exists,
 )
-from hitab_bringup.swarm_words import Words
+from hitab_bringup.swarm_vocabulary import SwarmVocabulary
 from hitab_client import DescriptionError
 from hitab_client.run_folder import state_home
 from hitab_commander import CommanderKind, KindRecord, kind_in, read_kind
@@ -44,7 +44,7 @@ FORMAT = 2
 """The newest format version that is read."""
 
 WORLDS = "hitab.worlds"
-FILE = ".py"
+PYTHON_SUFFIX = ".py"
 """Of a world in one file, and of the words of its agents."""
 
 NODES = {"remap", SIM_TIME}
@@ -119,13 +119,13 @@ def _under(above: Nodes, line: L, keys: set[str]) -> L:
     return line.but(**more)
 
 
-def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT) -> dict[str, Any]:
+def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT_MARK) -> dict[str, Any]:
     """Return the remappings and parameters of a line; an agent's name replaces ``{agent}``."""
 
     def named(value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(map(named, value))
-        return value.replace(AGENT, agent) if isinstance(value, str) else value
+        return value.replace(AGENT_MARK, agent) if isinstance(value, str) else value
 
     clock = {} if line.use_sim_time is None else {SIM_TIME: line.use_sim_time}
     return {
@@ -137,7 +137,9 @@ def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT) -> dict[str, An
 class _Reader:
     """Makes a swarm of the lines of a file, and complains about what does not fit together."""
 
-    def __init__(self, file: SwarmLines, complaints: Complaints, path: Path, words: Words) -> None:
+    def __init__(
+        self, file: SwarmLines, complaints: Complaints, path: Path, words: SwarmVocabulary
+    ) -> None:
         self._file = file
         self._complaints = complaints
         self._path = path
@@ -156,7 +158,7 @@ class _Reader:
         world = self._world(file.world) if file.world is not None else None
         self._check_folders(file)
         groups = self._agents()
-        tree = CommandTree(
+        tree = CommanderTree(
             groups, file.commanders, self._kinds(), self._commander, self._words, self._tell
         )
         lines = self._commanders(tree)
@@ -199,7 +201,7 @@ class _Reader:
         for key in sorted({"library", "start_from"} & line.model_fields_set):
             folder = getattr(line, key)
             there = self._start(folder) if key == "start_from" else self._path.parent / folder
-            if folder and AGENT not in folder and not there.is_dir():
+            if folder and AGENT_MARK not in folder and not there.is_dir():
                 text = (
                     f'`{key}:` there is no folder "{folder}"; make it, correct the path, which is '
                     "relative to this file, or leave it out"
@@ -210,7 +212,7 @@ class _Reader:
     def _world_file(self) -> str:
         """The file of the world, whose words its agents have; empty: it is in no file."""
         world = self._file.world
-        return world.kind if world is not None and world.kind.endswith(FILE) else ""
+        return world.kind if world is not None and world.kind.endswith(PYTHON_SUFFIX) else ""
 
     def _start(self, text: str) -> Path:
         """Return a library to begin with: a folder, or one that has a name, as for `up -l`."""
@@ -219,12 +221,12 @@ class _Reader:
 
     def _in_file(self, text: str) -> str:
         """Return the path of a file with a world, or its words; other names are as they are."""
-        return str((self._path.parent / text).resolve()) if text.endswith(FILE) else text
+        return str((self._path.parent / text).resolve()) if text.endswith(PYTHON_SUFFIX) else text
 
     def _world(self, line: WorldLine) -> WorldDescription:
         kind, parameters = line.kind, line.parameters
         module = line.module or world_module(kind)
-        if kind.endswith(FILE):
+        if kind.endswith(PYTHON_SUFFIX):
             path = self._in_file(kind)
             kind, module = Path(path).stem, "hitab_world.simulation_main"
             count = sum(one.count or 1 for one in self._file.agents.values())
@@ -282,7 +284,7 @@ class _Reader:
         base = self._path.parent
         return {
             "name": name,
-            "library": base / own.library.replace(AGENT, name) if own.library else None,
+            "library": base / own.library.replace(AGENT_MARK, name) if own.library else None,
             "start_from": self._start(own.start_from) if own.start_from else None,
             "behavior": own.behavior,
             "seed": own.seed,
@@ -313,7 +315,7 @@ class _Reader:
                 self._tell(name, "", str(error), "kinds")
         return kinds
 
-    def _commanders(self, tree: CommandTree) -> dict[str, list[CommanderDescription]]:
+    def _commanders(self, tree: CommanderTree) -> dict[str, list[CommanderDescription]]:
         for key, line in self._file.commanders.items():
             self._check_folders(line, "commanders", key)
             if line.kind not in self._file.kinds:
@@ -358,13 +360,13 @@ class _Reader:
         if line.agents is None:
             ros = {**_ros(own), "is_node": is_node}
             return [Process(key, line.module, command, line.namespace, **ros)]
-        space = line.namespace or AGENT
+        space = line.namespace or AGENT_MARK
         return [
             Process(
                 f"{a.name}_{key}",
                 line.module,
                 command,
-                space.replace(AGENT, a.name),
+                space.replace(AGENT_MARK, a.name),
                 **_ros(own, a.name),
             )
             for a in groups[line.agents]

@@ -28,7 +28,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, PlainValidator, model_validator
 
-from hitab_bringup.swarm_description import AGENT, PACES, SIM_TIME
+from hitab_bringup.swarm_description import AGENT_MARK, PACES, SIM_TIME
 from hitab_commander import KindRecord
 from hitab_core import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 from hitab_core.library.yaml_models import (
@@ -71,7 +71,7 @@ def _ros_name(text: str) -> str:
             "cannot be remapped, since the swarm finds its nodes by name; leave it out, or write "
             "`namespace:`"
         )
-    if _ROS_NAME.fullmatch(text.replace(AGENT, "agent")) is None:
+    if _ROS_NAME.fullmatch(text.replace(AGENT_MARK, "agent")) is None:
         raise ValueError(f'"{text}" is not a name in ROS, such as cmd_vel or /base/scan')
     return text
 

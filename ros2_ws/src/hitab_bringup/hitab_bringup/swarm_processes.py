@@ -22,8 +22,8 @@ from hitab_ros.names import WORLD
 AGENT_MODULE = "hitab_agent.agent_main"
 COMMANDER_MODULE = "hitab_commander.commander_main"
 HOST_MODULE = "hitab_agent.host_main"
-FEW = 25
-"""In swarms with more processes, each creates its services only on request."""
+EAGER_PROCESSES_MAX = 25
+"""Number of processes above which each creates its services only on request."""
 
 COMPANIONS = "hitab.companions"
 """Entry points: a module to run beside each agent whose robot's link is in a package, by package.
@@ -40,12 +40,12 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     Args:
         swarm: the description.
         folder: the run folder, for libraries and journals.
-        identity: of the swarm, which its nodes publish in their statuses; empty: none.
+        identity: of the swarm, which its nodes publish in their statuses; empty if none.
     """
     own = {"swarm": identity} if identity else {}
     found = [] if swarm.world is None else [_world(swarm, swarm.world, folder, own)]
     shared = _shared(swarm)
-    alone = {**own, "services_on_demand": True} if len(shared) > FEW else own
+    alone = {**own, "services_on_demand": True} if len(shared) > EAGER_PROCESSES_MAX else own
     for name, members in shared.items():
         first = members[0]
         names = tuple(member.name for member in members)
@@ -70,7 +70,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
 
 
 def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:
-    """Yield what runs beside agents because of their links, such as a relay to the motors."""
+    """Yield the processes that agents' links need, such as a relay to the motors."""
     modules = {point.name: point.value for point in entry_points(group=COMPANIONS)}
     packages = {
         domain: load_domain(domain).link.partition(":")[0].partition(".")[0]

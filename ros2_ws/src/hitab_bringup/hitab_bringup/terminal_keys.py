@@ -10,7 +10,7 @@ import termios
 import tty
 from typing import Self
 
-ARROWS = {"A": "up", "B": "down", "C": "right", "D": "left"}
+ARROW_NAMES = {"A": "up", "B": "down", "C": "right", "D": "left"}
 _SEQUENCE = re.compile(r"\x1b(?:\[([0-9;?]*)([@-~])|O(.))", re.DOTALL)
 _BEGUN = re.compile(r"\x1b(?:\[[0-9;?]*|O)?\Z")
 """The beginning of a sequence, whose rest is still to come; a lone Escape looks the same."""
@@ -37,7 +37,7 @@ def keys_in(text: str) -> tuple[list[str], str]:
     place = 0
     while place < len(text):
         if match := _SEQUENCE.match(text, place):
-            arrow = ARROWS.get(match[2] or match[3])
+            arrow = ARROW_NAMES.get(match[2] or match[3])
             if arrow:
                 shifted = (match[1] or "").partition(";")[2] == SHIFT
                 found.append(f"shift-{arrow}" if shifted else arrow)

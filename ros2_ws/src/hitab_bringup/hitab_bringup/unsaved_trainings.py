@@ -1,4 +1,4 @@
-"""Keeps unsaved trainings apart by library: each resumes only with the library that it is for.
+"""Keeps unsaved trainings apart by library: each resumes only with its own library.
 
 An agent keeps the training under way in its folder for state, whatever its library. Started with
 another library, it would resume the training there, and save it into the wrong library. So the
@@ -21,7 +21,7 @@ from hitab_client.cli_remedies import with_commands
 from hitab_core import Fix, natural, quantity
 from hitab_core.training import JOURNAL_FILE, TrainingJournal
 
-UNSAVED = "unsaved"
+UNSAVED_STATUS = "unsaved"
 LIBRARY = "library"
 TOLD_MAX = 5
 """Trainings that are described individually."""
@@ -32,7 +32,7 @@ def set_aside(before: Mapping[str, Path], now: Mapping[str, Path], folder: Path)
 
     Args:
         before: each agent's library at the last start, by name.
-        now: that at this start.
+        now: the same at this start.
         folder: of the run.
     """
     for agent, library in now.items():
@@ -57,7 +57,7 @@ def bring_back(now: Mapping[str, Path], folder: Path) -> None:
 
 def waiting(folder: Path) -> Iterator[tuple[str, Path]]:
     """Yield the agents that have trainings set aside, each with the library of one."""
-    for kept in sorted(folder.glob(f"state/*/{UNSAVED}/*/{JOURNAL_FILE}")):
+    for kept in sorted(folder.glob(f"state/*/{UNSAVED_STATUS}/*/{JOURNAL_FILE}")):
         library = (kept.parent / LIBRARY).read_text(encoding="utf-8").strip()
         yield kept.parents[2].name, Path(library)
 
@@ -121,4 +121,4 @@ def _state(folder: Path, agent: str) -> Path:
 
 def _place(folder: Path, agent: str, library: Path) -> Path:
     digest = hashlib.sha256(str(library).encode()).hexdigest()[:8]
-    return _state(folder, agent) / UNSAVED / f"{library.name}-{digest}"
+    return _state(folder, agent) / UNSAVED_STATUS / f"{library.name}-{digest}"

@@ -32,16 +32,21 @@ try:
 except ImportError:
     Node = None
 
-FLAGS = ["true", "false"]
+SWITCH = ["true", "false"]
 ARGUMENTS = (
     ("swarm", "keepaway", "A swarm description, or the name of a shipped one", None),
-    ("run_dir", "", "Folder for libraries and journals; empty: that of `hitab up`", None),
-    ("namespace", "", "Of all nodes; empty: that of the description", None),
-    ("use_sim_time", "false", "Whether all nodes but the world take their time from it", FLAGS),
-    ("pace", "", "lockstep or realtime; empty: that of the description", ["", *PACES]),
-    ("paused", "false", "Whether the world is paused at first", FLAGS),
-    ("library", "", "Library for all agents; empty: folders of their own", None),
-    ("agents", "0", "How many, for a world in one file; 0: as many as it says", None),
+    ("run_dir", "", "Folder for libraries and journals; empty for that of `hitab up`", None),
+    ("namespace", "", "Of all nodes; empty for that of the description", None),
+    (
+        "use_sim_time",
+        "false",
+        "Whether all nodes but the world take their time from it",
+        SWITCH,
+    ),
+    ("pace", "", "lockstep or realtime; empty for that of the description", ["", *PACES]),
+    ("paused", "false", "Whether the world is paused at first", SWITCH),
+    ("library", "", "Library for all agents; empty for folders of their own", None),
+    ("agents", "0", "How many, for a world in one file; 0 for the number in the file", None),
 )
 
 
@@ -88,7 +93,7 @@ def action(process: Process, common: dict[str, Any]) -> ExecuteProcess:
     return Node(
         executable=program,
         arguments=arguments,
-        # Relative, so that it is inside the namespace of an including launch file.
+        # Relative, to be inside the namespace of an including launch file.
         namespace=process.namespace.lstrip("/"),
         remappings=list(process.remap.items()),
         parameters=[

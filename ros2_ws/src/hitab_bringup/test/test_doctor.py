@@ -50,7 +50,7 @@ def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, ca
     ("variables", "level", "text"),
     [
         ({}, "ok", "of processes on this computer only"),
-        ({RANGE: "OFF"}, "error", "nobody finds anybody"),
+        ({RANGE: "OFF"}, "error", "no node finds another"),
         ({VARIABLES[0]: str(LOOPBACK), RANGE: "SYSTEM_DEFAULT"}, "ok", "this computer only"),
         ({VARIABLES[0]: "/none/own.xml"}, "error", "there is no DDS profile /none/own.xml"),
     ],
@@ -172,14 +172,14 @@ def test_what_hinders_the_agents_of_a_swarm_is_reported(alone, monkeypatch):
 
     with RosLink(alone) as link:
         say(link, "a", "nothing heard on /scan")
-        monkeypatch.setattr(runs, "ASK_SECONDS", 0.5)
+        monkeypatch.setattr(runs, "DOCTOR_TIMEOUT_SECONDS", 0.5)
         mute, *_ = runs.faults()
         assert mute.level == "warning"
         assert mute.text.endswith("b of red did not answer within 0.5 s")
-        monkeypatch.setattr(runs, "ASK_SECONDS", 60.0)
+        monkeypatch.setattr(runs, "DOCTOR_TIMEOUT_SECONDS", 60.0)
         say(link, "b")
         found = one(runs.faults())
         assert (found.level, found.text) == ("warning", "a: nothing heard on /scan")
         assert "`hitab status`" in found.way_out
-        monkeypatch.setattr(runs, "MANY", 1)
+        monkeypatch.setattr(runs, "LARGE_SWARM", 1)
         assert "were not asked" in one(runs.faults()).text

@@ -175,7 +175,7 @@ def test_a_robot_that_has_not_heard_the_stop_is_stopped_by_the_next_message(
 def test_a_stop_that_nobody_heard_is_an_error(domain_id, capfd):
     status, out, err = hitab(capfd, "stop", "--wait", "0.1")
     assert (status, out) == (1, "")
-    assert "nobody heard it: no robot and no simulated world answers in ROS domain" in err
+    assert "the stop was not heard: no robot and no simulated world answers in ROS domain" in err
     assert f"{domain_id}; use the robots' own switches" in err
 
 

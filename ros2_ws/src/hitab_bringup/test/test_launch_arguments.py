@@ -25,7 +25,7 @@ def test_the_launch_file_declares_and_passes_on_all_that_describes_a_swarm():
     assert {
         name
         for name, *_ in ast.literal_eval(
-            ast.unparse(declared).replace("FLAGS", "None").replace("*PACES", "")
+            ast.unparse(declared).replace("SWITCH", "None").replace("*PACES", "")
         )
     } == options
     assert {keyword.arg for keyword in call.keywords} == options - {"swarm", "run_dir"}

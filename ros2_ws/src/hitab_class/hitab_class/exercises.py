@@ -64,7 +64,7 @@ class Student:
         self.libraries = libraries
 
     def library(self, agent: str) -> BehaviorLibrary | None:
-        """Return the library of an agent; None: nothing is saved in it."""
+        """Return the library of an agent; None if nothing is saved in it."""
         folder = self.libraries.get(agent)
         return open_library(folder) if folder is not None and holds_behaviors(folder) else None
 
@@ -90,7 +90,7 @@ class Student:
         return library.files[behavior]
 
 
-class Saved(Record):
+class BehaviorSaved(Record):
     """A behavior is saved."""
 
     behavior: str
@@ -99,7 +99,7 @@ class Saved(Record):
     expectations: int = 0
 
     def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
+        """Return the requirement in words."""
         counts = [
             f"at most {quantity(self.examples, 'example')}" if self.examples < 10**6 else "",
             quantity(self.corrections, "correction") if self.corrections else "",
@@ -110,7 +110,7 @@ class Saved(Record):
         return f"{exercise.agent} has saved {self.behavior}{with_}"
 
     def missing(self, exercise: Exercise, student: Student) -> str:
-        """Return what is missing."""
+        """Return the unmet part of the requirement."""
         file = student.file(exercise.agent, self.behavior)
         examples = file.automaton.examples
         corrections = sum(example.kind is ExampleKind.CORRECTION for example in examples)
@@ -126,7 +126,7 @@ class Saved(Record):
         return "; ".join(file.broken)
 
 
-class Decides(Record):
+class BehaviorDecides(Record):
     """A behavior decides something in a situation."""
 
     behavior: str = Field(alias="decides")
@@ -139,14 +139,14 @@ class Decides(Record):
         return Expectation(self.behavior, self.state, seen, self.go_to)
 
     def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
+        """Return the requirement in words."""
         library = student.library(exercise.agent)
         if library is None:
             return f"{self.behavior} goes from {self.state} to {self.go_to} where it should"
         return in_words(self._expected(library), library.domain).removeprefix("expects ")
 
     def missing(self, exercise: Exercise, student: Student) -> str:
-        """Return what is missing."""
+        """Return the unmet part of the requirement."""
         file = student.file(exercise.agent, self.behavior)
         library = student.library(exercise.agent)
         assert library is not None
@@ -154,25 +154,25 @@ class Decides(Record):
         return f"{broken}; arrange this situation and command {self.go_to}" if broken else ""
 
 
-class Shared(Record):
-    """Other agents have learned the same."""
+class BehaviorShared(Record):
+    """A behavior is shared: other agents have learned the same."""
 
     behavior: str = Field(alias="shared")
     agents: Texts
 
     def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
+        """Return the requirement in words."""
         return f"{', '.join(self.agents)} have the {self.behavior} of {exercise.agent}"
 
     def missing(self, exercise: Exercise, student: Student) -> str:
-        """Return what is missing."""
+        """Return the unmet part of the requirement."""
         mine = student.file(exercise.agent, self.behavior).learned
         other = [a for a in self.agents if student.file(a, self.behavior).learned != mine]
         return f"{', '.join(other)} learned otherwise; distribute it again" if other else ""
 
 
-class Reaches(Record):
-    """In episodes where only the agent acts, a condition comes to hold."""
+class ConditionReached(Record):
+    """A condition comes to hold in episodes where only the agent acts."""
 
     condition: Condition = Field(alias="reaches")
     performing: str
@@ -181,7 +181,7 @@ class Reaches(Record):
     of: int = Field(ge=1)
 
     def told(self, exercise: Exercise, student: Student) -> str:
-        """Return it in words."""
+        """Return the requirement in words."""
         return (
             f"performing {self.performing}, {self.condition.describe()} within {self.within:g} s "
             f"in {self.at_least} of {quantity(self.of, 'episode')}"
@@ -208,9 +208,14 @@ class Reaches(Record):
         return f"it does in {len(reached)}, and not in episode {failed}; watch it, and correct it"
 
 
-KINDS = {"behavior": Saved, "decides": Decides, "shared": Shared, "reaches": Reaches}
-Requirement = Saved | Decides | Shared | Reaches
-"""What an exercise requires: `told` says it, and `missing` what is missing, "" if nothing is.
+REQUIREMENTS = {
+    "behavior": BehaviorSaved,
+    "decides": BehaviorDecides,
+    "shared": BehaviorShared,
+    "reaches": ConditionReached,
+}
+Requirement = BehaviorSaved | BehaviorDecides | BehaviorShared | ConditionReached
+"""A requirement of an exercise: `told` says it, and `missing` what is missing, "" if nothing is.
 
 `missing` raises `HitabError` if it cannot be looked at; the error says what is missing.
 """
@@ -224,11 +229,11 @@ class Exercise(Record):
     description: str
     swarm: str
     agent: str
-    requires: list[Annotated[Requirement, OneOf(KINDS)]] = Field(min_length=1)
+    requires: list[Annotated[Requirement, OneOf(REQUIREMENTS)]] = Field(min_length=1)
 
     @property
     def agents(self) -> list[str]:
-        """The agents that it looks at."""
+        """The agents of the exercise."""
         others = [name for one in self.requires for name in getattr(one, "agents", ())]
         return [self.agent, *others]
 
@@ -249,7 +254,7 @@ class Grade(NamedTuple):
 
     Attributes:
         requirement: in words.
-        missing: what is missing; "": nothing.
+        missing: the unmet part; "" if there is none.
     """
 
     requirement: str

@@ -1,6 +1,6 @@
 """The commander node: an agent whose basic behaviors are orders to its subordinates.
 
-What a kind of commander can order and perceive is a `CommanderKind`, read from YAML by
+The orders and features of a kind of commander are a `CommanderKind`, read from YAML by
 `kind_reader`. `commander_domain` turns it into a domain, whose body (`commander_body`) is a group
 of subordinates. `commander_node` connects it to topics.
 """

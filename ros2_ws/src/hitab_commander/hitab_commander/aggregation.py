@@ -21,7 +21,7 @@ def observed(report: Report, of: Observation, asked: Sequence[str], order: Order
 
     Args:
         report: the member's last report.
-        of: what to observe.
+        of: the observation.
         asked: names of the report's values.
         order: the order in force. Flags belong to the order under which they were raised, values
             to the epoch in which they were requested.

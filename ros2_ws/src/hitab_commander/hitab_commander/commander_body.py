@@ -15,14 +15,14 @@ NAN = math.nan
 
 
 @dataclass(slots=True)
-class Member:
+class GroupMember:
     """A subordinate.
 
     Attributes:
-        role: in the group; empty: none.
-        report: what the commander's decisions are based on: the last report, in lockstep that of
-            the last round; None: none yet.
-        latest: its last report, for observers.
+        role: in the group; empty if none.
+        report: the basis of the commander's decisions: the last report, in lockstep that of
+            the last round; None before the first one.
+        latest: the last report, for observers.
         heard_at: s, when ``latest`` arrived, or when the commander began to wait for it.
     """
 
@@ -48,7 +48,7 @@ class CommanderBody:
     def __init__(self, name: str, kind: CommanderKind) -> None:
         self.name = name
         self.kind = kind
-        self.members: dict[str, Member] = {}
+        self.members: dict[str, GroupMember] = {}
         self.roll = RollCall(())
         self._asks_position = kind.asks_position
         self.order = self._blank(0)
@@ -75,7 +75,7 @@ class CommanderBody:
             asks_position: have them report their positions because a superior asks for them.
         """
         self._asks_position = asks_position or self.kind.asks_position
-        self.members = {name: Member(role, heard_at=now) for name, role in roles.items()}
+        self.members = {name: GroupMember(role, heard_at=now) for name, role in roles.items()}
         self.roll = RollCall(self.members)
         self.order = self._blank(epoch)
         self.given = ""
@@ -131,7 +131,7 @@ class CommanderBody:
         member.latest, member.heard_at = report, now
         return before is None or was_silent or _activity(before) != _activity(report)
 
-    def _change_time(self, report: Report, member: Member) -> None:
+    def _change_time(self, report: Report, member: GroupMember) -> None:
         """Switch to lockstep or to real time if a report shows that its world has."""
         roll = self.roll
         if report.round and not roll.round:
@@ -190,7 +190,7 @@ class CommanderBody:
         return self.order.number
 
     def obeys(self, name: str) -> bool:
-        """Whether a subordinate has reported that it performs its order."""
+        """Whether a subordinate has reported its present order as performed."""
         member = self.members[name]
         report = member.latest
         if report is None or (report.epoch, report.sequence) != self.number:
@@ -240,8 +240,8 @@ class CommanderBody:
         """Give an order, unless it is in force already.
 
         Args:
-            order: what to order.
-            chosen: the subordinate that an order with a parameter is about; None: none can be
+            order: the order to give.
+            chosen: the subordinate that an order with a parameter is about; None if none can be
                 picked now, and the order is not given.
         """
         if order.parameter and chosen is None:
@@ -297,6 +297,6 @@ class CommanderBody:
 
 
 def _activity(report: Report) -> tuple[object, ...]:
-    """Return what a report says of an order and of what is done for it."""
+    """Return a report's order and the activity for it."""
     number = report.epoch, report.sequence
     return number, report.waits, report.stopped, list(report.flags), list(report.path)

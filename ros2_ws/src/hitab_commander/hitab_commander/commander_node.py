@@ -31,7 +31,7 @@ class CommanderNode(AgentNode):
         super().__init__(node_name, **options)
 
     def resumed(self) -> dict[str, Any]:
-        """Return what a restart resumes: what is performed, and the order in force."""
+        """Return the behavior and the order that a restart resumes."""
         order = self.agent.body.order
         # Before the link has taken up the order of the previous process, there is none.
         there = {"epoch": order.epoch, "order": order.name} if order.epoch else {}
@@ -50,7 +50,7 @@ class CommanderNode(AgentNode):
         return domains[name]
 
     def seconds_of(self, percept: msg.Percept) -> float:
-        """Return its subordinates' time, s: the number of complete reports times the period."""
+        """Return the subordinates' time, s: the number of complete reports times the period."""
         return 0.0 if self._link is None else self._link.seconds
 
     def ordered(self) -> None:

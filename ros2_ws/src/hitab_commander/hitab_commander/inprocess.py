@@ -33,7 +33,7 @@ class Member:
     """An agent.
 
     Attributes:
-        behavior: what it performs until it is ordered otherwise; empty: nothing.
+        behavior: performed until the first order; empty if none.
     """
 
     name: str
@@ -47,7 +47,7 @@ class Commander:
 
     Attributes:
         library: of behaviors of its kind's domain; see `commander_domain`.
-        behavior: what it performs until it is ordered otherwise; empty: nothing.
+        behavior: performed until the first order; empty if none.
         subordinates: names of agents, or of commanders that were listed before.
         roles: of subordinates that have one, by name.
         asks_position: whether a superior asks it for positions.
@@ -179,7 +179,7 @@ class _CommanderNode(_Node):
         for node in subordinates:
             node.subordinate.role = roles[node.agent.name]
             node.superior = self
-            # It asks for values before it orders anything.
+            # A commander asks for values before it orders anything.
             node.subordinate.take(body.order)
 
     def hear(self, report: Report) -> None:

@@ -1,4 +1,4 @@
-"""A kind of commander: what it can order and what it perceives of its subordinates."""
+"""A kind of commander: its orders, and the features of its subordinates."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ GROUP_PARTS = ("x", "y", "spread")
 
 @dataclass(frozen=True, slots=True)
 class Observation:
-    """What is observed in one subordinate: a flag, an active state, or a feature.
+    """An observation of one subordinate: a flag, an active state, or a feature.
 
     Attributes:
         flag, active, feature: exactly one of them is not empty. ``active`` names a state at any
@@ -46,7 +46,7 @@ class Observation:
 
     @property
     def is_question(self) -> bool:
-        """Whether its value is true or false."""
+        """Whether the observed value is true or false."""
         return not self.feature or self.below is not None or self.above is not None
 
 
@@ -56,8 +56,8 @@ class GroupFeature:
 
     Attributes:
         over: how the subordinates are aggregated.
-        of: what is observed in each; for `Over.GROUP`, ``part`` of their positions instead.
-        role: of the subordinates that count; empty: all.
+        of: the observation of each; for `Over.GROUP`, ``part`` of all positions instead.
+        role: of the subordinates that count; empty for all.
         parameter: of a feature of one subordinate, `Over.VALUE`.
     """
 
@@ -110,7 +110,7 @@ class OrderMap:
 
 @dataclass(frozen=True)
 class CommanderKind:
-    """What commanders of one kind share; their domain is made from it.
+    """The orders and features that commanders of one kind share; their domain is made from it.
 
     Attributes:
         name: of the kind, and of its domain.

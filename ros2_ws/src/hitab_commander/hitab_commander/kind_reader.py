@@ -61,7 +61,7 @@ FORMAT = 1
 """The newest format version that is read."""
 
 KEEP = "keep"
-NOTHING = "nothing"
+NO_BEHAVIOR = "nothing"
 OTHERS_WORD = "others"
 KIND_FILE = "commander.yaml"
 """The file in a commander's library folder that describes its kind."""
@@ -87,11 +87,11 @@ def _receiver(text: str) -> str:
 
 
 def _behavior(text: Any) -> str | None:
-    if text in (KEEP, NOTHING):
+    if text in (KEEP, NO_BEHAVIOR):
         return None if text == KEEP else ""
     if not isinstance(text, str):
         told = kind_of(text)
-        raise ValueError(f"must be a behavior, `{NOTHING}` or `{KEEP}`, not {told}")
+        raise ValueError(f"must be a behavior, `{NO_BEHAVIOR}` or `{KEEP}`, not {told}")
     return str(read_use(text))
 
 
@@ -102,14 +102,15 @@ Behaviors = dict[Annotated[str, AfterValidator(_receiver)], Behavior]
 Time = Annotated[float, Field(ge=1.0 / LONGEST, le=LONGEST)]
 
 
-class Active(Record):
-    """An active state, as what is observed."""
+class ObservedState(Record):
+    """An observed active state."""
 
     active: str
 
 
 Observed = Annotated[
-    Active | str, MappingOr(Active, Annotated[str, AfterValidator(lambda t: str(read_use(t)))])
+    ObservedState | str,
+    MappingOr(ObservedState, Annotated[str, AfterValidator(lambda t: str(read_use(t)))]),
 ]
 
 
@@ -123,15 +124,15 @@ class Observing(Record):
     above: float | None = None
 
     def observation(self) -> Observation:
-        """Return what is observed in each subordinate."""
-        if isinstance(self.of, Active):
+        """Return the observation of each subordinate."""
+        if isinstance(self.of, ObservedState):
             return Observation(active=self.of.active)
         if self.of in FLAGS:
             return Observation(flag=self.of)
         return Observation(feature=self.of, below=self.below, above=self.above)
 
 
-class Part(Record):
+class PositionsPart(Record):
     """The line of a feature of the positions."""
 
     part: Annotated[str, among(GROUP_PARTS)] = Field(alias="group")
@@ -155,7 +156,7 @@ def _over(over: Over) -> type[Record]:
 
 
 _OVER = {over.value: _over(over) for over in Over if over is not Over.GROUP}
-_FEATURES = {**_OVER, Over.GROUP.value: Part}
+_FEATURES = {**_OVER, Over.GROUP.value: PositionsPart}
 _TARGETS = {**{over.value: _OVER[over] for over in EXTREMES}, "number": Numbered}
 
 
@@ -169,7 +170,7 @@ class KindRecord(Record):
         NONE_IS_EMPTY,
     ] = Field(default_factory=dict)
     features: Annotated[
-        dict[Label, Annotated[Observing | Part, OneOf(_FEATURES)]], NONE_IS_EMPTY
+        dict[Label, Annotated[Observing | PositionsPart, OneOf(_FEATURES)]], NONE_IS_EMPTY
     ] = Field(default_factory=dict)
     targets: Annotated[
         dict[Label, Annotated[Observing | Numbered, OneOf(_TARGETS)]], NONE_IS_EMPTY
@@ -216,7 +217,7 @@ def kind_in(
     """Return a kind; what is wrong is complained about and left out.
 
     Args:
-        record: its description. Without ``orders`` the kind has none.
+        record: description of the kind. Without ``orders`` the kind has none.
         name: of the kind.
         complaints: to add to.
         at: the place of the description.
@@ -264,15 +265,15 @@ def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
     behaviors = line if isinstance(line, dict) else {ALL_OTHERS: line}
     if parameter and parameter not in behaviors:
         raise ValueError(
-            f'the order "{name}" is about {parameter}; say what it and the others do: '
+            f'the order "{name}" is about {parameter}; say what {parameter} and the others do: '
             f"{{{parameter}: ..., {OTHERS_WORD}: {KEEP}}}"
         )
     if not behaviors:
-        raise ValueError(f'the order "{name}" orders nothing; write `{name}: {NOTHING}`')
+        raise ValueError(f'the order "{name}" orders nothing; write `{name}: {NO_BEHAVIOR}`')
     return OrderMap(name, behaviors, parameter)
 
 
-def _feature(use: Use, line: Observing | Part) -> GroupFeature:
+def _feature(use: Use, line: Observing | PositionsPart) -> GroupFeature:
     name, parameter = use.name, "".join(use.arguments)
     of_one = isinstance(line, Observing) and line.over is Over.VALUE
     if of_one and not parameter:
@@ -282,7 +283,7 @@ def _feature(use: Use, line: Observing | Part) -> GroupFeature:
             f'"{use}" is about all subordinates: write `{name}:` without a parameter, or use '
             "`value:`"
         )
-    if isinstance(line, Part):
+    if isinstance(line, PositionsPart):
         return GroupFeature(name, Over.GROUP, part=line.part)
     of = line.observation()
     if not of.feature and (line.below is not None or line.above is not None):

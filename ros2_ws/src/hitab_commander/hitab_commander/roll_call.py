@@ -12,13 +12,13 @@ or someone has forged a number."""
 class RollCall:
     """Records the reports of one round after the other.
 
-    A member owes a report in each round until it misses one; from its next report on it owes them
-    again. Who missed only rounds in which agents look owes one as soon as agents act: a run that
-    is played without it must cost a deadline, which marks it. No clock is involved: a round is
-    over when a later one begins.
+    A member owes a report in each round until it misses one, and again from its next report on. A
+    member that missed only rounds of looking owes a report as soon as agents act: a run without
+    the member must miss a deadline, which marks the run. No clock is involved: a round is over
+    when a later one begins.
 
     Attributes:
-        round: the number of the present round; 0: real time.
+        round: the number of the present round; 0 for real time.
     """
 
     def __init__(self, members: Collection[str]) -> None:

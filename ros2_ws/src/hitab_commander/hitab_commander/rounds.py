@@ -25,7 +25,7 @@ FORGIVEN = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Round:
-    """What all reports of a round share.
+    """A round of reports: the fields that all of them share.
 
     Attributes:
         number: of the round.

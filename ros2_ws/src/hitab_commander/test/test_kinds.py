@@ -119,7 +119,7 @@ def test_what_a_commander_has_learned_outlasts_new_orders_and_features_beside_th
     [
         ("orders: {Go: 3}", ":2: `Go:` must be a behavior, `nothing` or `keep`, not 3"),
         ("orders: {Go: 'a b'}", '"a b" is not a use of a behavior'),
-        ("orders: {Go(A): Search}", "is about A; say what it and the others do"),
+        ("orders: {Go(A): Search}", "is about A; say what A and the others do"),
         ("orders: {'Go(A, B)': {A: X}}", "has 2 parameters; leave one"),
         ("orders: {Go(A): {A: X}, Go: Y}", 'has "Go" twice; rename one'),
         ("features: {F: {avg: X}}", ":2: `F:` has no known kind"),

@@ -1,9 +1,9 @@
 """A behavior as a tree for BehaviorTree.CPP 4, in XML.
 
-Each automaton is a subtree. Its state is an entry of the blackboard. Scripts query and change it,
-one for each node of a decision tree; nested `WhileDoElse` nodes tick what the state performs, and
-halt it before the next one is started. Groot shows the names: a sequence for each state, in it a
-script for each test and each transition.
+Each automaton is a subtree. Its state is an entry of the blackboard. Scripts query and change the
+state, one for each node of a decision tree; nested `WhileDoElse` nodes tick the state's behavior,
+and halt it before the next behavior is started. Groot shows the names: a sequence for each state,
+in it a script for each test and each transition.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from xml.etree.ElementTree import Comment, Element, SubElement, indent, tostring
 from hitab_core import FLAGS, START
 from hitab_core.learning.compiled_tree import LARGEST_DRAW
 from hitab_export.hierarchy_form import (
-    OWN,
+    INTERNAL,
     AutomatonForm,
     Hierarchy,
     StateForm,
-    Test,
+    TestForm,
 )
 from hitab_export.names import identifiers
 
@@ -72,7 +72,7 @@ class _Writer:
         taken = {"drawn", "true", "false", *GIVEN}
         self.values = identifiers(labels, taken)
         self.labels = {value: label for label, value in self.values.items()}
-        # What follows this prefix differs from all features.
+        # Names behind this prefix differ from all features.
         self._prefix = "hitab_"
         while any(name.startswith(self._prefix) for name in self.values.values()):
             self._prefix += "x_"
@@ -130,7 +130,7 @@ class _Writer:
         is_idle = _any(state, (s.label for s in automaton.states if s.performs is None))
         _script(body, "", f"{state} := ({is_idle}) ? '{START}' : {state}", name="leave flags")
         nodes = [node for form in automaton.states for node in form.tree or ()]
-        if not any(isinstance(node, Test) and node.feature < len(OWN) for node in nodes):
+        if not any(isinstance(node, TestForm) and node.feature < len(INTERNAL) for node in nodes):
             return
         _script(body, "", *(f"{self._prefix}{flag} := 0.0" for flag in FLAGS))
         for form in automaton.states:
@@ -150,14 +150,14 @@ class _Writer:
         _script(body, "", f"{self._prefix}SecondsInState := {stays}")
 
     def _value(self, feature: int) -> str:
-        if feature < len(OWN):
+        if feature < len(INTERNAL):
             return (
                 self._prefix + (*FLAGS, "SecondsInState", *(f"Since{f}" for f in FLAGS))[feature]
             )
-        return self.values[self._hierarchy.features[feature - len(OWN)].label]
+        return self.values[self._hierarchy.features[feature - len(INTERNAL)].label]
 
     def _decide(self, body: Element, automaton: AutomatonForm) -> None:
-        """Walk down the tree of the state; every node comes before those that it leads to."""
+        """Walk down the tree of the state; every node comes before its successors."""
         state, node_at = self._entry(automaton.use, "state"), f"{self._prefix}node"
         following = f"{self._prefix}next"
         begin = f"{following} := {state}; {node_at} := 0 - 1; drawn := 0.0 - 1.0"
@@ -171,7 +171,7 @@ class _Writer:
             _script(there, "", f"{node_at} := {first}", name="begin")
             for number, node in enumerate(form.tree, first):
                 elsewhere = f"{node_at} != {number}"
-                if isinstance(node, Test):
+                if isinstance(node, TestForm):
                     self._test(there, node, first, elsewhere)
                     continue
                 *others, (_, last) = node.chances
@@ -186,11 +186,11 @@ class _Writer:
                 _script(there, elsewhere, *script, name=f"{form.label} {shown}")
             first += len(form.tree)
 
-    def _test(self, body: Element, test: Test, first: int, elsewhere: str) -> None:
+    def _test(self, body: Element, test: TestForm, first: int, elsewhere: str) -> None:
         node_at, value = f"{self._prefix}node", self._value(test.feature)
         label = self.labels.get(value, value.removeprefix(self._prefix))
         yes, no = first + test.yes, first + test.no
-        if test.feature >= len(OWN):  # which may be missing: only NaN is not equal to itself
+        if test.feature >= len(INTERNAL):  # which may be missing: only NaN is not equal to itself
             known = f"{elsewhere} || {value} == {value}"
             _draw(body, known)
             left = f"(drawn - {test.share!r}) / (1 - {test.share!r})"

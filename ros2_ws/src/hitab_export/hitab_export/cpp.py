@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 
-from hitab_export.hierarchy_form import Hierarchy, Leaf
+from hitab_export.hierarchy_form import Hierarchy, LeafForm
 from hitab_export.names import identifiers
 
 _KEYWORDS = """
@@ -17,7 +17,7 @@ throw true try typedef typeid typename union unsigned using virtual void volatil
 INFINITY NAN Features
 """
 
-BEGIN = """\
+CPP_HEADER = """\
 //
 //     {space}::Behavior robot;
 //     {space}::Features features;  // all missing (NaN) until they are set
@@ -214,7 +214,7 @@ def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
     required = [automaton.required for automaton in hierarchy.automata]
     parts = [
         "\n".join(f"// {line}".rstrip() for line in origin.splitlines()),
-        "\n" + BEGIN.format(space=space, members=members),
+        "\n" + CPP_HEADER.format(space=space, members=members),
         TYPES,
         _table("Feature", "FEATURES", features),
         _table("Action", "BASICS", basics),
@@ -249,7 +249,7 @@ def _tables(hierarchy: Hierarchy) -> tuple[list[str], list[str], list[str]]:
             root = -1 if state.tree is None else first
             rows.append(f"{{{json.dumps(state.label)}, {made_of}, {basic}, {root}}}")
             for node in state.tree or ():
-                if isinstance(node, Leaf):
+                if isinstance(node, LeafForm):
                     end = len(chances) + len(node.chances)
                     nodes.append(f"-1, 0, 0, 0, {len(chances)}, {end}, 0")
                     chances += [f"{below!r}, {to}" for below, to in node.chances]

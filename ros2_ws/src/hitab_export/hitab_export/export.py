@@ -15,7 +15,7 @@ from hitab_export.python import as_python
 
 
 class Language(NamedTuple):
-    """What writes a behavior, given where it comes from, and the ending of such a file's name."""
+    """A target language: its writer, given a behavior and its origin, and its file ending."""
 
     write: Callable[[Hierarchy, str], str]
     suffix: str
@@ -32,11 +32,11 @@ LANGUAGES: Mapping[str, Language] = MappingProxyType(
 
 
 def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
-    """Return a behavior, with everything that it is made of, as a program without HiTAB.
+    """Return a behavior, with all its parts, as a program without HiTAB.
 
     Args:
-        library: that has it.
-        behavior: its name, with a target for each parameter, such as ``Chase(ball)``.
+        library: source of the behavior.
+        behavior: name with a target for each parameter, such as ``Chase(ball)``.
         to: one of `LANGUAGES`.
 
     Raises:

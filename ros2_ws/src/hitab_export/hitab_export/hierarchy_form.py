@@ -1,4 +1,4 @@
-"""A learned behavior and all that it is made of, as plain tables that any language can hold.
+"""A learned behavior and all its parts, as plain tables that any language can hold.
 
 Every automaton of the hierarchy occurs once for each binding of its parameters. Since a behavior
 cannot use itself, at most one performance of it is active at a time.
@@ -28,16 +28,16 @@ from hitab_core.learning.compiled_tree import Compiled, Draw, compiled, leaf_cho
 from hitab_core.regression import Neighbors, NumberTable
 from hitab_core.running import checks_of
 
-OWN = tuple(map(str, OWN_FEATURES))
+INTERNAL = tuple(map(str, OWN_FEATURES))
 """The features that each automaton has of its own, which come before those of the robot."""
 
 
 @dataclass(frozen=True, slots=True)
-class Test:
+class TestForm:
     """``low < value <= high``, after ``value %= period`` if there is one; see `compiled_tree`.
 
     Attributes:
-        feature: index into `OWN` followed by `Hierarchy.features`.
+        feature: index into `INTERNAL` followed by `Hierarchy.features`.
         yes, no: index of the next node.
         share: of the examples that went to ``yes``, which decides where the value is missing.
     """
@@ -52,14 +52,14 @@ class Test:
 
 
 @dataclass(frozen=True, slots=True)
-class Leaf:
+class LeafForm:
     """Pairs: the state with this index is drawn below this number; the last number is 1."""
 
     chances: tuple[tuple[float, int], ...]
 
 
-Tree = tuple[Test | Leaf, ...]
-"""The root first, each node before those that it leads to."""
+Tree = tuple[TestForm | LeafForm, ...]
+"""The root first, each node before its successors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class FeatureForm:
         label: its name with its targets.
         categories, required: as in `hitab_core.running.feature_cache.checked`.
         period: of a toroidal feature, else 0.
-        unit: of its values; empty: none.
+        unit: of its values; empty if none.
     """
 
     label: str
@@ -82,11 +82,11 @@ class FeatureForm:
 
 @dataclass(frozen=True, slots=True)
 class NumbersForm:
-    """What gives the numbers of a state, see `hitab_core.regression`.
+    """The regression of a state's numbers, see `hitab_core.regression`.
 
     Attributes:
-        features: indices as in `Test.feature`, one for each axis of the table.
-        table: what was learned.
+        features: indices as in `TestForm.feature`, one for each axis of the table.
+        table: the learned numbers.
         wanted: the numbers.
     """
 
@@ -104,8 +104,8 @@ class StateForm:
         performs: a behavior bound to targets; None in Start and in flag states.
         is_automaton: whether that is an automaton.
         one_shot: whether it is pulsed only once.
-        tree: decides where to go; None: nowhere.
-        numbers: gives the numbers that the behavior takes; None: it takes none.
+        tree: decides where to go; None for nowhere.
+        numbers: gives the numbers of the behavior; None if it takes none.
     """
 
     label: str
@@ -131,7 +131,7 @@ class AutomatonForm:
 
 @dataclass(frozen=True, slots=True)
 class Hierarchy:
-    """Automata, each after those that it uses; the last is the behavior itself."""
+    """Automata, each after its parts; the last is the behavior itself."""
 
     automata: tuple[AutomatonForm, ...]
     features: tuple[FeatureForm, ...]
@@ -153,7 +153,7 @@ class Hierarchy:
 
 
 def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
-    """Return a behavior with everything that it is made of.
+    """Return a behavior with all its parts.
 
     Args:
         repertoire: of the robot.
@@ -176,13 +176,13 @@ def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
             if state.name in repertoire.automata
         ]
 
-    slots: dict[str, int] = {label: slot for slot, label in enumerate(OWN)}
+    slots: dict[str, int] = {label: slot for slot, label in enumerate(INTERNAL)}
     forms = [
         _automaton(repertoire, Use.parse(label), slots)
         for label in in_order([str(use)], automata_of)
     ]
     features = []
-    for label in list(slots)[len(OWN) :]:
+    for label in list(slots)[len(INTERNAL) :]:
         feature = repertoire.domain.features[Use.parse(label).name]
         checks = checks_of(Use.parse(label), feature)
         features.append(FeatureForm(*checks, feature.scale.period, feature.unit))
@@ -206,7 +206,7 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
             slots.setdefault(features[used], len(slots))
         trees[label] = _tree(function, [slots.get(name, -1) for name in features], indices)
     required = [
-        slots.setdefault(label, len(slots)) - len(OWN)
+        slots.setdefault(label, len(slots)) - len(INTERNAL)
         for feature, label in zip(automaton.features, features, strict=True)
         if repertoire.domain.feature(feature.name).required
     ]
@@ -236,7 +236,7 @@ def _numbers(
     features: list[str],
     slots: dict[str, int],
 ) -> NumbersForm | None:
-    """Return what gives the numbers of a state."""
+    """Return the regression of a state's numbers."""
     if not wanted:
         return None
     learned = automaton.numbers.get(label)
@@ -259,14 +259,14 @@ def _tree(function: TransitionTree, slots: list[int], indices: dict[str, int]) -
     queue: list[Compiled] = [
         compiled(function.root_, slots, lambda counts: leaf_choice(counts, states))
     ]
-    nodes: list[Test | Leaf] = []
+    nodes: list[TestForm | LeafForm] = []
     for node in queue:  # which grows
         if type(node) is tuple:
             slot, period, low, high, yes, no, share = node
-            nodes.append(Test(slot, period, low, high, len(queue), len(queue) + 1, share))
+            nodes.append(TestForm(slot, period, low, high, len(queue), len(queue) + 1, share))
             queue += [yes, no]
         elif isinstance(node, Draw):
-            nodes.append(Leaf(tuple(zip(node.cumulative, node.choices, strict=True))))
+            nodes.append(LeafForm(tuple(zip(node.cumulative, node.choices, strict=True))))
         else:
-            nodes.append(Leaf(((1.0, node),)))
+            nodes.append(LeafForm(((1.0, node),)))
     return tuple(nodes)

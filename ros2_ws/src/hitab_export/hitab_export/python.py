@@ -6,7 +6,7 @@ import ast
 import keyword
 from importlib.resources import files
 
-from hitab_export.hierarchy_form import Hierarchy, Leaf, NumbersForm, StateForm, Test
+from hitab_export.hierarchy_form import Hierarchy, LeafForm, NumbersForm, StateForm, TestForm
 from hitab_export.names import identifiers
 
 USE = """\
@@ -71,8 +71,8 @@ def _numbers(form: NumbersForm | None) -> str:
     return f", Numbers(\n        {axes},\n        {wanted},\n        (\n{moments}        ),\n    )"
 
 
-def _node(node: Test | Leaf) -> str:
-    if isinstance(node, Leaf):
+def _node(node: TestForm | LeafForm) -> str:
+    if isinstance(node, LeafForm):
         return repr(tuple(zip(*node.chances, strict=True)))
     limits = (node.feature, node.period, node.low, node.high, node.yes, node.no, node.share)
     return f"({', '.join(map(repr, limits))})"

@@ -1,4 +1,4 @@
-"""What an exported Python file begins with; it runs with Python 3.8 and without HiTAB."""
+"""The first part of an exported Python file; it runs with Python 3.8 and without HiTAB."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FLAGS = ("Done", "Failed")
 class Action(NamedTuple):
     """A basic behavior to perform in this tick.
 
-    ``started`` says that it begins now: stop the one before, even if it has the same name. If it
+    ``started`` marks its beginning: stop the one before, even if it has the same name. If it
     is ``one_shot``, perform it only then. If it takes ``numbers`` and there are none, since no
     feature has a value, do nothing.
     """
@@ -27,7 +27,7 @@ class Action(NamedTuple):
 
 
 class Numbers(NamedTuple):
-    """What gives the numbers of a state: those of the three nearest moments shown."""
+    """The regression of a state's numbers: those of the three nearest moments shown."""
 
     axes: Any  # (feature, turn and radius of a circle, usual difference, categories)
     wanted: Any  # (name, low, high, on a circle)
@@ -80,7 +80,7 @@ def _mean(shown: list[tuple[float, float]], low: float, high: float, circular: b
 
 
 class State(NamedTuple):
-    """What a state performs, an `Action` or the name of an automaton, and its decision tree."""
+    """A state: its `Action` or the name of its automaton, and its decision tree."""
 
     label: str
     performs: Any
@@ -94,7 +94,7 @@ REQUIRED: dict[str, tuple[int, ...]] = {}  # features without which an automaton
 
 
 class _Percept:
-    """Feature values of one tick, followed by the inputs of its decisions."""
+    """The feature values of a tick, followed by the inputs of decisions."""
 
     def __init__(
         self, values: Mapping[str, float | None], now: float, draw: Callable[[], float]
@@ -173,7 +173,7 @@ class _Performance:
                 node = tree[yes]
             elif value == value:
                 node = tree[no]
-            else:  # It is missing: draw, as often as examples went there.
+            else:  # A missing value: draw, as often as examples went there.
                 drawn = percept.draw() if drawn < 0.0 else drawn
                 if drawn < share:
                     node, drawn = tree[yes], drawn / share

@@ -26,7 +26,7 @@ def export(
     library: Library = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Write a learned behavior, and all that it is made of, as a program that needs no HiTAB.
+    """Write a learned behavior, and all its parts, as a program that needs no HiTAB.
 
     Args:
         behavior: Whose behavior, and its name, with a target for each parameter. With --library,

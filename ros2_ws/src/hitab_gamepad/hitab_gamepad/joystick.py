@@ -16,10 +16,10 @@ from hitab_gamepad.stick import Stick
 from hitab_ros import qos, steady_timer
 from hitab_ros.stamps import seconds_of
 
-LOOK_S = 0.1
+PRESENCE_PERIOD_S = 0.1
 """How often to look whether the joystick is lost, s."""
 
-FOUND_S = 3.0
+DISCOVERY_TIMEOUT_S = 3.0
 """How long a joystick may take to be found, s."""
 
 
@@ -38,8 +38,8 @@ class JoystickInput:
 
     Args:
         link: the node to use.
-        demonstrator: that obeys the joystick.
-        mapping: what buttons and axes do.
+        demonstrator: obeys the joystick.
+        mapping: meaning of buttons and axes.
         topic: of `sensor_msgs/Joy`.
     """
 
@@ -57,7 +57,7 @@ class JoystickInput:
         self._held: _Held | None = None
         # Unchecked: what the guard would drop, such as NaN, has to stop the robot.
         self._node.create_subscription(Joy, topic, self._take, qos.STREAM, checked=False)
-        steady_timer(self._node, LOOK_S, self._look)
+        steady_timer(self._node, PRESENCE_PERIOD_S, self._look)
 
     def _take(self, message: Joy) -> None:
         now = time.monotonic()
@@ -135,7 +135,7 @@ class JoystickInput:
             self._was_there, self._held = False, None
             self._demonstrator.let_go()
             self._tell_trouble("the joystick is silent: driving by hand has stopped")
-        elif not self._trouble and now > self._began + FOUND_S:
+        elif not self._trouble and now > self._began + DISCOVERY_TIMEOUT_S:
             number = self._node.context.get_domain_id()
             topic = self._node.resolve_topic_name(self._topic)
             self._tell_trouble(

@@ -22,13 +22,13 @@ FORMAT = 1
 
 SHIPPED = Path(__file__).parent / "joysticks"
 WAYS = ("ahead", "left", "turn")
-"""Of the numbers of a velocity."""
+"""Names of the numbers of a velocity."""
 
 POINTS = 0.5
-"""How far from its center, of 1, a stick points somewhere."""
+"""Deflection of a stick, of 1, from which its direction counts."""
 
 TIMEOUT_MAX_S = 2.0
-"""Nobody notices a lost joystick later than this."""
+"""A lost joystick is noticed within this time, s."""
 
 
 class Button(Record):
@@ -36,7 +36,7 @@ class Button(Record):
 
     Attributes:
         index: in the buttons of the message, or in its axes.
-        above: it is pressed while the axis is above this; None: it is no half of an axis.
+        above: value of the axis above which it counts as pressed; None for a real button.
         below: the same, below.
     """
 
@@ -46,7 +46,7 @@ class Button(Record):
 
     @property
     def is_axis(self) -> bool:
-        """Whether it is a half of an axis."""
+        """Whether the button is a half of an axis."""
         return self.above is not None or self.below is not None
 
 
@@ -81,7 +81,7 @@ def _gauge(value: Any) -> Any:
 
 
 class Gauge(Record):
-    """What gives a number of a behavior: where a stick points, or how far an axis is pushed.
+    """A source of a behavior's number: where a stick points, or how far an axis is pushed.
 
     Attributes:
         ahead, left: the axes of a stick, for a number on a circle.
@@ -97,7 +97,7 @@ class Gauge(Record):
 
     @property
     def axes(self) -> list[int]:
-        """The axes that it reads."""
+        """The axes of the mapping."""
         return [i for i in (self.ahead, self.left, self.axis) if i is not None]
 
     def read(self, number: BoundedNumber, axes: Sequence[float]) -> float | None:
@@ -125,7 +125,7 @@ def _behavior(value: Any) -> str | int:
 
 
 class Mapping(Record):
-    """What the buttons and axes of a joystick do.
+    """The meaning of a joystick's buttons and axes.
 
     Attributes:
         name: of the file, for people.
@@ -134,7 +134,7 @@ class Mapping(Record):
         behaviors: by button: a behavior with its targets, or its number in the agent's order.
         actions: by button: one of the demonstrator's actions.
         driving: which axis drives ahead, to the left and turns; a missing one does not.
-        numbers: what gives the numbers of behaviors, by name.
+        numbers: sources of the numbers of behaviors, by name.
         deadzone: how far from its center an axis counts as released, of 1.
         timeout: how long the joystick may be silent, s.
     """

@@ -1,4 +1,4 @@
-"""What a person does with a joystick, from the messages about it. No ROS here.
+"""Reads a person's actions from the messages of a joystick. No ROS here.
 
 A joystick is a radio link, a driver and cheap contacts, so nothing moves on doubtful messages:
 what is malformed, too old or missing counts as letting go.
@@ -15,18 +15,18 @@ from hitab_core import quantity
 from hitab_gamepad.joystick_mapping import WAYS, Mapping
 
 BOUNCE_S = 0.05
-"""Nobody presses a button twice within this time, s; contacts do."""
+"""Two presses within this time, s, are one: the contacts bounce."""
 
 
 @dataclass(frozen=True)
 class Taken:
-    """What the person does, by one message.
+    """The person's actions in one message.
 
     Attributes:
         pressed: names of the buttons that have just been pressed and count.
         down: names of the buttons that are down; none unless the switch is held.
-        velocity: that is wanted; zeros: none.
-        trouble: why the message does not count; empty: it does.
+        velocity: the wanted one; zeros for rest.
+        trouble: why the message does not count; empty if it does.
     """
 
     pressed: tuple[str, ...] = ()
@@ -38,13 +38,13 @@ class Taken:
 class Stick:
     """Keeps what is pressed from one message to the next.
 
-    Only the moment in which a button goes down counts. The dead-man's switch must have been seen
-    released before it counts, and so must the other buttons: what is down in the first message, or
-    in the first one after a silence, may have been down for an hour. The emergency stop counts
-    always, without the switch and in any message.
+    Only the moment in which a button goes down counts. A button, the dead-man's switch included,
+    counts only after it was seen released: a button that is down in the first message, or in the
+    first one after a silence, may have been down for an hour. The emergency stop counts always,
+    without the switch and in any message.
 
     Args:
-        mapping: what buttons and axes do.
+        mapping: meaning of buttons and axes.
     """
 
     def __init__(self, mapping: Mapping) -> None:
@@ -72,7 +72,7 @@ class Stick:
         Args:
             axes: of the message, each from -1 to 1.
             buttons: of the message; 0 is released.
-            stamp: of the message, s; 0: none.
+            stamp: of the message, s; 0 if none.
             wall: the clock of stamps now, s.
             now: s; any steady clock.
         """
@@ -88,7 +88,7 @@ class Stick:
             self._stamp = stamp
         others = self._newly_down({*self._mapping.buttons} - self._stops, axes, buttons)
         hold = self._mapping.hold
-        # What was down when the messages began has not been pressed.
+        # Buttons that were down in the first message have not been pressed.
         held = hold in self._down and hold in self._pressed_at
         bounced = {b for b, at in self._pressed_at.items() if now < at + BOUNCE_S}
         pressed = [b for b in others if held and b != hold and b not in bounced]

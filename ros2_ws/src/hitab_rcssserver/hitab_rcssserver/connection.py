@@ -19,17 +19,17 @@ from hitab_rcssserver.messages import (
 )
 from hitab_world import WorldError
 
-VERSION = 15
-ANSWER_SECONDS = 0.5
+PROTOCOL_VERSION = 15
+INIT_TIMEOUT_SECONDS = 0.5
 """How long to wait for the answer to ``(init ...)``; a server polls every 10 ms."""
 
 _DATAGRAM = 65_536
 
-Readable = TypeVar("Readable", "Connection", socket.socket)
+Readable = TypeVar("Readable", "ServerConnection", socket.socket)
 
 WAY_OUT = (
-    f"restart it: it must speak protocol version {VERSION}, has room for two teams, whose players "
-    "cannot rejoin, and accepts a trainer with server::coach_w_referee=1 only"
+    f"restart it: it must speak protocol version {PROTOCOL_VERSION}, has room for two teams, "
+    "whose players cannot rejoin, and accepts a trainer with server::coach_w_referee=1 only"
 )
 
 
@@ -41,7 +41,7 @@ class NoAnswer(ServerError):
     """The server does not answer: it is not up yet, or no longer."""
 
 
-class Connection:
+class ServerConnection:
     """A client that the server has accepted.
 
     Attributes:
@@ -134,8 +134,8 @@ def connect(
     team: str = "",
     *,
     goalie: bool = False,
-    answer_seconds: float = ANSWER_SECONDS,
-) -> Connection:
+    answer_seconds: float = INIT_TIMEOUT_SECONDS,
+) -> ServerConnection:
     """Register a client with the server.
 
     Args:
@@ -153,11 +153,11 @@ def connect(
     family, address = address_of(host, port)
     sock = udp_socket(family)
     try:
-        words = [*[team] * bool(team), f"(version {VERSION})", *["(goalie)"] * goalie]
+        words = [*[team] * bool(team), f"(version {PROTOCOL_VERSION})", *["(goalie)"] * goalie]
         sock.sendto(f"(init {' '.join(words)})".encode("ascii") + b"\0", address)
         init, dedicated = _answer(sock, where, answer_seconds)
         sock.connect(dedicated)  # from now on the system reports when the server is gone
-        return Connection(sock, where, init)
+        return ServerConnection(sock, where, init)
     except OSError as error:
         sock.close()
         raise NoAnswer(f"no rcssserver can be reached at {where}: {error}") from None
@@ -209,7 +209,7 @@ def kick_off(host: str, port: int) -> None:
         family, address = address_of(host, port)
         sock = stack.enter_context(udp_socket(family))
         sock.sendto(b"(dispinit version 4)\0", address)
-        if readable([sock], ANSWER_SECONDS):
+        if readable([sock], INIT_TIMEOUT_SECONDS):
             _, dedicated = sock.recvfrom(1)
             sock.sendto(b"(dispstart)\0", dedicated)
             sock.sendto(b"(dispbye)\0", dedicated)

@@ -1,7 +1,7 @@
 """The field as last reported by the server, in our own terms: y up, radians, our names.
 
-It is stored in the bodies of the simulated world, which their physics never moves here, so that
-percepts, takers and referee can read it.
+The field is stored in the bodies of the simulated world, for percepts, takers and referee; the
+physics never moves these bodies here.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ SETTINGS: Mapping[str, str] = {
     **dict.fromkeys(("player_speed_max", "ball_speed_max"), ""),
     **dict.fromkeys(("player_rand", "ball_rand", "kick_rand"), ""),
 }
-"""Our parameters that the server decides, with its names for them; "": the same. It decides `BOX`
-where it plays keepaway itself."""
+"""Our parameters that the server decides, with their names there; "" for the same name. A server
+that plays keepaway itself also decides `BOX`."""
 
 
 def parameters_of(server: Settings, ours: KeepawayParameters, rules: Rules) -> KeepawayParameters:
@@ -58,7 +58,7 @@ def parameters_of(server: Settings, ours: KeepawayParameters, rules: Rules) -> K
         raise ServerError(f"the server's settings do not fit {rules.name}: {error}") from None
 
 
-class Field:
+class ReportedField:
     """Everything on the field.
 
     Args:

@@ -1,9 +1,9 @@
 """The state of a server's game, cycle by cycle, with what its referee does not report.
 
 In keepaway, the referee only reports that an episode is over, after it has set up the next one.
-But it checks for a ball that is out before one that is taken, and its count of the takers'
-possession follows from earlier cycles. So the referee of the simulated world, which has the same
-rules, tells why. In a match, it stops play and tells why; the other reasons are our referee's.
+But the server checks for a ball that is out before one that is taken, and counts the takers'
+possession from earlier cycles. So the referee of the simulated world, which has the same rules,
+tells why. In a match, it stops play and tells why; the other reasons are our referee's.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from hitab_rcssserver.field import Field
+from hitab_rcssserver.field import ReportedField
 from hitab_rcssserver.link import Link
 from hitab_rcssserver.messages import BEFORE_KICK_OFF, EPISODE_OVER, PLAYING, FullState
 from hitab_world import Sensed
@@ -26,14 +26,14 @@ _AT_REST = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """What has happened since the previous cycle.
+    """The events since the previous cycle.
 
     Attributes:
         state: the current field; None if the message was lost.
         passed: number of cycles; more than one if the server did not wait for us.
         episode_cycle: length of the episode so far.
-        measures: of it.
-        ended: why it has ended; "" if it has not.
+        measures: of the episode so far.
+        ended: reason of the episode's end; "" during the episode.
         began: whether a new episode has begun.
     """
 
@@ -45,7 +45,7 @@ class Turn:
     began: bool
 
 
-class Game:
+class ReportedGame:
     """A game, as reported to its players.
 
     Args:
@@ -57,16 +57,18 @@ class Game:
         field: the current one.
         agents: the keepers.
         mode: of play.
-        time: the server's; -1: not known yet.
+        time: the server's; -1 if not known yet.
     """
 
     def __init__(self, parameters: KeepawayParameters, rules: Rules, *, by_sight: bool) -> None:
-        self.field = Field(parameters, rules)
+        self.field = ReportedField(parameters, rules)
         self.agents = tuple(keeper.name for keeper in self.field.physics.keepers)
         self.mode = ""
         self.time = -1
         exact = replace(parameters, sight="full")  # the server has already rounded what is seen
-        self._seen = {name: Field(exact, rules) for name in self.agents} if by_sight else {}
+        self._seen = (
+            {name: ReportedField(exact, rules) for name in self.agents} if by_sight else {}
+        )
         self._stops = rules.stops
         self._referee = rules.referee(self.field.physics)
         self._began = 0
@@ -151,7 +153,7 @@ class Game:
         return there and moved and max(speeds) < _AT_REST
 
     def percept(self, keeper: str) -> Sensed:
-        """Return what a keeper perceives now."""
+        """Return a keeper's percept."""
         field = self._seen.get(keeper, self.field)
         return perceive(field.physics, field.movers[keeper]), list(self._heard.get(keeper, ()))
 

@@ -9,7 +9,7 @@ from half_field_world.parameters import HalfFieldParameters
 from hitab_rcssserver.rcss_world import RcssWorld, patience_of
 from hitab_rcssserver.server_settings import ServerSettings
 from hitab_world import run_world
-from hitab_world.figures import declare_figures
+from hitab_world.ros_parameters import declare_parameters
 
 
 def make_world(node: Node, seed: int) -> RcssWorld:
@@ -20,7 +20,7 @@ def make_world(node: Node, seed: int) -> RcssWorld:
     Raises:
         HitabError: if a parameter is invalid.
     """
-    server, parameters = declare_figures(node, ServerSettings, HalfFieldParameters)
+    server, parameters = declare_parameters(node, ServerSettings, HalfFieldParameters)
     return RcssWorld(server, parameters, seed, rules_of(parameters), patience=patience_of(node))
 
 

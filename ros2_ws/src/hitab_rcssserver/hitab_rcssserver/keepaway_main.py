@@ -16,7 +16,7 @@ from rclpy.node import Node
 from hitab_rcssserver.rcss_world import RcssWorld, patience_of
 from hitab_rcssserver.server_settings import ServerSettings
 from hitab_world import run_world
-from hitab_world.figures import declare_figures
+from hitab_world.ros_parameters import declare_parameters
 from keepaway_world.parameters import KeepawayParameters
 
 
@@ -28,7 +28,7 @@ def make_world(node: Node, seed: int) -> RcssWorld:
     Raises:
         HitabError: if a parameter is invalid.
     """
-    server, parameters = declare_figures(node, ServerSettings, KeepawayParameters)
+    server, parameters = declare_parameters(node, ServerSettings, KeepawayParameters)
     return RcssWorld(server, parameters, seed, patience=patience_of(node))
 
 

@@ -1,4 +1,4 @@
-"""Computes where a player is from the landmarks that it sees.
+"""Computes a player's place from the landmarks in its sight.
 
 All figures are the server's: m, y points down, degrees clockwise. Places are complex numbers.
 """

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from hitab_rcssserver.connection import (
-    Connection,
     NoAnswer,
+    ServerConnection,
     ServerError,
     connect,
     parsed,
@@ -38,7 +38,7 @@ GOALIE = "goalie"
 
 PARAMETERS_SECONDS = 1.0  # for the server's settings, which follow the answer to (init ...)
 STRAGGLER_SECONDS = 0.3  # after this, a client without the message that others have has lost it
-REPEAT_SECONDS = 0.4  # after this much silence, (done) is sent again
+DONE_REPEAT_SECONDS = 0.4  # after this much silence, (done) is sent again
 GONE_SECONDS = 4.0  # a server waits 1.25 s for a (done), so a longer silence means it is gone
 REALTIME_STRAGGLER_SECONDS = 0.02
 
@@ -52,10 +52,10 @@ class Client:
         thinking: whether the server waits for its ``(done)``.
         time: of the cycle, in the server's count.
         heard: from its teammates.
-        sighting: interprets what it sees; None if that is not used.
+        sighting: interprets the player's sight; None if that is not used.
     """
 
-    connection: Connection
+    connection: ServerConnection
     told: bool = False
     thinking: bool = False
     time: int = -1
@@ -73,7 +73,7 @@ class Link:
         full_state: whether the server reports the full state.
         mode: of play, as last reported.
         time: the server's, in cycles, as last reported.
-        referee: what the referee said in this cycle, with the server's time.
+        referee: the referee's messages of this cycle, with the server's time.
         thinking_since: when the server last started to wait for us.
     """
 
@@ -81,7 +81,7 @@ class Link:
         """Register all players, the keepers first, since the first team is left.
 
         Args:
-            server: its address, and the teams.
+            server: address of the server, and the teams.
             names: of the keepers and the takers.
             keepaway: whether the server plays keepaway itself, instead of a match.
 
@@ -275,7 +275,7 @@ class Link:
                 some_since = some_since or now
                 if now - some_since > straggler:
                     return  # the others' messages were lost
-            elif self.synch and now - repeated > REPEAT_SECONDS:
+            elif self.synch and now - repeated > DONE_REPEAT_SECONDS:
                 repeated = now  # the server may not have got it
                 for client in self.clients.values():
                     client.connection.send("(done)")

@@ -63,7 +63,7 @@ class Settings:
 
 @dataclass(frozen=True, slots=True)
 class SenseBody:
-    """What a player feels: its speed and its direction, its neck, its kicks so far."""
+    """A player's own state: its speed and its direction, its neck, its kicks so far."""
 
     time: int
     speed: float
@@ -113,7 +113,7 @@ class SeenObject:
 
 @dataclass(frozen=True, slots=True)
 class See:
-    """What a player sees, relative to its neck."""
+    """The things in a player's sight, relative to its neck."""
 
     time: int
     objects: tuple[SeenObject, ...]

@@ -18,23 +18,24 @@ from hitab_core import world_seed
 from hitab_rcssserver import sentences
 from hitab_rcssserver.connection import NoAnswer, ServerError, kick_off
 from hitab_rcssserver.field import parameters_of
-from hitab_rcssserver.game import Game, Turn
+from hitab_rcssserver.game import ReportedGame, Turn
 from hitab_rcssserver.link import Link
 from hitab_rcssserver.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
 from hitab_rcssserver.server_settings import SEE, ServerSettings
 from hitab_rcssserver.trainer import Trainer
 from hitab_world import LOOK, RESTART, Action, Entity, EpisodeResult, Placement, Sensed, WorldError
-from hitab_world.figures import GivenFigures
+from hitab_world.ros_parameters import GivenParameters
 from keepaway_world.action import orders_of
 from keepaway_world.arranging import Place, entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
-from keepaway_world.rules import KEEPAWAY, Rules
+from keepaway_world.rules import KEEPAWAY_RULES, Rules
 
 RETRY_SECONDS = 0.5  # between two attempts to reach a server
-REFUSED_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
+JOIN_RETRY_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
 HOLD_SECONDS = 0.9  # how long to hold a server while paused; it waits 1.25 s for an answer
 NEW_EPISODE = ("(change_mode drop_ball)", "(change_mode play_on)", "(recover)")
-"""What a trainer begins an episode with: the first makes the server forget earlier kicks."""
+"""Commands by which a trainer begins an episode: the first makes the server forget earlier
+kicks."""
 BUSY_SECONDS = 0.05  # longest time that `RcssWorld.idle` keeps playing before it returns
 
 
@@ -42,23 +43,23 @@ SERVER_START_S = 30.0
 """How long a world without ROS waits for the server to begin an episode, s."""
 
 
-def patience_of(node: Node | GivenFigures) -> float:
+def patience_of(node: Node | GivenParameters) -> float:
     """Return how long `RcssWorld.reset` waits for an episode, s; a node calls `idle` instead."""
-    return SERVER_START_S if isinstance(node, GivenFigures) else 0.0
+    return SERVER_START_S if isinstance(node, GivenParameters) else 0.0
 
 
 class RcssWorld:
     """A game on an rcssserver, keepaway by default; see `hitab_world.world.LiveWorld`.
 
     Percepts and actions are those of `keepaway_world.world.KeepawayWorld`. The server plays
-    keepaway itself; for another game it plays a match, in which the trainer begins each episode
-    and which ends with the first thing that stops play, or when our own referee ends it.
+    keepaway itself. Other games are matches on the server: the trainer begins each episode, and
+    the first stop of play, or our own referee, ends it.
 
     Args:
-        server: its address, and the choice of takers.
+        server: address of the server, and the choice of takers.
         parameters: of the game; those that the server decides are taken from it.
         seed: of the run, for the agents; the server uses its own.
-        rules: who plays, how an episode begins and when it ends.
+        rules: players, beginning and end of an episode.
         patience: how long `reset` waits for an episode to begin, s. A node calls `idle` instead
             and leaves it at 0.
     """
@@ -70,7 +71,7 @@ class RcssWorld:
         server: ServerSettings = ServerSettings(),  # noqa: B008  (frozen)
         parameters: KeepawayParameters = PAPER,
         seed: int = 0,
-        rules: Rules = KEEPAWAY,
+        rules: Rules = KEEPAWAY_RULES,
         *,
         patience: float = 0.0,
     ) -> None:
@@ -96,7 +97,7 @@ class RcssWorld:
         """Clear everything known about the field."""
         self.size = self.parameters.width, self.parameters.height
         by_sight = self.server.percepts == SEE
-        self._game = Game(self.parameters, self._rules, by_sight=by_sight)
+        self._game = ReportedGame(self.parameters, self._rules, by_sight=by_sight)
         self._takers = self._rules.takers(self._game.field.physics)
         self._said: dict[str, str] = {}
         self._result: EpisodeResult | None = None
@@ -144,7 +145,7 @@ class RcssWorld:
         """Keep the server connected until an episode begins.
 
         Raises:
-            WorldError: naming what it waits for, if that takes longer.
+            WorldError: naming the cause of the delay, if that takes longer.
         """
         deadline = time.monotonic() + seconds
         while self.waiting:
@@ -263,7 +264,7 @@ class RcssWorld:
                 else:
                     kick_off(self.server.host, self.server.port)
         elif self._game.mode != PLAYING and not self._rules.stops:
-            self.waiting = sentences.STOPPED.format(self.server.where, self._game.mode)
+            self.waiting = sentences.SERVER_STOPPED.format(self.server.where, self._game.mode)
         elif missing:
             self.waiting = missing
         elif turn.began:
@@ -336,7 +337,7 @@ class RcssWorld:
             self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
         except ServerError as error:
             self._leave(
-                str(error), RETRY_SECONDS if isinstance(error, NoAnswer) else REFUSED_SECONDS
+                str(error), RETRY_SECONDS if isinstance(error, NoAnswer) else JOIN_RETRY_SECONDS
             )
 
     def _leave(self, why: str, pause: float = RETRY_SECONDS) -> None:

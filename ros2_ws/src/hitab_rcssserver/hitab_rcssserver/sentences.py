@@ -8,9 +8,9 @@ BEFORE_PLAY = (
 PLAYING_ON = "waiting for the end of the episode that the rcssserver at {} is playing"
 JOINED_LATE = (
     "{}; it began to play before our players had joined, which it does not survive: start it "
-    "with server::keepaway_start=-1, so that it waits for them"
+    "with server::keepaway_start=-1, to have it wait for them"
 )
-STOPPED = 'the rcssserver at {} has stopped play ("{}"); start it with server::half_time=-1'
+SERVER_STOPPED = 'the rcssserver at {} has stopped play ("{}"); start it with server::half_time=-1'
 NO_TRAINER = (
     "an rcssserver lets only a trainer move things; start it with "
     "server::coach_w_referee=1 and this world with parameters.trainer_port:=6001"

@@ -12,7 +12,7 @@ from hitab_world.parameters import ParameterError, Parameters, between, one_of
 from keepaway_world.parameters import KeepawayParameters
 
 FULL_STATE, SEE = "fullstate", "see"
-PERCEPTS = (FULL_STATE, SEE)
+PERCEPT_MODES = (FULL_STATE, SEE)
 
 _TEAM = re.compile(r"[-+_a-zA-Z0-9]{1,15}")
 
@@ -23,7 +23,7 @@ class ServerSettings(Parameters):
 
     Attributes:
         host, port: of the server, for players.
-        trainer_port: for a trainer, usually 6001; 0: connect none.
+        trainer_port: for a trainer, usually 6001; 0 to connect none.
         team, taker_team: names of the teams.
         our_takers: whether this world plays the takers; otherwise they are other clients, which
             must connect after the keepers.
@@ -37,7 +37,7 @@ class ServerSettings(Parameters):
         {
             "port": between(1, 65535),
             "trainer_port": between(0, 65535),
-            "percepts": one_of(*PERCEPTS),
+            "percepts": one_of(*PERCEPT_MODES),
         }
     )
 

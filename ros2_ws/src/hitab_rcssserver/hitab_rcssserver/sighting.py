@@ -21,7 +21,7 @@ Who: TypeAlias = tuple[str, int]
 
 
 class Sighting:
-    """What one player knows about the field.
+    """A player's knowledge of the field.
 
     An object out of sight stays where it was last seen; the ball keeps rolling.
 
@@ -31,7 +31,7 @@ class Sighting:
         ball_decay, ball_speed_max: of the server.
 
     Attributes:
-        time: of the cycle in which it last saw something; -1: never.
+        time: of the last cycle with a sighting; -1 for never.
         ball_seen_from: distance at which the ball was seen in this cycle; infinite if it was not.
     """
 
@@ -83,7 +83,7 @@ class Sighting:
 
     def _see_ball(self, seen: SeenObject, there: complex, neck: float) -> None:
         if math.isnan(seen.distance_change):
-            # Its distance from the expected position is its extra speed.
+            # The ball's distance from the expected position is its extra speed.
             velocity = self._ball_velocity + (there - self._ball) * self._decay
         else:
             turning = seen.distance * math.radians(seen.direction_change)
@@ -129,8 +129,8 @@ def _xy(value: complex) -> tuple[float, float]:
 def together(sightings: Iterable[Sighting], mode: str) -> FullState | None:
     """Return the field as several players know it together; None if no player knows anything.
 
-    The ball's place is that which the player closest to it sees. Each of these players gives its
-    own place; the places of all others are those which the player nearest to the ball gives.
+    The ball's place is that which the player closest to it sees. Each player reports its own
+    place; places of other players come from the player nearest to the ball.
     """
     by_nearness = sorted(sightings, key=lambda sighting: sighting.ball_seen_from)
     states = [state for s in by_nearness if (state := s.state(mode)) is not None]

@@ -7,7 +7,7 @@ import time
 from collections.abc import Mapping
 
 from hitab_rcssserver.connection import (
-    ANSWER_SECONDS,
+    INIT_TIMEOUT_SECONDS,
     NoAnswer,
     ServerError,
     connect,
@@ -24,7 +24,7 @@ class Trainer:
     """A trainer (offline coach) on a server that was started with ``server::coach_w_referee=1``.
 
     Args:
-        server: its address and the names of the teams.
+        server: address of the server and the names of the teams.
 
     Raises:
         ServerError: if the server does not accept it.
@@ -59,7 +59,7 @@ class Trainer:
             self._connection.send(
                 f"(move {thing} {x + center:.6f} {-y:.6f} {angle:.6f} {vx:.6f} {-vy:.6f})"
             )
-        count, deadline = len(before) + len(places), time.monotonic() + ANSWER_SECONDS
+        count, deadline = len(before) + len(places), time.monotonic() + INIT_TIMEOUT_SECONDS
         while count:
             left = deadline - time.monotonic()
             if left <= 0.0:

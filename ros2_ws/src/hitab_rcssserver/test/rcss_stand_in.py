@@ -46,7 +46,7 @@ class StandIn:
 
     Args:
         path: of the transcript.
-        port: to be at; 0: any free one.
+        port: to be at; 0 for any free one.
         players: how many must be there before it begins to play.
         version: the only protocol version that it speaks.
         lose: called with the message and the client's number; whether it is lost on the way.

@@ -12,14 +12,14 @@ from types import SimpleNamespace
 
 import pytest
 
-from hitab_rcssserver.game import Game
+from hitab_rcssserver.game import ReportedGame
 from hitab_rcssserver.messages import EPISODE_OVER, FullState, PlayerState
 from hitab_rcssserver.rcss_world import RcssWorld
 from hitab_rcssserver.server_settings import ServerSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, Placement, WorldError
 from keepaway_world import percept
 from keepaway_world.parameters import PAPER, variant
-from keepaway_world.rules import KEEPAWAY
+from keepaway_world.rules import KEEPAWAY_RULES
 
 _spec = importlib.util.spec_from_file_location(
     "rcss_stand_in", Path(__file__).parent / "rcss_stand_in.py"
@@ -140,7 +140,7 @@ def reported(game, time, ball, kicker=0, over=False):
     [(3, (0.5, 0, 0, 0), "out"), (4, (0.5, 0, 0, 0), "taken"), (5, (9.5, 0, 1, 0), "out")],
 )
 def test_why_an_episode_is_over_follows_from_what_was_seen(cycles, ball, why):
-    game = Game(PAPER, KEEPAWAY, by_sight=False)
+    game = ReportedGame(PAPER, KEEPAWAY_RULES, by_sight=False)
     game.mode = "play_on"
     for cycle in range(cycles - 1):
         assert reported(game, cycle, (0.5, 0, 0, 0)).ended == ""
@@ -150,7 +150,7 @@ def test_why_an_episode_is_over_follows_from_what_was_seen(cycles, ball, why):
 
 
 def test_a_pass_is_a_kick_and_another_keepers_kick_after_it():
-    game = Game(PAPER, KEEPAWAY, by_sight=False)
+    game = ReportedGame(PAPER, KEEPAWAY_RULES, by_sight=False)
     game.mode = "play_on"
     for cycle, kicker in enumerate((1, 1, 2, 3, 3)):
         reported(game, cycle, (0, 4 * kicker, 0, 0))
@@ -160,7 +160,7 @@ def test_a_pass_is_a_kick_and_another_keepers_kick_after_it():
 
 @pytest.mark.parametrize("over", [False, True])
 def test_who_stood_still_for_some_cycles_counts_the_passes_in_all_of_them(over):
-    game = Game(PAPER, KEEPAWAY, by_sight=False)
+    game = ReportedGame(PAPER, KEEPAWAY_RULES, by_sight=False)
     reported(game, 0, (0, 4, 0, 0), over=True)
     cycles = [state(n, (0, 4 * k, 0, 0), k) for n in range(1, 7) for k in [(n + 1) // 2]]
     said = {(7, EPISODE_OVER)} if over else set()

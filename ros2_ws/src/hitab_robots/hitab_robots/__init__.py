@@ -3,7 +3,7 @@
 Declaring a robot and its words needs no ROS; only the link and the relay load it.
 
     Robot, Drive             what a robot has: the body of a domain
-    Odometry, Scan, Sector,  its sensors, each with what it reads and how it is mounted
+    Odometry, Scan, Sector,  its sensors, each with its values and its mount
     Battery, Imu, Range,
     Joints, Mount
     motion, reading, ...     ready words: basic behaviors, features and targets

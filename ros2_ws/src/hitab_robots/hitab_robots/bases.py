@@ -20,7 +20,7 @@ class Bases:
 
     Attributes:
         missing: whether all of them only listen.
-        unnamed: whether a new one has no name yet, so that it may be a base that came back.
+        unnamed: whether a new base has no name yet, and may be one that came back.
     """
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class Bases:
         """Return the names of those that came back since the last look; call this often.
 
         Args:
-            takers: names by identity of the subscription; empty: the name is not known yet.
+            takers: names by identity of the subscription; empty if the name is not known yet.
             now: s; any steady clock.
         """
         # One may be named late: then it is new once more.
@@ -50,7 +50,7 @@ class Bases:
 
 
 def name_of(info: Any) -> str:
-    """Return the full name of an endpoint's node; empty: the graph does not know it yet."""
+    """Return the full name of an endpoint's node; empty if the graph does not know it yet."""
     if "_UNKNOWN_" in info.node_name:
         return ""
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

@@ -14,7 +14,7 @@ from hitab_robots.mount import Mount
 
 
 def mounts_of_tf(node: Node, base_frame: str) -> Callable[[str], Mount | None]:
-    """Return a function that returns the mount of the sensor with a frame; None: not known yet.
+    """Return a function that returns the mount of the sensor with a frame; None if not known yet.
 
     Args:
         node: to listen with.

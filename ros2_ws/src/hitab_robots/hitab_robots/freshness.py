@@ -5,34 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-AHEAD_S = 0.1
+CLOCK_TOLERANCE_S = 0.1
 """How far a stamp may be ahead of the clock before the two clocks count as different, s."""
 
 
 class Freshness:
     """The last reading of one sensor; it has values as long as it is not too old.
 
-    A reading is as old as its stamp says. A stamp of zero, or one that is ahead of the clock, says
-    nothing of its age: then the time of arrival counts, so that no reading stays fresh for ever.
-    A reading that is older than the one before came late and is ignored, unless the one before is
+    A reading is as old as its stamp says. A stamp of zero, or ahead of the clock, says nothing
+    about age: the time of arrival counts instead, so that no reading stays fresh for ever. A
+    reading that is older than the one before came late and is ignored, unless the one before is
     too old itself: then the sensor's clock was set back.
 
     Attributes:
-        trouble: what is wrong with the stamps, for people; empty: nothing.
+        trouble: fault of the stamps, for people; empty if there is none.
     """
 
-    def __init__(self, count: int, patience: float, ahead: float = AHEAD_S) -> None:
+    def __init__(self, count: int, max_age: float, ahead: float = CLOCK_TOLERANCE_S) -> None:
         """Start without a reading.
 
         Args:
             count: how many values a reading has.
-            patience: s; an older reading has no values.
+            max_age: s; an older reading has no values.
             ahead: s; how far a stamp may be ahead of the clock. Infinite in a simulation: there is
                 one clock only, and a stamp ahead of it just came sooner than the clock's message.
         """
         self.trouble = ""
         self._none = (math.nan,) * count
-        self._patience = patience
+        self._max_age = max_age
         self._ahead = ahead
         self._values: Sequence[float] = self._none
         self._stamp = 0.0
@@ -42,15 +42,15 @@ class Freshness:
         """Take a reading; return whether it counts.
 
         Args:
-            values: what was read.
-            stamp: when it was measured, s, by the sensor's clock; 0: it does not say.
-            now: s, by the clock of whoever uses it.
+            values: of the reading.
+            stamp: when it was measured, s, by the sensor's clock; 0 if it does not say.
+            now: s, by the user's clock.
         """
         if now < self._arrived:  # the clock was set back, as a simulation that starts again does
             self._measured = self._arrived = -math.inf
         known = stamp > 0.0 and math.isfinite(stamp)
         late = known and self._stamp > 0.0 and stamp < self._stamp
-        if late and now - self._arrived <= self._patience:
+        if late and now - self._arrived <= self._max_age:
             return False
         self.trouble = ""
         measured = now
@@ -58,7 +58,7 @@ class Freshness:
             self.trouble = "its stamps are ahead of the clock"
         elif known:
             measured = min(stamp, now)
-            if now - measured > self._patience:
+            if now - measured > self._max_age:
                 self.trouble = "its readings are too old when they arrive"
         self._values = values
         self._stamp = stamp if known else 0.0
@@ -67,7 +67,7 @@ class Freshness:
 
     def is_fresh(self, now: float) -> bool:
         """Whether the last reading has values."""
-        return self._arrived <= now <= self._measured + self._patience
+        return self._arrived <= now <= self._measured + self._max_age
 
     def values(self, now: float) -> Sequence[float]:
         """Return the last reading's values, NaN if it is too old or there is none."""

@@ -18,7 +18,7 @@ class Mount:
     Attributes:
         x, y: m.
         yaw: which way it faces, rad, counter-clockwise from ahead.
-        upside_down: whether it is turned over about its own x axis, so that it counts clockwise.
+        upside_down: whether it is turned over about its own x axis and counts clockwise.
     """
 
     x: float = 0.0

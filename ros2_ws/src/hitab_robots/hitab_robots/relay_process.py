@@ -10,17 +10,17 @@ from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.qos import QoSProfile
 
 from hitab_agent import AgentNode
-from hitab_robots.held_up import is_held_up
-from hitab_robots.settings import COMMANDS, ODOMETRY, VELOCITY, RelaySettings
+from hitab_robots.process_state import waits_for_cpu_or_disk
+from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC, ODOMETRY_TOPIC, RelaySettings
 from hitab_ros import names
 
 MODULE = "hitab_robots.velocity_relay"
 
-HUNG_S = 0.4
+RELAY_HUNG_S = 0.4
 """A relay that waits or is suspended, and gives no sign of life for so long, s, hangs."""
 
 BUSY_S = 2.0
-"""So does one that would go on if it only got a processor or its disk, after so long, s."""
+"""The same for a relay that is only starved of CPU or disk, s."""
 
 END_S = 3.0
 """How long a relay may take to end, s."""
@@ -39,12 +39,12 @@ class RelayProcess:
         self._command = [
             *(sys.executable, "-m", MODULE, "--ros-args", "--disable-external-lib-logs"),
             *("-r", f"__ns:={node.get_namespace()}"),
-            *("-r", f"{COMMANDS}:={node.resolve_topic_name(COMMANDS)}"),
-            *("-r", f"{VELOCITY}:={node.resolve_topic_name(VELOCITY)}"),
-            *("-r", f"{ODOMETRY}:={node.resolve_topic_name(odometry)}"),
+            *("-r", f"{BASE_TOPIC}:={node.resolve_topic_name(BASE_TOPIC)}"),
+            *("-r", f"{AGENT_VELOCITY_TOPIC}:={node.resolve_topic_name(AGENT_VELOCITY_TOPIC)}"),
+            *("-r", f"{ODOMETRY_TOPIC}:={node.resolve_topic_name(odometry)}"),
             *("-p", f"state_dir:={node.settings.state_dir}"),
             *("-p", f"agent_pid:={os.getpid()}"),
-            # Outside of a swarm nobody would start the agent again.
+            # Outside of a swarm, a killed agent would stay down.
             *("-p", f"kills_hung_agent:={str(bool(node.settings.swarm)).lower()}"),
             *_simulated_clock(node),
             *settings.arguments(),
@@ -52,22 +52,22 @@ class RelayProcess:
         self._still = TwistStamped() if settings.drive.enable_stamped_cmd_vel else Twist()
         self._base = None
         if settings.drive.moves:
-            self._base = node.create_publisher(type(self._still), COMMANDS, QoSProfile(depth=10))
+            self._base = node.create_publisher(type(self._still), BASE_TOPIC, QoSProfile(depth=10))
         self.start()
 
     def start(self) -> None:
-        """Start it, again if it has ended."""
+        """Start the relay, again if it has ended."""
         self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL)
 
     def trouble(self, unheard_s: float) -> str:
-        """Return what is wrong if it has ended or hangs; one that hangs is ended.
+        """Return the fault of a relay that has ended or hangs; one that hangs is ended.
 
         Args:
             unheard_s: since its last sign of life, s.
         """
         status = self._process.poll()
-        patience = BUSY_S if is_held_up(self._process.pid) else HUNG_S
-        if status is None and unheard_s < patience:
+        timeout = BUSY_S if waits_for_cpu_or_disk(self._process.pid) else RELAY_HUNG_S
+        if status is None and unheard_s < timeout:
             return ""
         if status is None:
             self._process.kill()

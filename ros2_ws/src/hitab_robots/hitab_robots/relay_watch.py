@@ -1,21 +1,21 @@
-"""What an agent tells its robot's relay, and hears from it: whether the robot may act."""
+"""Watches the relay of an agent's robot: whether the robot may act."""
 
 from __future__ import annotations
 
 from hitab_msgs import msg
 
 from hitab_agent import AgentNode
-from hitab_robots.relay_process import HUNG_S, RelayProcess
+from hitab_robots.relay_process import RELAY_HUNG_S, RelayProcess
 from hitab_robots.settings import HEARTBEAT
 from hitab_ros import StopState, names, qos, steady_timer, stop_report, why_stopped
 
-LOOK_S = 0.1
-"""Between two looks, s."""
+RELAY_PERIOD_S = 0.1
+"""Period of the watch, s."""
 
-STARTING_S = 10.0
+FIRST_SIGN_TIMEOUT_S = 10.0
 """How long a relay may take to give the first sign of life, s."""
 
-AGAIN_S = 1.0
+RESTART_INTERVAL_S = 1.0
 """Least time between two starts, s."""
 
 
@@ -23,10 +23,10 @@ class RelayWatch:
     """Gives the relay signs of life, and has the agent stand still while the relay does.
 
     A relay that has ended or hangs is started again. Until it gives a sign of life, the base is
-    told to stand still in its stead, since it may hold what it was told before.
+    told to stand still in its stead, since it may hold an older velocity.
 
     Attributes:
-        why: why the robot may not act, and the way out; empty: it may.
+        why: why the robot may not act, and the way out; empty if it may.
         is_emergency: whether an emergency stop holds it.
     """
 
@@ -35,7 +35,7 @@ class RelayWatch:
 
         Args:
             node: of the agent.
-            process: of the relay; None: it is started elsewhere.
+            process: of the relay; None if it is started elsewhere.
         """
         self.why = f"its {names.VELOCITY_RELAY} has not answered yet"
         self.is_emergency = False
@@ -43,14 +43,14 @@ class RelayWatch:
         self._process = process
         self._cause = ""
         self._is_replaced = False
-        # Not by a clock: this process may be held up itself.
-        self._unheard_s = 0.0 if process is None else -STARTING_S
+        # Counted in turns, not by a clock: this process may be starved itself.
+        self._unheard_s = 0.0 if process is None else -FIRST_SIGN_TIMEOUT_S
         self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.STREAM)
         node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.STREAM)
-        steady_timer(node, LOOK_S, self._look)
+        steady_timer(node, RELAY_PERIOD_S, self._look)
 
     def cause(self, why: str) -> None:
-        """Stop the robot until it is re-armed, since its agent cannot act; empty: it can."""
+        """Stop the robot until it is re-armed, since its agent cannot act; empty if it can."""
         if why != self._cause:
             self._cause = why
             self._give_sign()
@@ -62,15 +62,15 @@ class RelayWatch:
 
     def _look(self) -> None:
         self._give_sign()
-        self._unheard_s += LOOK_S
+        self._unheard_s += RELAY_PERIOD_S
         if self._process is not None and (trouble := self._process.trouble(self._unheard_s)):
             self._node.guard.log(trouble)
             self._tell(trouble)
             self._is_replaced = True
-            if self._unheard_s >= AGAIN_S - STARTING_S:
+            if self._unheard_s >= RESTART_INTERVAL_S - FIRST_SIGN_TIMEOUT_S:
                 self._process.start()
-                self._unheard_s = -STARTING_S
-        elif self._unheard_s > HUNG_S:
+                self._unheard_s = -FIRST_SIGN_TIMEOUT_S
+        elif self._unheard_s > RELAY_HUNG_S:
             self._tell(f"its {names.VELOCITY_RELAY} gives no sign of life")
         if self._process is not None and self._is_replaced and self._unheard_s < 0.0:
             self._process.stand_in()

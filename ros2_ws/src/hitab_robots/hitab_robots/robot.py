@@ -11,21 +11,21 @@ from itertools import pairwise
 
 from hitab_core import FeatureValueError, VocabularyError, quantity, some, unknown
 from hitab_robots.sensors import Sensor
-from hitab_robots.velocity import STILL, Drive, Velocity, is_velocity
+from hitab_robots.velocity import NO_VELOCITY, Drive, Velocity, is_velocity
 
-MEMORY_S = 10.0
+MOTION_MEMORY_S = 10.0
 """How far back a body remembers how it moved, s."""
 
-TIME = "time"
+TIME_LABEL = "time"
 """The first value of each percept: when it is, s."""
 
 
 @dataclass(frozen=True)
 class Robot:
-    """What a robot has, as plain data; given to a domain, it makes the bodies.
+    """The parts of a robot, as plain data; given to a domain, it makes the bodies.
 
-    Its percept is the time in s and then the values of its sensors, in their order; its action is
-    ``[ahead, left, turn]`` in m/s, m/s and rad/s, or empty if no behavior drives it.
+    The percept is the time in s and then the values of the sensors, in order; the action is
+    ``[ahead, left, turn]`` in m/s, m/s and rad/s, or empty if no behavior drives the robot.
 
     Attributes:
         sensors: each with a name of its own.
@@ -54,7 +54,7 @@ class Robot:
     def __post_init__(self) -> None:
         names = [sensor.name for sensor in self.sensors]
         for name in names:
-            if names.count(name) > 1 or name == TIME:
+            if names.count(name) > 1 or name == TIME_LABEL:
                 raise VocabularyError(
                     f'a second sensor "{name}" of a robot; give it another `name`, and the topic '
                     "as `topic`"
@@ -71,7 +71,7 @@ class Robot:
     @cached_property
     def values(self) -> tuple[str, ...]:
         """The names of the numbers of a percept."""
-        return (TIME, *(value for sensor in self.sensors for value in sensor.values))
+        return (TIME_LABEL, *(value for sensor in self.sensors for value in sensor.values))
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -89,7 +89,7 @@ class Robot:
 
 @dataclass(frozen=True, slots=True)
 class _Moment:
-    """Where the robot was, and what it had been told to do until then."""
+    """The pose of a robot, and its commanded motion until then."""
 
     time: float
     x: float
@@ -109,11 +109,11 @@ class Motion:
 
 
 class RobotBody:
-    """What one robot perceives now, and does next.
+    """The body of one robot: its percept, and its next motion.
 
     Attributes:
-        robot: what it has.
-        velocity: what it does next; None: no behavior drives it.
+        robot: its sensors and its drive.
+        velocity: the next command; None if no behavior drives the robot.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -158,7 +158,8 @@ class RobotBody:
 
         Raises:
             FeatureValueError: if one is NaN or infinite, such as what is made of a silent sensor's
-                values, or if the robot lacks what it needs to move. It stops until it is re-armed.
+                values, or if the robot lacks a sensor that its motion needs. The robot stops until
+                it is re-armed.
         """
         velocity = (ahead, left, turn)
         if not is_velocity(velocity):
@@ -168,7 +169,7 @@ class RobotBody:
                 f"{some(missing) or 'nothing'}"
             )
         velocity = self.robot.drive.clipped(velocity)
-        for name, places in self.robot.needed.items() if velocity != STILL else ():
+        for name, places in self.robot.needed.items() if velocity != NO_VELOCITY else ():
             if all(math.isnan(self._values[i]) for i in places):
                 raise FeatureValueError(f"{name} has no value, and it must not drive without it")
         self.velocity = velocity
@@ -181,7 +182,7 @@ class RobotBody:
 
     @property
     def position(self) -> tuple[float, float] | None:
-        """Where the robot is, m, m, as its commander hears of it; None: it does not know."""
+        """Where the robot is, m, m, as its commander hears of it; None if it does not know."""
         if f"{self.robot.odometry}.x" not in self.robot.index:
             return None
         x, y, _ = self.place
@@ -193,15 +194,15 @@ class RobotBody:
         time, past = self._values[0], self._past
         if past and not past[-1].time < time <= past[-1].time + 1.0:
             past.clear()  # it was not driven meanwhile, or the clock was set
-        past.append(_Moment(time, *self.place, self.velocity or STILL))
-        while time - past[0].time > MEMORY_S:
+        past.append(_Moment(time, *self.place, self.velocity or NO_VELOCITY))
+        while time - past[0].time > MOTION_MEMORY_S:
             past.popleft()
 
     def moved(self, seconds: float) -> Motion | None:
         """Return how far the robot was told to move of late, and how far it did.
 
         Args:
-            seconds: how far to look back, at most `MEMORY_S`.
+            seconds: how far to look back, at most `MOTION_MEMORY_S`.
 
         Returns:
             None if it was not told to move all that time, or does not remember that long.
@@ -212,7 +213,7 @@ class RobotBody:
             return None
         motion = Motion()
         for before, after in pairwise(recent):
-            if after.told == STILL:
+            if after.told == NO_VELOCITY:
                 return None
             step = after.time - before.time
             motion.told_way += math.hypot(after.told[0], after.told[1]) * step

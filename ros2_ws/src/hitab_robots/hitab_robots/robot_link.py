@@ -22,27 +22,33 @@ from hitab_agent import AgentNode, OnPercept
 from hitab_core import HitabError
 from hitab_robots import wiring
 from hitab_robots.frames import mounts_of_tf
-from hitab_robots.freshness import AHEAD_S, Freshness
+from hitab_robots.freshness import CLOCK_TOLERANCE_S, Freshness
 from hitab_robots.mount import Mount
 from hitab_robots.relay_process import RelayProcess
 from hitab_robots.relay_watch import RelayWatch
 from hitab_robots.robot import Robot
 from hitab_robots.sensors import Sensor
-from hitab_robots.settings import ODOMETRY, VELOCITY, RelaySettings, declare, declare_number
+from hitab_robots.settings import (
+    AGENT_VELOCITY_TOPIC,
+    ODOMETRY_TOPIC,
+    RelaySettings,
+    declare,
+    declare_number,
+)
 from hitab_robots.velocity import REST_S
 from hitab_ros import EmergencySwitch, names, steady_timer
 from hitab_ros.stamps import seconds_of
 
-LOOK_S = 0.5
+FAULT_PERIOD_S = 0.5
 """How often to look for faults, s."""
 
-STARTING_S = 3.0
+SENSOR_TIMEOUT_S = 3.0
 """How long sensors and the relay may take to be found before their silence is a fault, s."""
 
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 
 NEWEST = QoSProfile(depth=1)
-"""Of velocities: reliable, and only the newest counts."""
+"""QoS of velocities: reliable, and only the newest counts."""
 
 
 class RobotLink:
@@ -69,23 +75,23 @@ class RobotLink:
         self._on_percept = on_percept
         self._faults = node.guard.faults
         self._clock = node.get_clock()
-        self._looks_from = time.monotonic() + STARTING_S
+        self._looks_from = time.monotonic() + SENSOR_TIMEOUT_S
         rate = declare_number(node, "rate", 10.0)
         mounts = _mounts_of_tf(node)
         self._sensors = [_SensorInput(node, sensor, mounts) for sensor in domain.body.sensors]
-        self._velocities = node.create_publisher(TwistStamped, VELOCITY, NEWEST)
+        self._velocities = node.create_publisher(TwistStamped, AGENT_VELOCITY_TOPIC, NEWEST)
         settings = RelaySettings.declare(node, domain.body.drive)
         self._relay = None
         if declare(node, "relay", True):
             odometry = (s.topic_name for s in domain.body.sensors if s.message == ODOMETRY_TYPE)
-            self._relay = RelayProcess(node, settings, next(odometry, ODOMETRY))
+            self._relay = RelayProcess(node, settings, next(odometry, ODOMETRY_TOPIC))
         node.stop = RelayWatch(node, self._relay)
         # The more keep a stop, the surer it reaches a relay that is found late.
         self._switch = EmergencySwitch(node, hands_on=True)
         self._rest_until = self._now()
         self._cycle = 0
         node.create_timer(1.0 / rate, self._tick)
-        steady_timer(node, LOOK_S, self._look_for_faults)  # simulated time may stand still
+        steady_timer(node, FAULT_PERIOD_S, self._look_for_faults)  # simulated time may stand still
 
     def _now(self) -> float:
         return float(self._clock.now().nanoseconds) * 1e-9
@@ -144,12 +150,12 @@ class RobotLink:
 
 
 class _SensorInput:
-    """One sensor's topic, and its last reading.
+    """The topic of a sensor, and its last reading.
 
     Attributes:
         name: of the sensor.
         freshness: holds the reading.
-        reach: the longest range that it reads, m, as far as known.
+        reach: the longest range of the sensor, m, if known.
     """
 
     def __init__(
@@ -162,7 +168,7 @@ class _SensorInput:
         self._clock = node.get_clock()
         patience = declare_number(node, f"{sensor.name}.patience", sensor.patience)
         simulated = node.get_parameter("use_sim_time").value
-        ahead = math.inf if simulated else AHEAD_S
+        ahead = math.inf if simulated else CLOCK_TOLERANCE_S
         self.freshness = Freshness(len(sensor.fields), patience, ahead)
         self._mounts = mounts if sensor.mount is not None else None
         self._unplaced = ""

@@ -22,7 +22,7 @@ class Sector:
 
     Attributes:
         name: a word, such as ``ahead``.
-        center: its middle, rad, counter-clockwise from ahead.
+        center: middle of the sector, rad, counter-clockwise from ahead.
         width: from edge to edge, rad; the whole circle by default.
     """
 
@@ -47,14 +47,13 @@ class Scan(Sensor):
     are NaN if it is not known: no ray of the scanner is in the sector, or fewer than half of these
     measured anything.
 
-    What a ray means (REP 117): NaN and what is below ``range_min`` is no measurement; negative
-    infinity is a thing that is too near to be measured, and counts as one at ``range_min``; at or
-    above the maximum there is nothing. Of a scan of several rays without an angle between them
-    nothing is known.
+    Meaning of a ray (REP 117): NaN and values below ``range_min`` are no measurements; negative
+    infinity is a thing too near to be measured, and counts as ``range_min``; from the maximum on
+    there is nothing. Of a scan of several rays without an angle between them nothing is known.
 
     Attributes:
-        sectors: what is read; each has two values, such as ``scan.ahead.range``.
-        max_range: m; None: the scanner's ``range_max``. Give it if robots with different scanners
+        sectors: parts of the scan, each with two values, such as ``scan.ahead.range``.
+        max_range: m; None for the scanner's ``range_max``. Needed if robots with other scanners
             are to share what they learn.
         zero_is_clear: whether 0.0 means that there is nothing, as the drivers of some small
             scanners mean it, and not that nothing was measured.
@@ -73,7 +72,7 @@ class Scan(Sensor):
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The names of what it reads."""
+        """The names of the sensor's values."""
         return tuple(f"{s.name}.{what}" for s in self.sectors for what in ("range", "bearing"))
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
@@ -128,5 +127,5 @@ class Scan(Sensor):
         return found
 
     def reach(self, message: Any) -> float:
-        """Return the longest range that it reads, m."""
+        """Return the sensor's longest range, m."""
         return float(message.range_max if self.max_range is None else self.max_range)

@@ -16,8 +16,8 @@ from typing import Any, ClassVar
 from hitab_core import VocabularyError
 from hitab_robots.mount import Mount
 
-NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
-NAME_RULE = "use letters, digits and _, not beginning with a digit"
+SENSOR_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*\Z")
+SENSOR_NAME_RULE = "use letters, digits and _, not beginning with a digit"
 CHARGING = 1
 """`POWER_SUPPLY_STATUS_CHARGING` of `sensor_msgs/BatteryState`."""
 
@@ -28,26 +28,26 @@ def check_name(what: str, name: str) -> None:
     Raises:
         VocabularyError: if it cannot.
     """
-    if NAME.match(name) is None:
-        raise VocabularyError(f'"{name}" is not a name for {what}; {NAME_RULE}')
+    if SENSOR_NAME.match(name) is None:
+        raise VocabularyError(f'"{name}" is not a name for {what}; {SENSOR_NAME_RULE}')
 
 
 @dataclass(frozen=True, kw_only=True)
 class Sensor(ABC):
-    """One sensor of a robot, as plain data.
+    """A sensor of a robot, as plain data.
 
     Attributes:
         name: a word; its values are called after it, such as ``odom.x``.
-        topic: relative to the robot's namespace; empty: as the name.
+        topic: relative to the robot's namespace; empty if equal to the name.
         patience: s; a reading that is older counts for nothing, and all of its values are NaN.
-        mount: where it sits; None: it does not matter.
+        mount: where it sits; None if it does not matter.
     """
 
     message: ClassVar[str] = ""
-    """Type of its messages, such as ``sensor_msgs/msg/LaserScan``."""
+    """Type of the sensor's messages, such as ``sensor_msgs/msg/LaserScan``."""
 
     reads: ClassVar[tuple[str, ...]] = ()
-    """The names of what it reads, if it always reads the same."""
+    """The names of the sensor's values, if they are always the same."""
 
     name: str = ""
     topic: str = ""
@@ -75,30 +75,30 @@ class Sensor(ABC):
 
     @property
     def topic_name(self) -> str:
-        """The topic that it publishes, relative to the robot's namespace."""
+        """The sensor's topic, relative to the robot's namespace."""
         return self.topic or self.name
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The names of what it reads, in the order of `read`."""
+        """The names of the sensor's values, in the order of `read`."""
         return self.reads
 
     @property
     def values(self) -> tuple[str, ...]:
-        """The full names of what it reads, such as ``odom.x``."""
+        """The full names of the sensor's values, such as ``odom.x``."""
         return tuple(f"{self.name}.{field}" for field in self.fields)
 
     @abstractmethod
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
-        """Return what a message says, a number for each of `fields`.
+        """Return the values in a message, a number for each of `fields`.
 
         Args:
             message: of the sensor's type, or anything with its fields.
-            mount: where the sensor sits; None: as declared.
+            mount: where the sensor sits; None for the declared mount.
         """
 
     def reach(self, message: Any) -> float:
-        """Return the longest range that it reads, m; infinite if it reads none."""
+        """Return the sensor's longest range, m; infinite if it measures none."""
         return math.inf
 
 
@@ -171,8 +171,8 @@ class Imu(Sensor):
     """A `sensor_msgs/Imu`.
 
     It reads ``roll``, ``pitch`` and ``heading`` in rad, the ``turn_rate`` in rad/s, and the
-    accelerations ``ax``, ``ay``, ``az`` in m/s². What the message marks as not measured, by a
-    covariance that begins with -1, is NaN.
+    accelerations ``ax``, ``ay``, ``az`` in m/s². Values marked as not measured, by a covariance
+    that begins with -1, are NaN.
     """
 
     message: ClassVar[str] = "sensor_msgs/msg/Imu"
@@ -208,7 +208,7 @@ class Range(Sensor):
     name: str = "range"
 
     def read(self, message: Any, mount: Mount | None = None) -> Sequence[float]:
-        """Return how far it is to what is in front of the sensor."""
+        """Return the distance to the nearest thing in front of the sensor."""
         distance, least, most = message.range, message.min_range, self.reach(message)
         if distance == -math.inf:
             return [finite(least)]
@@ -217,7 +217,7 @@ class Range(Sensor):
         return [finite(distance) if distance >= least else math.nan]
 
     def reach(self, message: Any) -> float:
-        """Return the longest range that it reads, m."""
+        """Return the sensor's longest range, m."""
         return float(message.max_range)
 
 
@@ -229,7 +229,7 @@ class Joints(Sensor):
     rad and rad/s, or m and m/s if it is no rotating one. A message without it has no value of it.
 
     Attributes:
-        joints: their names.
+        joints: names of the joints.
     """
 
     message: ClassVar[str] = "sensor_msgs/msg/JointState"
@@ -242,7 +242,7 @@ class Joints(Sensor):
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """The names of what it reads."""
+        """The names of the sensor's values."""
         return tuple(
             f"{joint}.{what}" for joint in self.joints for what in ("position", "velocity")
         )

@@ -13,16 +13,16 @@ from rclpy.node import Node
 from hitab_core import HitabError
 from hitab_robots.velocity import Drive
 
-COMMANDS = "cmd_vel"
+BASE_TOPIC = "cmd_vel"
 """Topic to the base; relative to the robot's namespace."""
 
-VELOCITY = "cmd_vel_agent"
+AGENT_VELOCITY_TOPIC = "cmd_vel_agent"
 """Topic from an agent to its relay, `TwistStamped`; relative to the agent's namespace."""
 
 HEARTBEAT = "agent_heartbeat"
 """Topic from an agent to its relay, several times a second; relative to the agent's namespace."""
 
-ODOMETRY = "odom"
+ODOMETRY_TOPIC = "odom"
 """Topic on which a relay looks whether the robot stands still; relative to its namespace."""
 
 OF_RELAY = {
@@ -34,17 +34,17 @@ OF_RELAY = {
     "smoothing_frequency": "Hz; how often a velocity is sent to the base",
     "auto_rearm": "act again by itself when what stopped the robot is over: a risk",
 }
-"""Parameters that the link hands on to the relay that it starts."""
+"""Parameters that the link hands on to its relay."""
 
-DESCRIPTIONS = {
+RELAY_PARAMETERS = {
     **OF_RELAY,
     "rate": "Hz; how often the agent decides and acts",
-    "relay": "start the relay; false: it is started elsewhere",
+    "relay": "start the relay; false if it is started elsewhere",
     "base_frame": "the robot's frame, such as base_link, to have tf2 tell where sensors sit; "
     "empty: the sensors' parameters tell",
-    "state_dir": "folder where an emergency stop survives a crash; empty: none",
-    "agent_pid": "process to end with, once the robot stands still; 0: none",
-    "kills_hung_agent": "kill the agent when it hangs, since somebody starts it again then",
+    "state_dir": "folder where an emergency stop survives a crash; empty if none",
+    "agent_pid": "process to end with, once the robot stands still; 0 if none",
+    "kills_hung_agent": "kill the agent when it hangs, since its supervisor restarts it",
 }
 OF_SENSOR = {
     "patience": "s; an older reading has no value",
@@ -61,7 +61,7 @@ def declare(node: Node, name: str, default: Any) -> Any:
     if node.has_parameter(name):  # the agent's own
         return node.get_parameter(name).value
     sensor, _, field = name.rpartition(".")
-    description = OF_SENSOR[field] if sensor else DESCRIPTIONS[name]
+    description = OF_SENSOR[field] if sensor else RELAY_PARAMETERS[name]
     descriptor = ParameterDescriptor(description=description, read_only=True)
     return node.declare_parameter(name, default, descriptor).value
 

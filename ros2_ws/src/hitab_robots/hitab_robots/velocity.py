@@ -13,7 +13,7 @@ from hitab_core import VocabularyError
 
 Velocity = tuple[float, float, float]
 
-STILL: Velocity = (0.0, 0.0, 0.0)
+NO_VELOCITY: Velocity = (0.0, 0.0, 0.0)
 
 REST_S = 1.0
 """How long a robot that has to stand still is sent zeros, s; then others may drive it."""
@@ -35,7 +35,7 @@ class Drive:
     Attributes:
         max_velocity: m/s, m/s, rad/s; also backwards. 0: it does not move so.
         max_accel: how fast it may gain speed, per s.
-        max_decel: how fast it may lose speed, per s. Whoever stops the robot does not wait for it.
+        max_decel: how fast it may lose speed, per s. A stop ignores this limit.
         enable_stamped_cmd_vel: whether the base takes `TwistStamped` instead of `Twist`.
     """
 
@@ -61,7 +61,7 @@ class Drive:
     def clipped(self, velocity: Sequence[float]) -> Velocity:
         """Return a velocity within the limits of speed; standing still if it is no velocity."""
         if not is_velocity(velocity):
-            return STILL
+            return NO_VELOCITY
         ahead, left, turn = (
             max(-most, min(most, wanted))
             for wanted, most in zip(velocity, self.max_velocity, strict=True)
@@ -87,7 +87,7 @@ class Drive:
 
 
 def is_velocity(values: Sequence[float]) -> bool:
-    """Whether these are three numbers, none of them infinite or NaN."""
+    """Whether a velocity is three numbers, none of them infinite or NaN."""
     return len(values) == 3 and all(map(math.isfinite, values))
 
 
@@ -100,7 +100,7 @@ def _towards(wanted: float, now: float, gain: float, loss: float) -> float:
 
 
 class _Commanded:
-    """The velocity that somebody wants, and when they last said so.
+    """The velocity of one source, and when it was last sent.
 
     Attributes:
         velocity: within the limits.
@@ -109,7 +109,7 @@ class _Commanded:
     """
 
     def __init__(self) -> None:
-        self.velocity = STILL
+        self.velocity = NO_VELOCITY
         self.moved = False
         self.since = -math.inf
 
@@ -121,13 +121,13 @@ class Gate:
 
     Attributes:
         held: whether the robot has to stand still, whatever is commanded.
-        insists: whether zeros are sent as long as it is held, so that nobody else can drive.
+        insists: whether zeros are sent as long as it is held, to keep other drivers out.
         closed: whether nothing more will pass.
         silent: whether every last command is too old.
     """
 
     def __init__(self, drive: Drive, timeout: float, now: float) -> None:
-        """Let nothing pass yet: send zeros, since the base may hold what it was told before.
+        """Let nothing pass yet: send zeros, since the base may hold an older velocity.
 
         Args:
             drive: the limits.
@@ -138,7 +138,7 @@ class Gate:
         self.silent = True
         self._drive = drive
         self._timeout = timeout
-        self._velocity = STILL
+        self._velocity = NO_VELOCITY
         self._agent, self._person = _Commanded(), _Commanded()
         self._before = now
         self.rest(now)
@@ -149,33 +149,33 @@ class Gate:
         One that is no number, infinite or NaN has the robot stand still.
 
         Args:
-            velocity: that is wanted.
+            velocity: the wanted one.
             now: s.
             by_hand: whether a person commands it, and not the agent.
         """
         commanded = self._person if by_hand else self._agent
         broke_off = commanded.moved and not by_hand and now - commanded.since > BREAK_S
         commanded.velocity = self._drive.clipped(velocity)
-        commanded.moved = commanded.velocity != STILL
+        commanded.moved = commanded.velocity != NO_VELOCITY
         commanded.since = now
         if is_velocity(velocity):
             return f"fell silent for over {BREAK_S:g} s while it moved" if broke_off else ""
         if commanded is self._counting(now):
-            self._velocity = STILL
+            self._velocity = NO_VELOCITY
         return f"commands {velocity}, which is no velocity"
 
     def velocity(self, now: float) -> Velocity | None:
-        """Return what to send to the base now; None: nothing, so that others can drive it."""
+        """Return the velocity to send to the base now; None leaves the base to other drivers."""
         seconds, self._before = now - self._before, now
         commanded = None if self.closed else self._counting(now)
         self.silent = commanded is None
         if self.held or commanded is None:
-            moved = self._velocity != STILL
-            self._velocity = self._agent.velocity = self._person.velocity = STILL
+            moved = self._velocity != NO_VELOCITY
+            self._velocity = self._agent.velocity = self._person.velocity = NO_VELOCITY
             self._agent.moved &= not self.held  # a person has it move again
             if moved or (self.held and self.insists and not self.closed):
                 self.rest(now)
-            return STILL if now <= self._rest_until else None
+            return NO_VELOCITY if now <= self._rest_until else None
         self._velocity = self._drive.towards(commanded.velocity, self._velocity, seconds)
         self.rest(now)
         return self._velocity
@@ -185,7 +185,7 @@ class Gate:
         self._rest_until = now + REST_S
 
     def _counting(self, now: float) -> _Commanded | None:
-        """Return whose command counts; None: nobody's."""
+        """Return whose command counts; None if no command counts."""
         for commanded in (self._person, self._agent):
             if 0.0 <= now - commanded.since <= self._timeout:
                 return commanded

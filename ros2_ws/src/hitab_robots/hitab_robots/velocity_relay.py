@@ -32,13 +32,20 @@ from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from hitab_core import some
 from hitab_core.library.durable_files import write_durably
 from hitab_robots.bases import Bases, name_of
-from hitab_robots.held_up import is_held_up
 from hitab_robots.left_goals import LeftGoals
-from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY, RelaySettings, declare
-from hitab_robots.velocity import STILL, Drive, Gate, Velocity
+from hitab_robots.process_state import waits_for_cpu_or_disk
+from hitab_robots.settings import (
+    AGENT_VELOCITY_TOPIC,
+    BASE_TOPIC,
+    HEARTBEAT,
+    ODOMETRY_TOPIC,
+    RelaySettings,
+    declare,
+)
+from hitab_robots.velocity import NO_VELOCITY, Drive, Gate, Velocity
 from hitab_ros import GuardedNode, KnownStops, Spinner, Stop, names, qos, run, steady_timer
 
-FILE = "emergency_stop.json"
+STOP_FILE = "emergency_stop.json"
 
 SILENCE = "silence"
 """The cause of that name: the agent's."""
@@ -46,9 +53,9 @@ SILENCE = "silence"
 MISSED_S = 0.3
 """An agent that gives no sign of life for so long, s, does not cancel its goals itself."""
 
-HUNG_S = 1.0
-"""An agent on this machine that waits or is suspended, and gives no sign of life for so long, s,
-does not drive again by itself."""
+AGENT_HUNG_S = 1.0
+"""Silence, s, after which an agent on this machine that waits or is suspended does not drive again
+by itself."""
 
 SILENT_S = 3.0
 """Any other agent that gives no sign of life for so long, s, does not drive again by itself."""
@@ -72,12 +79,12 @@ MEASURED_S = 1.0
 class VelocityRelay(GuardedNode):
     """Sends the base the agent's velocities within limits; zero when the robot has to stop.
 
-    What a person sends on ``cmd_vel_teleop`` counts instead of the agent's. The relay stops the
+    A person's velocity on ``cmd_vel_teleop`` counts instead of the agent's. The relay stops the
     robot when both have been silent for `cmd_vel_timeout`, whatever the reason, and until it is
     re-armed (`hitab_ros.stop_machine`) after an emergency stop, a sign of life of its agent that
     was missed, whatever keeps the agent from acting, the loss of its base, a command that is no
-    velocity, and its own start. Then it sends zeros for a second and, unless it is an emergency,
-    nothing more, so that others can drive. What is not a finite number never passes.
+    velocity, and its own start. A stopping relay sends zeros for a second and, except in an
+    emergency, nothing more, so that others can drive. Only finite numbers pass.
 
     The goals that its agent has at servers of actions are canceled by the agent when the robot has
     to stop, and by the relay when the agent is silent. A robot that has but actions has no base.
@@ -110,11 +117,11 @@ class VelocityRelay(GuardedNode):
         self._looked = time.monotonic()
         self._unheard_s = SILENT_S  # until it is heard for the first time
         self._agent_stands = True
-        self._measured: tuple[float, Velocity] = (-MEASURED_S, STILL)
+        self._measured: tuple[float, Velocity] = (-MEASURED_S, NO_VELOCITY)
         kind = TwistStamped if self._stamped else Twist
         self._base = None
         if settings.drive.moves:
-            self._base = self.create_publisher(kind, COMMANDS, QoSProfile(depth=10))
+            self._base = self.create_publisher(kind, BASE_TOPIC, QoSProfile(depth=10))
         self._stop: Stop | None = None
         self._stop = Stop(
             self,
@@ -126,10 +133,12 @@ class VelocityRelay(GuardedNode):
         )
         self._stop_changed()
         newest = QoSProfile(depth=1)
-        self.create_subscription(TwistStamped, VELOCITY, partial(self._take, False), newest)
+        self.create_subscription(
+            TwistStamped, AGENT_VELOCITY_TOPIC, partial(self._take, False), newest
+        )
         self.create_subscription(TwistStamped, names.TELEOP, partial(self._take, True), newest)
         self.create_subscription(StopState, HEARTBEAT, self._on_heartbeat, qos.STREAM)
-        self.create_subscription(Odometry, ODOMETRY, self._measure, qos_profile_sensor_data)
+        self.create_subscription(Odometry, ODOMETRY_TOPIC, self._measure, qos_profile_sensor_data)
         # A paused or slow simulation must not delay a stop.
         steady_timer(self, 1.0 / settings.smoothing_frequency, self._tick)
 
@@ -172,7 +181,7 @@ class VelocityRelay(GuardedNode):
             self._interrupt(f"{some(sorted(back))}, which takes {topic}, was started again")
         before, self._matched = self._matched, self._base.get_subscription_count()
         if self._matched > before:
-            self._gate.rest(now)  # it may hold what it was told by somebody else
+            self._gate.rest(now)  # it may hold another driver's velocity
             self._still_since = now
         missing = self._bases.missing or not self._matched
         self._cause("base", f"no base takes {topic}" if missing else "")
@@ -184,8 +193,8 @@ class VelocityRelay(GuardedNode):
         if self._agent_pid and os.getppid() != self._agent_pid and not self._gate.closed:
             self._gate.closed = self._goals.closed = True
             self._gate.rest(now)  # also if it stands still: its goals are to be canceled
-        is_near = self._agent_pid and not is_held_up(self._agent_pid)
-        if self._unheard_s >= (HUNG_S if is_near else SILENT_S):
+        is_near = self._agent_pid and not waits_for_cpu_or_disk(self._agent_pid)
+        if self._unheard_s >= (AGENT_HUNG_S if is_near else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")
         if self._unheard_s >= GONE_S and self._kills and not self._gate.closed:
             self.get_logger().error(f"kills the agent, which hangs since {GONE_S:g} s")
@@ -224,7 +233,7 @@ class VelocityRelay(GuardedNode):
             message.header.frame_id = "base_link"
             twist = message.twist
         twist.linear.x, twist.linear.y, twist.angular.z = velocity
-        if velocity != STILL:
+        if velocity != NO_VELOCITY:
             self._still_since = math.inf
         elif self._still_since == math.inf:
             self._still_since = time.monotonic()
@@ -241,7 +250,7 @@ class VelocityRelay(GuardedNode):
 
     def _file_in(self, state_dir: str) -> Path | None:
         own = names.own_name(self)
-        return Path(state_dir).expanduser() / own / FILE if state_dir else None
+        return Path(state_dir).expanduser() / own / STOP_FILE if state_dir else None
 
     def _kept(self) -> KnownStops:
         """Return the stops that an earlier relay of this robot knew when it ended."""
@@ -262,7 +271,7 @@ class VelocityRelay(GuardedNode):
     def destroy_node(self) -> None:
         """Stop the robot, then destroy the node."""
         with suppress(Exception):  # nothing may keep the process from ending
-            self._send(STILL)
+            self._send(NO_VELOCITY)
             if self._base is not None:
                 self._base.wait_for_all_acked(Duration(seconds=0.5))
         super().destroy_node()

@@ -11,8 +11,8 @@ from rclpy.qos import QoSCompatibility, qos_check_compatible
 from hitab_agent import AgentNode
 from hitab_core import some
 from hitab_robots.bases import name_of
-from hitab_robots.settings import COMMANDS, VELOCITY
-from hitab_robots.words import ValueOf
+from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC
+from hitab_robots.standard_domain import ValueOf
 from hitab_ros import fault_texts, names
 
 Reach = Mapping[str, float]
@@ -23,29 +23,29 @@ Check = Callable[[AgentNode, Reach], str]
 
 
 def stopped_clock(node: AgentNode, reach: Reach) -> str:
-    """Say that simulated time is used and nobody publishes it."""
+    """Report simulated time without a publisher."""
     topic = node.resolve_topic_name(names.CLOCK)
     if not node.get_parameter("use_sim_time").value or node.count_publishers(topic):
         return ""
     return (
-        f"use_sim_time is true and nobody publishes {topic}, so the agent never decides; start "
+        f"use_sim_time is true and no node publishes {topic}, so the agent never decides; start "
         "the simulation that publishes it, or set use_sim_time to false"
     )
 
 
 def deaf_base(node: AgentNode, reach: Reach) -> str:
     """Say that the base takes another type or QoS than it is sent, or is not there."""
-    topic = node.resolve_topic_name(COMMANDS)
+    topic = node.resolve_topic_name(BASE_TOPIC)
     publishers = node.get_publishers_info_by_topic(topic)
     own = [info for info in publishers if _is_own(node, info)]
     sent = {info.topic_type for info in own}
     if not sent:
-        return ""  # whoever misses the relay says so
+        return ""  # the relay's absence is another fault
     takers = node.get_subscriptions_info_by_topic(topic)
     if not takers:
         return (
-            f"nobody subscribes to {topic}, so the robot cannot move; start the driver of its "
-            f"base, or remap {COMMANDS} to the topic that it subscribes to"
+            f"no node subscribes to {topic}, so the robot cannot move; start the driver of its "
+            f"base, or remap {BASE_TOPIC} to the driver's topic"
         )
     for taker in takers:
         fits, why = qos_check_compatible(own[0].qos_profile, taker.qos_profile)
@@ -67,15 +67,15 @@ def deaf_base(node: AgentNode, reach: Reach) -> str:
 
 def second_driver(node: AgentNode, reach: Reach) -> str:
     """Say who sends velocities to the base past the relay."""
-    topic = node.resolve_topic_name(COMMANDS)
+    topic = node.resolve_topic_name(BASE_TOPIC)
     publishers = node.get_publishers_info_by_topic(topic)
     others = sorted({name_of(info) for info in publishers if not _is_own(node, info)} - {""})
     if not others:
         return ""
     return (
         f"{some(others)} publishes {topic}, past the {names.VELOCITY_RELAY}: neither its limits "
-        f"nor the emergency stop hold for that; remap it to {node.resolve_topic_name(VELOCITY)}, "
-        "as TwistStamped"
+        f"nor the emergency stop hold for that; remap it to "
+        f"{node.resolve_topic_name(AGENT_VELOCITY_TOPIC)}, as TwistStamped"
     )
 
 

@@ -83,7 +83,7 @@ class Stage:
 def test_a_driven_robot_is_labeled_from_its_recorded_percepts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hitab_agent.shared.load_domain", lambda name: DOMAIN)
+    monkeypatch.setattr("hitab_agent.host_resources.load_domain", lambda name: DOMAIN)
     with context_of_its_own() as context, RosLink(context.get_domain_id()) as link:
         stage = Stage(context, link, tmp_path)
         stage.until(lambda: stage.recorder.perceiving == ["/robot_1"])

@@ -20,8 +20,8 @@ from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 from hitab_core import HitabError, VocabularyError
-from hitab_robots.settings import COMMANDS, HEARTBEAT, ODOMETRY, VELOCITY
-from hitab_robots.velocity_relay import FILE, VelocityRelay
+from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC, HEARTBEAT, ODOMETRY_TOPIC
+from hitab_robots.velocity_relay import STOP_FILE, VelocityRelay
 from hitab_ros import EmergencySwitch, KnownStops, make_node, names, qos
 from hitab_ros.testing import context_of_its_own, spin_until
 
@@ -38,12 +38,12 @@ class Bench:
         self.stamped = parameters.get("enable_stamped_cmd_vel", False)
         self.peer = self.add(make_node("peer", namespace=ROBOT, context=context))
         self.start_base()
-        self.commands = self.peer.create_publisher(TwistStamped, VELOCITY, 1)
+        self.commands = self.peer.create_publisher(TwistStamped, AGENT_VELOCITY_TOPIC, 1)
         self.by_hand = self.peer.create_publisher(TwistStamped, names.TELEOP, 1)
         self.heartbeats = self.peer.create_publisher(StopState, HEARTBEAT, qos.STREAM)
         self.arming = self.peer.create_client(Arm, names.ARM)
         self.peer.create_subscription(StopState, names.STOP_STATE, self._hear_state, qos.STREAM)
-        self.odometry = self.peer.create_publisher(Odometry, ODOMETRY, 10)
+        self.odometry = self.peer.create_publisher(Odometry, ODOMETRY_TOPIC, 10)
         self.lives, self.causes, self.state = True, [], None
         self.switch = EmergencySwitch(self.peer)
         self.start(**parameters)
@@ -51,7 +51,9 @@ class Bench:
 
     def start_base(self):
         kind = TwistStamped if self.stamped else Twist
-        self.base = self.peer.create_subscription(kind, COMMANDS, self._hear, 100, temporary=True)
+        self.base = self.peer.create_subscription(
+            kind, BASE_TOPIC, self._hear, 100, temporary=True
+        )
 
     def start(self, **parameters):
         given = [Parameter(name, value=value) for name, value in parameters.items()]
@@ -234,15 +236,15 @@ def test_a_robot_whose_agent_cannot_act_waits_to_be_re_armed(bench):
 def test_a_robot_whose_base_was_started_again_waits_to_be_re_armed(bench):
     def start_base():
         base = bench.add(make_node("base", namespace=ROBOT, context=bench.context))
-        base.create_subscription(Twist, COMMANDS, ignore, 10)
+        base.create_subscription(Twist, BASE_TOPIC, ignore, 10)
         return base
 
     base = start_base()
-    bench.until(lambda: bench.relay.count_subscribers(COMMANDS) == 2)
+    bench.until(lambda: bench.relay.count_subscribers(BASE_TOPIC) == 2)
     bench.until_it_moves()
     bench.executor.remove_node(base)
     base.destroy_node()
-    bench.until(lambda: bench.relay.count_subscribers(COMMANDS) == 1)
+    bench.until(lambda: bench.relay.count_subscribers(BASE_TOPIC) == 1)
     bench.until_it_moves()
     start_base()
     bench.until(lambda: "/robot_1/base, which takes" in bench.state.why, lambda: bench.drive(0.2))
@@ -302,7 +304,7 @@ def test_goals_of_an_agent_that_cannot_cancel_them_are_canceled(bench, stop, mon
     bench.until(server.agent.get_subscription_count)
     server.tell_of(agents)
     assert bench.arm() == "", "it has no base, and needs none"
-    assert bench.relay.count_publishers(COMMANDS) == 0
+    assert bench.relay.count_publishers(BASE_TOPIC) == 0
     if stop == "emergency":
         bench.switch.set(True, "ann")
         bench.until(lambda: bench.has(StopState.STOPPED, "ann"))
@@ -341,7 +343,7 @@ def test_a_robot_that_moves_has_not_stopped_whatever_it_was_told(bench):
 
 def test_a_relay_that_is_started_again_still_holds_the_robot(bench, tmp_path):
     bench.switch.set(True, "ann")
-    file = tmp_path / "robot_1" / FILE
+    file = tmp_path / "robot_1" / STOP_FILE
     bench.until(file.exists)
     bench.end_relay()
     bench.switch.known = KnownStops()
@@ -356,7 +358,7 @@ def test_a_relay_that_is_started_again_still_holds_the_robot(bench, tmp_path):
 def test_a_damaged_file_holds_the_robot(bench, tmp_path):
     bench.end_relay()
     (tmp_path / "robot_1").mkdir(exist_ok=True)
-    (tmp_path / "robot_1" / FILE).write_text("{")
+    (tmp_path / "robot_1" / STOP_FILE).write_text("{")
     bench.start(state_dir=str(tmp_path))
     bench.until(lambda: bench.switch.engaged)
     assert "cannot be read" in bench.switch.known.who

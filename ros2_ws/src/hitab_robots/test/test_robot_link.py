@@ -15,7 +15,7 @@ from sensor_msgs.msg import LaserScan
 
 from hitab_core import Domain, Repertoire
 from hitab_robots import Robot, RobotLink, Scan, Sector, motion, nearest_range, relay_process
-from hitab_robots.settings import COMMANDS, VELOCITY
+from hitab_robots.settings import AGENT_VELOCITY_TOPIC, BASE_TOPIC
 from hitab_robots.velocity_relay import VelocityRelay
 from hitab_ros import GuardedNode, make_node
 from hitab_ros.stamps import as_time
@@ -70,7 +70,7 @@ class Desk:
 
     def hear_velocities(self):
         velocities = []
-        self.robot.create_subscription(TwistStamped, VELOCITY, velocities.append, 10)
+        self.robot.create_subscription(TwistStamped, AGENT_VELOCITY_TOPIC, velocities.append, 10)
         return velocities
 
     def scan(self, *ranges, age=0.0, stamp=None, range_max=9.0):
@@ -166,7 +166,7 @@ def test_that_nothing_relays_is_a_fault(desk):
     desk.until(lambda: not desk.has_fault("relay"))
 
 
-BASE = f"/robot_1/{COMMANDS}"
+BASE = f"/robot_1/{BASE_TOPIC}"
 
 
 @pytest.fixture
@@ -184,30 +184,30 @@ def ignore(message):
 
 def test_a_robot_without_a_base_is_said_to_have_none(desk, driver):
     desk.start_relay()
-    desk.until(lambda: desk.has_fault(f"nobody subscribes to {BASE}"))
-    driver.create_subscription(Twist, COMMANDS, ignore, 10)
+    desk.until(lambda: desk.has_fault(f"no node subscribes to {BASE}"))
+    driver.create_subscription(Twist, BASE_TOPIC, ignore, 10)
     desk.until(lambda: not desk.has_fault(BASE))
 
 
 def test_a_base_that_does_not_take_what_the_relay_sends_is_named(desk, driver):
-    base = driver.create_subscription(TwistStamped, COMMANDS, ignore, 10)
+    base = driver.create_subscription(TwistStamped, BASE_TOPIC, ignore, 10)
     desk.start_relay()
     desk.until(lambda: desk.has_fault(f"{BASE} is sent as geometry_msgs/msg/Twist, but"))
     assert desk.has_fault("/robot_1/driver takes geometry_msgs/msg/TwistStamped;")
     assert desk.has_fault("set the parameter enable_stamped_cmd_vel to true")
     driver.destroy_subscription(base)
-    driver.create_subscription(Twist, COMMANDS, ignore, 10)
+    driver.create_subscription(Twist, BASE_TOPIC, ignore, 10)
     desk.until(lambda: not desk.has_fault(BASE))
 
 
 def test_a_base_that_wants_its_velocity_latched_is_named(desk, driver):
     latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    base = driver.create_subscription(Twist, COMMANDS, ignore, latched)
+    base = driver.create_subscription(Twist, BASE_TOPIC, ignore, latched)
     desk.start_relay()
     desk.until(lambda: desk.has_fault(f"/robot_1/driver gets nothing of {BASE}, since its QoS"))
     assert desk.has_fault("Volatile publisher and transient local subscription; have it subscribe")
     driver.destroy_subscription(base)
-    driver.create_subscription(Twist, COMMANDS, ignore, 10)
+    driver.create_subscription(Twist, BASE_TOPIC, ignore, 10)
     desk.until(lambda: not desk.has_fault(BASE))
 
 
@@ -221,7 +221,7 @@ def test_the_base_is_told_to_stand_still_until_a_new_relay_gives_a_sign_of_life(
     monkeypatch.setattr(relay_process, "MODULE", "no_such_relay")
     with context_of_its_own() as context:
         desk, told = Desk(context, relay=True), []
-        desk.robot.create_subscription(Twist, COMMANDS, told.append, 10)
+        desk.robot.create_subscription(Twist, BASE_TOPIC, told.append, 10)
         desk.until(lambda: len(told) > 3)
         assert all(velocity == Twist() for velocity in told)
         for node in (desk.node, desk.robot):
@@ -232,8 +232,8 @@ def test_the_base_is_told_to_stand_still_until_a_new_relay_gives_a_sign_of_life(
 
 def test_who_drives_the_base_past_the_relay_is_named(desk, driver):
     desk.start_relay()
-    driver.create_subscription(Twist, COMMANDS, ignore, 10)
-    publisher = driver.create_publisher(Twist, COMMANDS, 10)
+    driver.create_subscription(Twist, BASE_TOPIC, ignore, 10)
+    publisher = driver.create_publisher(Twist, BASE_TOPIC, 10)
     desk.until(
         lambda: desk.has_fault(f"/robot_1/driver publishes {BASE}, past the velocity_relay")
     )
@@ -244,7 +244,7 @@ def test_who_drives_the_base_past_the_relay_is_named(desk, driver):
 
 @pytest.mark.parametrize("desk", [{"use_sim_time": True}], indirect=True)
 def test_simulated_time_that_nobody_publishes_is_said_though_no_time_passes(desk, driver):
-    desk.until(lambda: desk.has_fault("nobody publishes /clock, so the agent never decides"))
+    desk.until(lambda: desk.has_fault("no node publishes /clock, so the agent never decides"))
     driver.create_publisher(Clock, "/clock", 1)
     desk.until(lambda: not desk.has_fault("/clock"))
 

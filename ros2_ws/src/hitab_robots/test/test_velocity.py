@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_robots import Drive
-from hitab_robots.velocity import BREAK_S, REST_S, STEP_MAX_S, STILL, Gate
+from hitab_robots.velocity import BREAK_S, NO_VELOCITY, REST_S, STEP_MAX_S, Gate
 
 DRIVE = Drive((0.5, 0.2, 1.0), (1.0, 1.0, 2.0), (2.0, 2.0, 4.0))
 TIMEOUT = 0.3
@@ -38,7 +38,7 @@ events = st.lists(
 @given(events)
 def test_whatever_is_commanded_what_is_sent_is_finite_and_within_limits(events):
     gate = Gate(DRIVE, TIMEOUT, 0.0)
-    now, commanded, before = 0.0, -math.inf, STILL
+    now, commanded, before = 0.0, -math.inf, NO_VELOCITY
     for pause, event, by_hand in events:
         now += pause
         if isinstance(event, bool):
@@ -48,11 +48,11 @@ def test_whatever_is_commanded_what_is_sent_is_finite_and_within_limits(events):
             commanded = now
         sent = gate.velocity(now)
         if gate.held:
-            assert sent == STILL
+            assert sent == NO_VELOCITY
         if now - commanded > TIMEOUT:
-            assert sent in (STILL, None)
+            assert sent in (NO_VELOCITY, None)
         if sent is None:
-            before = STILL
+            before = NO_VELOCITY
             continue
         for value, last, most, gain, loss in zip(
             sent, before, DRIVE.max_velocity, DRIVE.max_accel, DRIVE.max_decel, strict=True
@@ -82,8 +82,8 @@ def test_silence_stops_the_robot_at_once_and_then_leaves_it_to_others():
     gate = Gate(DRIVE, TIMEOUT, 0.0)
     now, _ = driven(gate, 0.0, (0.5, 0.0, 0.0), 1.0)
     assert gate.velocity(now + TIMEOUT - 0.01)[0] > 0.0
-    assert gate.velocity(now + TIMEOUT + 0.01) == STILL
-    assert gate.velocity(now + TIMEOUT + REST_S) == STILL
+    assert gate.velocity(now + TIMEOUT + 0.01) == NO_VELOCITY
+    assert gate.velocity(now + TIMEOUT + REST_S) == NO_VELOCITY
     assert gate.velocity(now + TIMEOUT + 0.02 + REST_S) is None
     # It starts again from standing still.
     gate.command((0.5, 0.0, 0.0), now + 10.0)
@@ -95,8 +95,8 @@ def test_an_emergency_holds_the_robot_as_long_as_it_lasts():
     now, _ = driven(gate, 0.0, (0.5, 0.0, 0.0), 1.0)
     gate.held = gate.insists = True
     now, sent = driven(gate, now, (0.5, 0.0, 0.0), 5.0)
-    assert {*sent} == {STILL}
-    assert gate.velocity(now + 100.0) == STILL
+    assert {*sent} == {NO_VELOCITY}
+    assert gate.velocity(now + 100.0) == NO_VELOCITY
     gate.held = gate.insists = False
     _, sent = driven(gate, now + 100.0, (0.5, 0.0, 0.0), 0.5)
     assert sent[-1][0] > 0.0
@@ -114,9 +114,9 @@ def test_a_person_who_drives_by_hand_counts_until_they_are_silent():
     assert gate.command((math.nan, 0.0, 0.0), now), "the agent's nonsense"
     assert gate.velocity(now) == (0.0, 0.0, 1.0), "does not disturb the person"
     assert gate.command((math.nan, 0.0, 0.0), now, by_hand=True)
-    assert gate.velocity(now) == STILL
+    assert gate.velocity(now) == NO_VELOCITY
     now, sent = driven(gate, now, (0.5, 0.0, 0.0), TIMEOUT)
-    assert {*sent[:-1]} == {STILL}
+    assert {*sent[:-1]} == {NO_VELOCITY}
     _, sent = driven(gate, now, (0.5, 0.0, 0.0), 1.0)
     assert sent[-1] == (0.5, 0.0, 0.0)
 
@@ -125,12 +125,12 @@ def test_a_person_who_drives_by_hand_and_falls_silent_stops_the_robot():
     gate = Gate(DRIVE, TIMEOUT, 0.0)
     gate.command((0.5, 0.0, 0.0), 0.0, by_hand=True)
     assert gate.velocity(TIMEOUT)[0] > 0.0
-    assert gate.velocity(TIMEOUT + 0.01) == STILL
+    assert gate.velocity(TIMEOUT + 0.01) == NO_VELOCITY
     gate.command((0.5, 0.0, 0.0), 1.0, by_hand=True)
     gate.held = gate.insists = True
-    assert gate.velocity(1.0) == STILL
+    assert gate.velocity(1.0) == NO_VELOCITY
     gate.held = gate.insists = False
-    assert gate.velocity(1.1) == STILL, "it is commanded anew after an emergency"
+    assert gate.velocity(1.1) == NO_VELOCITY, "it is commanded anew after an emergency"
 
 
 def test_an_agent_that_falls_silent_while_it_moves_must_not_drive_again_unasked():
@@ -161,5 +161,5 @@ def test_once_its_agent_is_gone_nothing_passes():
     now, _ = driven(gate, 0.0, (0.5, 0.0, 0.0), 1.0)
     gate.closed = gate.held = gate.insists = True
     _, sent = driven(gate, now, (0.5, 0.0, 0.0), REST_S + 0.5)
-    assert sent[0] == STILL
+    assert sent[0] == NO_VELOCITY
     assert sent[-1] is None

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 from hitab_client.run_processes import Silence
 from hitab_ros import names
-from hitab_studio.known import Known
+from hitab_studio.swarm_state import SwarmState
 
 NOT_HEARD = "not heard yet"
 
 
-def absence(known: Known, name: str) -> Silence | None:
+def absence(known: SwarmState, name: str) -> Silence | None:
     """Return how an agent, or the world, is absent; None if it answers.
 
-    What it is doing is the rest of a sentence that begins with the name, such as ``has ended``.
+    Its activity is the rest of a sentence that begins with the name, such as ``has ended``.
     """
     if name != names.WORLD and name not in known.agents:
         return Silence(name, "is not up", lasts=True, state="not up")

@@ -1,7 +1,7 @@
-"""What is known of the viewed agents: what they perceive, decide and have learned.
+"""Watches the viewed agents: their percepts, decisions and learned behaviors.
 
-Requests cost an agent a little, so only the viewed agents are asked, each by name. What pages read
-of it, `Watched`, is replaced as a whole and never changed.
+Requests cost an agent a little, so only the viewed agents are asked, each by name. The state
+for pages, `AgentState`, is replaced as a whole and never changed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Use
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.learned import (
-    NOTHING,
+    NO_ITEMS,
     Effect,
     Vocabulary,
     effect,
@@ -34,48 +34,48 @@ PROBED_MAX = 200
 """Features with targets whose values are asked for at once."""
 
 SHELF_MAX = 40
-"""Trained behaviors that are asked for before anybody looks at them."""
+"""Number of trained behaviors that are read before a page shows them."""
 
 READ_SECONDS = 0.15
-AGAIN_SECONDS = 1.0
-"""After a refusal until the same is asked again."""
+REFUSED_RETRY_SECONDS = 1.0
+"""Time from a refusal until the same is asked again."""
 
 
 @dataclass(frozen=True)
-class Watched:
-    """One viewed agent.
+class AgentState:
+    """The state of a viewed agent.
 
     Attributes:
-        vocabulary: what it can be commanded.
-        behaviors: what is in its library and was needed, by name.
+        vocabulary: behaviors, features and targets of the agent.
+        behaviors: the needed behaviors of the agent's library, by name.
         readings: automaton, feature and its last values, oldest first; of the automata that are
             active, and without an automaton of all features, while nothing is active or a page
             asks for them.
         transitions: the last state changes, newest last.
-        change: what the last change of examples did.
+        change: effect of the last change of examples.
     """
 
     vocabulary: Vocabulary = field(default_factory=Vocabulary)
-    behaviors: Mapping[str, Learned] = field(default_factory=lambda: NOTHING)
-    readings: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=lambda: NOTHING)
+    behaviors: Mapping[str, Learned] = field(default_factory=lambda: NO_ITEMS)
+    readings: Mapping[tuple[str, str], tuple[float, ...]] = field(default_factory=lambda: NO_ITEMS)
     transitions: tuple[TransitionEvent, ...] = ()
     change: Effect | None = None
 
 
 class AgentWatch:
-    """Listens to one agent and asks it, without ever waiting for an answer.
+    """Listens to an agent and asks for its state, without ever waiting for an answer.
 
     Args:
         agents: of the swarm.
-        agent: its name.
-        events: its last state changes, newest last, which the caller keeps.
+        agent: name of the agent.
+        events: last state changes of the agent, newest last, which the caller keeps.
         do: does something with the swarm in a thread; see `SwarmLink.do`.
         changed: called when something new is known.
         failed: called with what is wrong with an answer, and its `error`.
 
     Attributes:
-        known: what is known now.
-        training: what it was being trained at the last look, if anything.
+        known: the present state of the agent.
+        training: the agent's training at the last look, if any.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class AgentWatch:
         changed: Callable[[], None],
         failed: Callable[..., None],
     ) -> None:
-        self.known = Watched()
+        self.known = AgentState()
         self.training: Training | None = None
         self._agents = agents
         self._agent = agent
@@ -124,7 +124,7 @@ class AgentWatch:
             return
         if self.known.transitions[-1:] != tuple(self._events)[-1:]:
             self._know(transitions=tuple(self._events))
-        # What is saved again may have learned the same, under another version and description.
+        # A behavior saved again may be the same, under another version and description.
         ended = bool(self._trained) and not status.training
         self._trained = status.training
         library_key = (status.library_digest, status.distribution)
@@ -144,7 +144,7 @@ class AgentWatch:
             self._ask("features", read, self._take_features, also[:PROBED_MAX])
 
     def _needed(self, status: Any) -> set[str]:
-        """Return what it has learned, and what is active or what that is made of."""
+        """Return the agent's learned behaviors, the active ones and their parts."""
         known, training, seen = self.known, self.training, set(self._wanted)
         waiting = [Use.parse(s).name for s in [status.behavior, *status.active_path] if s]
         if training is not None:
@@ -175,7 +175,7 @@ class AgentWatch:
             try:
                 take(await self._do(lambda swarm: verb(swarm.agents, agent, *given), needs=agent))
             except SwarmError:
-                await asyncio.sleep(AGAIN_SECONDS)
+                await asyncio.sleep(REFUSED_RETRY_SECONDS)
             except Exception as error:  # it is not the page that has to know how to read this
                 why = what_went_wrong(error)
                 told = f"The answer of {agent} about {key} cannot be read: {why}"

@@ -18,9 +18,9 @@ from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping, Generations, folder_of, read_generations
 from hitab_client.run_folder import state_home
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.known import Known
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_link import Connected, SwarmLink
+from hitab_studio.swarm_state import SwarmState
 
 
 @dataclass
@@ -135,12 +135,12 @@ class GenerationMaker:
         self._changed()
 
 
-def kept_in(target: Target | None) -> Path:
+def kept_in(target: SwarmTarget | None) -> Path:
     """Return the folder that keeps a swarm's generations; one for robots started by hand."""
     return Path(target.folder) if target is not None and target.folder else state_home()
 
 
-def known_generations(target: Target | None, agent: str, behavior: str) -> Generations:
+def known_generations(target: SwarmTarget | None, agent: str, behavior: str) -> Generations:
     """Return the generations of a behavior; none if there are none yet.
 
     Raises:
@@ -151,7 +151,7 @@ def known_generations(target: Target | None, agent: str, behavior: str) -> Gener
     return _read(folder, behavior, path.stat().st_mtime_ns if path.exists() else 0)
 
 
-def have_generations(target: Target | None, agent: str) -> list[str]:
+def have_generations(target: SwarmTarget | None, agent: str) -> list[str]:
     """Return the behaviors of an agent that have generations."""
     return [path.stem for path in folder_of(kept_in(target), agent).glob("*.yaml")]
 

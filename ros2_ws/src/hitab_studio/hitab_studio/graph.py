@@ -27,8 +27,8 @@ LINE = 13.0
 WRAP = 26
 """Characters in a line of a label."""
 
-GAP = 2.0
-"""Between a state and an arrow."""
+ARROW_GAP = 2.0
+"""The gap between a state and an arrow."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class DrawnArrow:
         path: of an SVG.
         lines: of its label, or the number of its rule if there is no room for the label.
         place: of the label.
-        number: of its rule, which is listed below the drawing; 0: it is not.
+        number: of its rule, which is listed below the drawing; 0 if it is not.
     """
 
     arrow: Arrow
@@ -177,7 +177,10 @@ def _without_room(layout: Layout, height: float) -> list[int]:
 
 def _in(point: Floats, box: Box) -> bool:
     x, y = point
-    return bool(abs(x - box.x) <= box.width / 2 + GAP and abs(y - box.y) <= box.height / 2 + GAP)
+    return bool(
+        abs(x - box.x) <= box.width / 2 + ARROW_GAP
+        and abs(y - box.y) <= box.height / 2 + ARROW_GAP
+    )
 
 
 def _kind(state: str, automata: Collection[str]) -> str:

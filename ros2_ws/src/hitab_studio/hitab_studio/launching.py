@@ -19,7 +19,7 @@ from hitab_core import has
 
 NONE: Mapping[str, str] = {}
 MOST_LINES = 40
-"""Of the command's output, which are kept."""
+"""Number of lines of the command's output that are kept."""
 
 
 @dataclass
@@ -29,8 +29,8 @@ class Launch:
     Attributes:
         verb: up or down.
         began: on the monotonic clock, s.
-        lines: what the command has printed.
-        status: its exit status; None while it runs.
+        lines: output of the command.
+        status: exit status of the command; None while it runs.
     """
 
     verb: str
@@ -41,7 +41,7 @@ class Launch:
 
     @property
     def seconds(self) -> int:
-        """Since it began, s."""
+        """Time since the launch, s."""
         return round(time.monotonic() - self.began)
 
 
@@ -127,7 +127,7 @@ def command() -> list[str]:
 
 
 def startable_swarms(only: str | None = None) -> dict[str, str]:
-    """Return the swarms that are shipped, or that one, if it is shipped; each with what it is."""
+    """Return the swarms that are shipped, or that one, if it is shipped; with descriptions."""
     files = [path for place in shipped_folders("swarms") for path in place.glob("*.yaml")]
     found = {path.stem: _about(path) for path in sorted(files, key=lambda path: path.stem)}
     return {name: about for name, about in found.items() if only in (None, name)}

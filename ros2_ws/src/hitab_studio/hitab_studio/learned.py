@@ -1,4 +1,4 @@
-"""What an agent knows and has learned, as the page shows it."""
+"""An agent's vocabulary and learned behaviors, as the page shows them."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from hitab_core import (
 )
 from hitab_ros.conversions import numbers_of_behaviors
 
-NOTHING: Mapping[Any, Any] = MappingProxyType({})
+NO_ITEMS: Mapping[Any, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What can be commanded, perceived and targeted, from `GetVocabulary`.
+    """The behaviors, features and targets of an agent, from `GetVocabulary`.
 
     Attributes:
         domain: whose vocabulary it is.
@@ -38,14 +38,14 @@ class Vocabulary:
 
     domain: str = ""
     behaviors: tuple[str, ...] = ()
-    behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
     trained: frozenset[str] = frozenset()
     one_shot: frozenset[str] = frozenset()
     numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=lambda: NOTHING)
     features: tuple[str, ...] = ()
-    units: Mapping[str, str] = field(default_factory=lambda: NOTHING)
-    kinds: Mapping[str, str] = field(default_factory=lambda: NOTHING)
-    feature_descriptions: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    units: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
+    kinds: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
+    feature_descriptions: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
     targets: tuple[str, ...] = ()
 
     @classmethod
@@ -92,7 +92,7 @@ def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use
 
 
 def _by_name(words: Sequence[Any], what: str) -> Mapping[str, str]:
-    """Return what is said of each behavior or feature, by name without parameters."""
+    """Return the description of each behavior or feature, by name without parameters."""
     return MappingProxyType({Use.parse(word.name).name: getattr(word, what) for word in words})
 
 
@@ -137,7 +137,7 @@ def effect(before: Learned, after: Learned) -> Effect:
     former = {e.number: e for e in before.examples}
     decisions = []
     for example in after.examples:
-        # What was decided in its situation, by the features of then.
+        # The decision in the example's situation, by the features of then.
         then = example if before.features == after.features else former.get(example.number)
         if then is None or not example.is_learned:
             continue

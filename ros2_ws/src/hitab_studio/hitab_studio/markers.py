@@ -16,15 +16,15 @@ from visualization_msgs.msg import Marker, MarkerArray
 from hitab_client import RosLink
 from hitab_ros import qos
 from hitab_ros.stamps import time_of
-from hitab_studio.scene import NO_COLOR, STATE_COLORS, Look, Scene
+from hitab_studio.scene import NO_COLOR, STATE_COLORS, Appearance, Scene
 
-TOPIC = "/studio/markers"
+MARKERS_TOPIC = "/studio/markers"
 FRAME = "field"
 EVERY_SECONDS = 0.1  # simulated or not: no viewer shows more
 LIFETIME_SECONDS = 5
 """How long viewers show the last moment after the studio has ended."""
 
-SHAPES = {
+MARKER_SHAPES = {
     msg.Look.DISC: Marker.CYLINDER,
     msg.Look.SQUARE: Marker.CUBE,
     msg.Look.BALL: Marker.SPHERE,
@@ -39,7 +39,7 @@ class Markers:
     """Publishes the field while there are subscribers."""
 
     def __init__(self, link: RosLink) -> None:
-        self._publisher = link.node.create_publisher(MarkerArray, TOPIC, qos.LATCHED)
+        self._publisher = link.node.create_publisher(MarkerArray, MARKERS_TOPIC, qos.LATCHED)
         self._heard = False
         self._last = -math.inf
 
@@ -50,7 +50,7 @@ class Markers:
         times in that time.
 
         Args:
-            scene: the last one; None: none was seen.
+            scene: the last one; None if none was seen.
             doing: see `show`.
             colors: see `show`.
         """
@@ -86,7 +86,7 @@ class Markers:
             markers += _thing(header, i, name, look, (x, y, heading), scene.radii[i])
         for marker in markers:
             marker.lifetime = Duration(sec=LIFETIME_SECONDS)
-        # What is no longer there goes at once.
+        # Markers of missing things go at once.
         return MarkerArray(markers=[Marker(header=header, action=Marker.DELETEALL), *markers])
 
 
@@ -113,7 +113,7 @@ def _thing(
     header: Header,
     number: int,
     name: str,
-    look: Look,
+    look: Appearance,
     place: tuple[float, float, float],
     radius: float,
 ) -> list[Any]:
@@ -128,7 +128,7 @@ def _thing(
         )
 
     high = size if look.shape == msg.Look.BALL else 0.4
-    shape = SHAPES.get(look.shape, Marker.CYLINDER)
+    shape = MARKER_SHAPES.get(look.shape, Marker.CYLINDER)
     color = _color(look.color, look.opacity)
     body = marker("things", shape, Vector3(x=size, y=size, z=high), color)
     if not look.faces:

@@ -25,22 +25,22 @@ from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.recording import Recorder
 from hitab_ros import EmergencySwitch, names, qos
 from hitab_studio.agent_watch import AgentWatch
-from hitab_studio.known import Known
 from hitab_studio.markers import Markers
 from hitab_studio.processes import Processes
 from hitab_studio.remembered_scenes import RememberedScenes
 from hitab_studio.robots.topics import Options
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.scene import scene_of
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm_state import SwarmState
 
 STOPS_S = 0.5
-"""Between two looks for who can be stopped, s: each lists all topics."""
+"""Period of the search for robots that can be stopped, s: each lists all topics."""
 
 ARM_S = 3.0
 """How long a robot may take to be found that is to act again, s."""
 
-EVENTS = 60
+STATE_CHANGES_KEPT = 60
 """Number of state changes of an agent that are kept."""
 
 FOLLOWED = 40
@@ -52,10 +52,10 @@ SOON = 1.0
 
 @dataclass
 class Viewing:
-    """What pages show.
+    """The agents and behaviors that pages show.
 
     Attributes:
-        focus: the agent that each session views; "": none.
+        focus: the agent that each session views; "" if none.
         pages: sessions that are connected.
     """
 
@@ -64,20 +64,20 @@ class Viewing:
 
 
 class Observer:
-    """What is known of one swarm, from its connection to its end.
+    """Collects the state of one swarm, from its connection to its end.
 
     Args:
         link: the node to use.
         agents, world: of the swarm to observe.
-        known: what is known at first.
-        viewing: what pages show at present; kept up to date by the caller.
+        known: the state at first.
+        viewing: agents that pages show; kept up to date by the caller.
         colors: of states, in the markers for other viewers.
         complain: called with a text and its `agent`, `session` and `error`, if there are any.
         do: does something with the swarm in a thread; see `SwarmLink.do`.
-        options: what a person has chosen of the robots' topics.
+        options: a person's choice of the robots' topics.
 
     Attributes:
-        known: what is known now.
+        known: the present state.
         watches: of the viewed agents, by name.
     """
 
@@ -86,7 +86,7 @@ class Observer:
         link: RosLink,
         agents: SwarmClient,
         world: WorldClient,
-        known: Known,
+        known: SwarmState,
         viewing: Viewing,
         colors: Mapping[str, int],
         complain: Callable[..., None],
@@ -101,7 +101,7 @@ class Observer:
         self._do = do
         assert known.target is not None  # what is connected to
         target = known.target
-        # It hands on what it hears, as long as it is there: those who stop all may end at once.
+        # Rebroadcasts the stop, because the process that issued it may already have exited.
         self._switch = EmergencySwitch(link.node, hands_on=True, known=known.emergency)
         self._stops = Stops(link, switch=self._switch)
         self._next_stops = 0.0
@@ -190,7 +190,7 @@ class Observer:
 
     def _follow(self, agent: str) -> None:
         """Keep the state changes of an agent from now on, whether a page views it or not."""
-        self._events[agent] = deque(maxlen=EVENTS)
+        self._events[agent] = deque(maxlen=STATE_CHANGES_KEPT)
         self._link.subscribe(
             TransitionEvent,
             names.of_agent(agent, names.TRANSITIONS, self._agents.prefix),
@@ -224,7 +224,7 @@ class Observer:
             if self._remembered.kept is not self.known.moments:
                 self._know(moments=self._remembered.kept)
 
-    def may_show(self, choices: tuple[Target, ...]) -> None:
+    def may_show(self, choices: tuple[SwarmTarget, ...]) -> None:
         """Know which swarms a person may choose."""
         target = self.known.target
         if target is not None and choices != target.choices:

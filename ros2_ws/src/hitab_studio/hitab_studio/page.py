@@ -15,15 +15,15 @@ from nicegui.element import Element
 from hitab_client import Training
 from hitab_core import HitabError
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.actions import ACTIONS, REPEATED, URGENT, Data
-from hitab_studio.remedy_words import told
-from hitab_studio.session import Session
+from hitab_studio.actions import REGISTERED_ACTIONS, REPEATED, URGENT, Data
+from hitab_studio.page_state import PageState
 from hitab_studio.studio import Studio
+from hitab_studio.ui_remedies import told
 from hitab_studio.views import PANELS, render
 
 STATIC = Path(__file__).parent / "static"
 REFRESH_SECONDS = 0.15
-SHOWN_SECONDS = 1.0
+REDRAW_SECONDS = 1.0
 """How long a page may take to show what was done."""
 
 ALSO_EVERY = 2
@@ -52,8 +52,8 @@ class RequestQueue:
     meant: Go, Stop, Go are three commands however fast they come. Repeating actions are never
     dropped.
 
-    What the page says does nothing at present is tried nevertheless as long as the page may not
-    show what was done before, such as a command that is undone at once.
+    A request marked as unavailable is tried nevertheless while the page may lag behind, such as an
+    undo right after its command.
 
     Attributes:
         waiting: the request being handled, and those after it.
@@ -84,7 +84,7 @@ class RequestQueue:
             self._queue.get_nowait()
         self._queue.put_nowait(None)
 
-    async def perform(self, session: Session, done: Callable[[], None]) -> None:
+    async def perform(self, session: PageState, done: Callable[[], None]) -> None:
         """Handle one request after the other until the page has gone.
 
         Args:
@@ -94,7 +94,7 @@ class RequestQueue:
         while (data := await self._queue.get()) is not None:
             await perform(session, data)
             self.waiting.remove(data)
-            self._shown_at = time.monotonic() + SHOWN_SECONDS
+            self._shown_at = time.monotonic() + REDRAW_SECONDS
             if not self.waiting:
                 session.unseen.clear()
             done()
@@ -105,9 +105,9 @@ def _same(one: Data, other: Data) -> bool:
     return {**one, "seen": 0, "hotkey": ""} == {**other, "seen": 0, "hotkey": ""}
 
 
-async def perform(session: Session, data: Data) -> None:
+async def perform(session: PageState, data: Data) -> None:
     """Handle a request of a page; show errors on it."""
-    wanted = ACTIONS.get(str(data.get("do")))
+    wanted = REGISTERED_ACTIONS.get(str(data.get("do")))
     if wanted is None:
         session.tell(f"Unknown action {data.get('do')}", "bad")
         return
@@ -122,7 +122,7 @@ async def perform(session: Session, data: Data) -> None:
     session.touch()
 
 
-class Panel(Element, component="static/panel.js"):
+class PagePanel(Element, component="static/panel.js"):
     """A part of the page with HTML from the server."""
 
     def __init__(self, name: str) -> None:
@@ -146,9 +146,9 @@ TELL_REFUSAL = (
 
 
 class Page:
-    """One page: shows a session, and passes on the person's actions."""
+    """A page in a browser: shows its state, and passes on the person's actions."""
 
-    def __init__(self, studio: Studio, session: Session, client: Client) -> None:
+    def __init__(self, studio: Studio, session: PageState, client: Client) -> None:
         self._studio = studio
         self._session = session
         self._client = client
@@ -173,11 +173,11 @@ class Page:
         )
         ui.query(".nicegui-content").classes(remove="nicegui-content")
         with ui.element("div").props('id="studio"'):
-            self._panels = [Panel(name) for name in PANELS if name != "overlay"]
+            self._panels = [PagePanel(name) for name in PANELS if name != "overlay"]
             # The server's frame around all of this is the page's <main> already.
             with ui.element("section").props('id="stage" aria-label="The field"'):
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
-                self._panels.append(Panel("overlay"))
+                self._panels.append(PagePanel("overlay"))
                 ui.element("div").props('id="field-told" role="status"').classes("unseen")
         ui.on("studio", lambda event: self._wish(event.args))
         self._refresh()

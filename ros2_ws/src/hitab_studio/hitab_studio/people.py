@@ -12,7 +12,7 @@ LONGEST_NAME = 60
 
 
 def checked(text: str) -> str:
-    """Return a name that somebody has entered.
+    """Return a name as entered by a person.
 
     Raises:
         SwarmError: if it is none.

@@ -1,4 +1,4 @@
-"""What the supervisor of a swarm and the system know of its processes that do not answer."""
+"""Reasons why processes of a swarm do not answer, from its supervisor and the system."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pathlib import Path
 
 from hitab_client import RunFolder
 from hitab_client.run_processes import RunProcesses, Silence
-from hitab_studio.learned import NOTHING
+from hitab_studio.learned import NO_ITEMS
 
-ASK_SECONDS = 0.5
-"""Between two questions, while somebody does not answer."""
+POLL_INTERVAL_SECONDS = 0.5
+"""Period of questions, while a process does not answer."""
 
 
 class Processes:
@@ -27,22 +27,22 @@ class Processes:
     def __init__(self, folder: str) -> None:
         record = RunFolder(Path(folder)).read() if folder else None
         self._processes = RunProcesses(record) if record is not None else None
-        self._known: Mapping[str, Silence] = NOTHING
+        self._known: Mapping[str, Silence] = NO_ITEMS
         self._asking: threading.Thread | None = None
         self._next = 0.0
 
     def why(self, absent: Collection[str]) -> Mapping[str, Silence]:
-        """Return what was last found out of those that do not answer; call it again and again.
+        """Return the last findings about processes that do not answer; call it again and again.
 
         Args:
             absent: names of agents, or of the world.
         """
         if not absent or self._processes is None:
-            self._known = NOTHING
-            return NOTHING
+            self._known = NO_ITEMS
+            return NO_ITEMS
         now = time.monotonic()
         if now >= self._next and (self._asking is None or not self._asking.is_alive()):
-            self._next = now + ASK_SECONDS
+            self._next = now + POLL_INTERVAL_SECONDS
             self._asking = threading.Thread(
                 target=self._ask, args=(self._processes, tuple(absent)), daemon=True
             )

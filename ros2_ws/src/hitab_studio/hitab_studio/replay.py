@@ -17,8 +17,8 @@ from hitab_core.labeling import Strip
 from hitab_studio.scene import Scene, scene_of, state_shown
 
 NANOSECONDS = 1e9
-KINDS = {type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)}
-STATE, STATUS, TRANSITION, EPISODE = KINDS
+REPLAYED = {type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)}
+STATE, STATUS, TRANSITION, EPISODE = REPLAYED
 
 
 @dataclass
@@ -58,7 +58,7 @@ class Recording:
     """One recording, in memory.
 
     Attributes:
-        missing: what an unfinished file lacks; "" if nothing.
+        missing: the missing part of an unfinished file; "" if there is none.
     """
 
     def __init__(self, path: Path) -> None:
@@ -84,7 +84,7 @@ class Recording:
     def _read(self, messages: Iterable[Received]) -> None:
         for message in messages:
             name = message.schema.name
-            if name not in KINDS:
+            if name not in REPLAYED:
                 continue
             seconds = message.received / NANOSECONDS
             if name == EPISODE:
@@ -119,9 +119,9 @@ class Labels:
     """Which behavior each moment of an agent in a recording was.
 
     Attributes:
-        strip: it.
+        strip: the labeled moments.
         offset: when its first moment is, s after the beginning of the recording.
-        chosen: the number of the span that a person looks at; -1: none.
+        chosen: the number of the span that a person looks at; -1 if none.
     """
 
     strip: Strip
@@ -130,7 +130,7 @@ class Labels:
 
 
 @dataclass
-class Player:
+class ReplayPlayer:
     """Plays a recording for one page.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""What is visible in a world, compact enough to send to a browser ten times a second.
+"""The visible part of a world, compact enough to send to a browser ten times a second.
 
 Names, kinds and sizes are sent when they change (the roster); positions are sent as a binary
 frame, little-endian:
@@ -24,26 +24,26 @@ from numpy.typing import NDArray
 
 from hitab_ros.stamps import seconds_of
 
-SILENT = "silent"
-"""In place of the mode of an agent that does not answer: what it does is not known."""
+SILENT_MODE = "silent"
+"""The mode of an agent that does not answer."""
 
-MODES = ("idle", "performing", "training", "testing", SILENT)
+SHOWN_MODES = ("idle", "performing", "training", "testing", SILENT_MODE)
 NO_COLOR = 255
 STATE_COLORS = (
     "#3b82d6", "#2fa36b", "#e08a2c", "#a66bd4", "#d6568a", "#2aa5b8",
     "#8f8a2e", "#d65a4a", "#6b7bd6", "#4f9a8f", "#b87a4b", "#8a93a3",
 )  # fmt: skip
-"""As in static/drawing.js; further states share them."""
+"""Colors of states, as in static/drawing.js; further states share them."""
 
 AGENT_COLOR = "#5c7ea8"
-"""Of an agent in no state, and of things to which their world gives no color."""
+"""Color of an agent in no state, and of things without a color of their own."""
 
 KNOWN_FIELDS = ("x", "y", "heading", "vx", "vy")
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
-    """How a kind of thing is drawn; see the message `Look`.
+class Appearance:
+    """How a kind of thing is drawn; see the message `Appearance`.
 
     Kinds that their world declares no look for are drawn like agents.
     """
@@ -67,10 +67,10 @@ class Scene:
         names, kinds: of everything in it.
         radii: m, shape (n,).
         places: x, y, heading, vx, vy, shape (n, 5).
-        said: what things say, by index.
+        said: messages of things, by index.
         looks: of each kind of thing in it.
         center: middle of the field, m.
-        real: whether these are real robots, which nobody can put elsewhere.
+        real: whether these are real robots, which cannot be put elsewhere.
     """
 
     size: tuple[float, float]
@@ -78,7 +78,7 @@ class Scene:
     kinds: tuple[str, ...]
     radii: tuple[float, ...]
     places: NDArray[np.float64]
-    looks: Mapping[str, Look]
+    looks: Mapping[str, Appearance]
     world: str = ""
     cycle: int = 0
     episode: int = 0
@@ -100,7 +100,7 @@ class Scene:
 
 
 def scene_of(state: Any) -> Scene:
-    """Return what a `WorldState` message shows."""
+    """Return the scene of a `WorldState` message."""
     entities = state.entities
     # Recordings from before the state had a header have a stamp alone.
     stamp = state.header.stamp if hasattr(state, "header") else state.stamp
@@ -126,10 +126,10 @@ def scene_of(state: Any) -> Scene:
     )
 
 
-def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
+def _looks(state: Any, kinds: set[str]) -> dict[str, Appearance]:
     """Return the look of each kind; one that the world has not declared has the usual one."""
     declared = {
-        look.kind: Look(
+        look.kind: Appearance(
             color=look.color or AGENT_COLOR,
             shape=look.shape,
             faces=look.faces,
@@ -139,7 +139,7 @@ def _looks(state: Any, kinds: set[str]) -> dict[str, Look]:
         )
         for look in state.looks
     }
-    return {kind: declared.get(kind, Look()) for kind in sorted(kinds)}
+    return {kind: declared.get(kind, Appearance()) for kind in sorted(kinds)}
 
 
 class Palette:
@@ -200,7 +200,7 @@ def frame(scene: Scene, doing: Mapping[str, tuple[str, str]], palette: Palette) 
     for i, name in enumerate(scene.names):
         mode, state = doing.get(name, ("", ""))
         colors[i] = palette.index(state)
-        modes[i] = MODES.index(mode) + 1 if mode in MODES else 0
+        modes[i] = SHOWN_MODES.index(mode) + 1 if mode in SHOWN_MODES else 0
     places = np.ascontiguousarray(scene.places[:, :3], dtype="<f4").tobytes()
     return struct.pack("<IId", 1, n, float(scene.cycle)) + places + bytes(colors) + bytes(modes)
 
@@ -213,7 +213,7 @@ def said_message(scene: Scene) -> str:
 def state_shown(status: msg.AgentStatus) -> str:
     """Return by what an agent is colored, without its targets.
 
-    That is its outermost state, or the role that its commander has given it.
+    The shown state is the outermost one, or the role given by a commander.
     """
     path = status.active_path
     if status.superior and status.mode == status.PERFORMING:

@@ -15,11 +15,11 @@ from hitab_client import SwarmError
 from hitab_client.recording.recordings import recording
 from hitab_studio.access import AccessControl, is_loopback
 from hitab_studio.launching import NONE
-from hitab_studio.remedy_words import told
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Finder
+from hitab_studio.ui_remedies import told
 
-TITLE = "HiTAB studio"
+STUDIO_TITLE = "HiTAB studio"
 DEMONSTRATOR = "hitab_demonstrator"
 """Name of the cookie with the name of the person."""
 
@@ -40,7 +40,7 @@ class Address:
         host, port: to listen on.
         token: required to open the page; "" if only this machine can reach it.
         allowed: names by which the page may be opened, such as that of a proxy.
-        root_path: where a proxy shows the page, such as ``/hitab``; "": at its top.
+        root_path: where a proxy shows the page, such as ``/hitab``; "" for the root.
     """
 
     host: str = "127.0.0.1"
@@ -96,7 +96,7 @@ def serve(
         startable: the swarms that pages may start, by name; what each is.
         show: whether to open a browser.
         ready: called once the page can be opened.
-        options: what a person has chosen of the robots' topics.
+        options: a person's choice of the robots' topics.
 
     Raises:
         SwarmError: if the address cannot be used.
@@ -151,7 +151,7 @@ def serve(
             raise HTTPException(404, str(error)) from None
         return FileResponse(path, filename=path.name)
 
-    @ui.page("/", title=TITLE, response_timeout=10.0)
+    @ui.page("/", title=STUDIO_TITLE, response_timeout=10.0)
     def index(client: Client, request: Request) -> None:
         demonstrator = unquote(request.cookies.get(DEMONSTRATOR, ""))
         Page(studio, studio.open(demonstrator), client)
@@ -163,7 +163,7 @@ def serve(
     ui.run(
         host=address.host,
         port=address.port,
-        title=TITLE,
+        title=STUDIO_TITLE,
         favicon=ICON,
         dark=None,
         reload=False,

@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from fastapi import WebSocket, WebSocketDisconnect
 
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.studio import Studio
 
 UNKNOWN_PAGE = 4404
@@ -42,7 +42,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         sending.cancel()
 
 
-async def _send(socket: WebSocket, session: Session) -> None:
+async def _send(socket: WebSocket, session: PageState) -> None:
     session.sent = b""
     layers: Mapping[str, bytes] = {}
     with suppress(WebSocketDisconnect):

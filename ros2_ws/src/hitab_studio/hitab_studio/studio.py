@@ -9,14 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hitab_client import SwarmError, user_name
-from hitab_studio.known import Known
 from hitab_studio.launching import NONE
+from hitab_studio.page_state import PageState, StudioState
 from hitab_studio.people import checked
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import said_message
-from hitab_studio.session import Session, Shared
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_link import SwarmLink
+from hitab_studio.swarm_state import SwarmState
 
 REPLAY_SECONDS = 0.1
 
@@ -33,21 +33,21 @@ class Studio:
         find: returns the swarm to connect to.
         startable: the swarms that pages may start, by name; what each is.
         choose: has another swarm be found from now on, by its run folder.
-        options: what a person has chosen of the robots' topics.
+        options: a person's choice of the robots' topics.
 
     Attributes:
-        shared: what the pages share; the other attributes are parts of it.
+        shared: the state of all pages; the other attributes are parts of it.
     """
 
     def __init__(
         self,
-        find: Callable[[], Target],
+        find: Callable[[], SwarmTarget],
         startable: Mapping[str, str] = NONE,
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
     ) -> None:
         link = SwarmLink(find, self._take, self._complain, choose, options)
-        self.shared = shared = Shared(link, startable)
+        self.shared = shared = StudioState(link, startable)
         self.link = shared.link
         self.store = shared.store
         self.sessions = shared.sessions
@@ -70,7 +70,7 @@ class Studio:
 
     # -- pages ------------------------------------------------------------------------------
 
-    def open(self, demonstrator: str = "") -> Session:
+    def open(self, demonstrator: str = "") -> PageState:
         """Return the session of a new page.
 
         Args:
@@ -81,11 +81,11 @@ class Studio:
             name = checked(demonstrator)
         except SwarmError:
             name = user_name()
-        session = Session(self.shared, secrets.token_urlsafe(16), name)
+        session = PageState(self.shared, secrets.token_urlsafe(16), name)
         self.sessions[session.id] = session
         return session
 
-    def close(self, session: Session) -> None:
+    def close(self, session: PageState) -> None:
         """Remove a page that has gone and finished its requests; release its agents."""
         self.sessions.pop(session.id, None)
         for agent in [agent for agent, by in self.shared.held.items() if by is session]:
@@ -95,7 +95,7 @@ class Studio:
 
     # -- moments ----------------------------------------------------------------------------
 
-    def _take(self, known: Known) -> None:
+    def _take(self, known: SwarmState) -> None:
         """Take what is known of the swarm now."""
         before = self.store.known
         self.store.take(known)
@@ -120,7 +120,7 @@ class Studio:
         orders = [json.dumps(order) for order in self._new_orders(known.groups)]
         self._spread([*messages, *orders])
 
-    def _meet(self, known: Known) -> None:
+    def _meet(self, known: SwarmState) -> None:
         """Forget an earlier swarm once another one is there; a restarted one is the same."""
         target = known.target
         if target is None or target.problem or not (known.agents or known.scene):
@@ -135,10 +135,10 @@ class Studio:
                 session.forget_agents()
         self._place = place
 
-    def _close_dialogs(self, target: Target) -> None:
+    def _close_dialogs(self, target: SwarmTarget) -> None:
         """Close what asks about a swarm that has gone."""
         for session in self.sessions.values():
-            session.asked = session.showing = None
+            session.missing_targets = session.shown_numbers = None
             if session.dialog and session.dialog["kind"] not in OF_NO_SWARM:
                 session.close_dialog()
                 session.tell(_dialog_closed(target), "note")
@@ -182,6 +182,6 @@ class Studio:
                     session.stop_replay(error)
 
 
-def _dialog_closed(target: Target) -> str:
+def _dialog_closed(target: SwarmTarget) -> str:
     """Return the message of a page whose dialog was about a swarm that has gone."""
     return f"The dialog was closed: {target.swarm or 'the swarm'} is not there any more."

@@ -16,7 +16,7 @@ from hitab_client.swarm_choice import is_namespace, meant
 
 
 @dataclass(frozen=True)
-class Target:
+class SwarmTarget:
     """A swarm, or just a ROS domain that may contain one.
 
     Attributes:
@@ -25,10 +25,10 @@ class Target:
         identity: of its present start, or `STARTED_BY_HAND`: then only nodes that no `hitab up`
             has started are asked; empty: any node.
         world: whether it has started a world.
-        namespace: of all its nodes; empty: none.
-        folder: its run folder; "" if unknown, as that of a swarm that was started elsewhere.
-        agents: the agents that it should have.
-        start: when it was started, s since the epoch; 0: unknown.
+        namespace: of all its nodes; empty if none.
+        folder: run folder of the swarm; "" if it was started elsewhere.
+        agents: the expected agents.
+        start: when it was started, s since the epoch; 0 if unknown.
         problem: why no swarm can be chosen to connect to; "" if one can.
         choices: the swarms among which a person may choose; with this one, if it was found there.
     """
@@ -42,7 +42,7 @@ class Target:
     world: bool = False
     namespace: str = ""
     folder: str = ""
-    choices: tuple[Target, ...] = field(default=(), compare=False)
+    choices: tuple[SwarmTarget, ...] = field(default=(), compare=False)
 
 
 class Finder:
@@ -52,7 +52,7 @@ class Finder:
     identity is given, as on the command line.
 
     Args:
-        swarm: its name, identity, namespace or run folder; None: the one that is up, or chosen.
+        swarm: name, identity, namespace or run folder; None for the running or chosen one.
         run_folder: of a swarm that may be missing from the list of those that are up.
     """
 
@@ -67,14 +67,14 @@ class Finder:
         """Stay with the swarm in this run folder from now on."""
         self._kept = folder
 
-    def __call__(self) -> Target:
+    def __call__(self) -> SwarmTarget:
         """Return the swarm to connect to now."""
         own = chosen_by_user()
         if self._folder is not None:
             folder = RunFolder(self._folder)
             record = folder.read()
             if record is None or folder.supervisor(record) is None:
-                return Target(own or 0, problem=_none_in(folder))
+                return SwarmTarget(own or 0, problem=_none_in(folder))
             return _target((folder, record))
         up = [*running_swarms()]
         if self._swarm is not None:
@@ -88,14 +88,13 @@ class Finder:
             space = (self._swarm or "").rstrip("/")
             return Target(own or 0, identity=STARTED_BY_HAND, namespace=space)
         if is_identity(self._swarm):
-            return Target(own or 0, self._swarm, identity=self._swarm)
-        return Target(own or 0, self._swarm, problem=f'Swarm "{self._swarm}" is not up.')
+            return SwarmTarget(own or 0, self._swarm, identity=self._swarm)
+        return SwarmTarget(own or 0, self._swarm, problem=f'Swarm "{self._swarm}" is not up.')
 
-    def _one_of(self, up: Sequence[Found], domain_id: int) -> Target:
+    def _one_of(self, up: Sequence[Found], domain_id: int) -> SwarmTarget:
         """Return the swarm that is kept, or the only one; a problem if a person has to choose.
 
-        If the one that is kept has ended, no other one takes its place by itself: it may come
-        back.
+        A kept swarm that has ended is not replaced by another one: it may come back.
         """
         shown = next((found for found in up if str(found[0].path) == self._kept), None)
         if shown is None and len(up) == 1 and (self._swarm is not None or not self._kept):
@@ -107,7 +106,7 @@ class Finder:
         ended = f"{self._kept_name} has ended. " if self._kept else ""
         several = "Several swarms are up" if len(up) > 1 else "Another swarm is up"
         text = f"{ended}{several}. Choose the one to show:"
-        return Target(domain_id, self._swarm or "", problem=text, choices=choices)
+        return SwarmTarget(domain_id, self._swarm or "", problem=text, choices=choices)
 
 
 def _none_in(folder: RunFolder) -> str:
@@ -115,9 +114,9 @@ def _none_in(folder: RunFolder) -> str:
     return f"No swarm is up in {path}. `{called()} up SWARM --run-dir {path}` starts one there."
 
 
-def _target(found: Found) -> Target:
+def _target(found: Found) -> SwarmTarget:
     folder, record = found
-    return Target(
+    return SwarmTarget(
         record.domain_id,
         record.swarm,
         record.agents,

@@ -4,8 +4,8 @@ It reconnects whenever the swarm has been restarted. All this belongs to the ser
 pages do. An error here is shown on the page that caused it, and ends nothing.
 
 Only jobs, requests that wait for the swarm, run in threads. A job is ordinary code that waits by
-spinning the link. It holds the link's monitor except while it waits, so only one thread at a time
-uses the node, the clients and their data.
+spinning the link. A job holds the link's monitor except while it waits, so only one thread at
+a time uses the node, the clients and their data.
 
 The rule for jobs: wait by the link (`spin`, `spin_until`, `call`), never by sleeping.
 """
@@ -29,23 +29,23 @@ from hitab_client.identity import STARTED_BY_HAND
 from hitab_core import HitabError
 from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.known import Known
 from hitab_studio.observer import Observer, Viewing
 from hitab_studio.robots.topics import Options
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm_state import SwarmState
 
 T = TypeVar("T")
 
-NODE = "hitab_studio"
+STUDIO_NODE = "hitab_studio"
 JOBS_MAX = 64
 SPIN_SECONDS = 0.01
-LOOK_SECONDS = 0.05
+LINK_PERIOD_SECONDS = 0.05
 FIND_SECONDS = 1.0
 LEAVE_SECONDS = 10.0
-AGAIN_SECONDS = 10.0
+ERROR_REPEAT_SECONDS = 10.0
 """Time until the same error is reported again."""
 
-ENDED = "The studio has ended."
+STUDIO_ENDED = "The studio has ended."
 UNCONNECTED = (
     "The studio is not connected to a swarm: start one, or choose one, in the middle of the page."
 )
@@ -54,7 +54,7 @@ FAILURES = 50
 """Consecutive failed turns after which the link reconnects."""
 
 _needs: ContextVar[str | None] = ContextVar("needs", default=None)
-"""In a job: the agent, or the world, that it needs; "" if none."""
+"""In a job: the agent or the world that must answer; "" if none."""
 
 
 class JobError(RuntimeError):
@@ -65,7 +65,7 @@ class SharedLink(RosLink):
     """A link for the server's loop and for jobs.
 
     Attributes:
-        monitor: held by whoever uses the link.
+        monitor: held by the user of the link.
         silent: agents, and the world, that have fallen silent: what needs them ends.
         ended: why all jobs end; "" as long as they go on.
     """
@@ -132,17 +132,17 @@ class SwarmLink:
         tell: called with what is known, whenever that changes.
         complain: called with an error, and the `session` or `agent` whose pages it concerns.
         choose: has a swarm be found from now on, by its run folder.
-        options: what a person has chosen of the robots' topics.
+        options: a person's choice of the robots' topics.
 
     Attributes:
-        viewing: what pages show.
+        viewing: agents that pages show.
         colors: of states, in the markers for other viewers.
     """
 
     def __init__(
         self,
-        find: Callable[[], Target],
-        tell: Callable[[Known], None],
+        find: Callable[[], SwarmTarget],
+        tell: Callable[[SwarmState], None],
         complain: Callable[..., None],
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
@@ -154,7 +154,7 @@ class SwarmLink:
         self._complain = complain
         self._choose = choose
         self._options = options
-        self._known = Known()
+        self._known = SwarmState()
         self._why_not = UNCONNECTED
         self._connected: Connected | None = None
         self._observer: Observer | None = None
@@ -172,7 +172,7 @@ class SwarmLink:
 
     async def stop(self) -> None:
         """Stop, and wait until the node has left."""
-        self._why_not = ENDED
+        self._why_not = STUDIO_ENDED
         if self._task is not None:
             self._task.cancel()
             with suppress(asyncio.CancelledError):
@@ -182,11 +182,11 @@ class SwarmLink:
     # -- for pages --------------------------------------------------------------------------
 
     async def do(self, job: Callable[[Connected], T], line: str = "", needs: str = "") -> T:
-        """Do something with the swarm in a thread, and return what it returns.
+        """Call a function with the swarm in a thread, and return its result.
 
         Args:
             job: does it.
-            line: the agent whose jobs are done one after the other; "": at once.
+            line: the agent whose jobs are done one after the other; "" for independent jobs.
             needs: an agent, or `names.WORLD`: if it falls silent, the job ends; "" if none.
 
         Raises:
@@ -212,7 +212,7 @@ class SwarmLink:
         finally:
             self._jobs.discard(running)
             if self._observer is not None and swarm.link.monitor.acquire(blocking=False):
-                try:  # whoever asked knows by now what there is to be known
+                try:  # the caller has its answer already
                     self._try(self._observer.look)
                 finally:
                     swarm.link.monitor.release()
@@ -224,7 +224,7 @@ class SwarmLink:
         self._chosen = True
 
     def training(self, agent: str) -> Training | None:
-        """Return what a viewed agent is being trained, as it has published it last."""
+        """Return a viewed agent's training, as published last."""
         swarm = self._connected
         status = swarm.agents.statuses.get(agent) if swarm is not None else None
         if swarm is None or status is None or not status.training:
@@ -243,7 +243,7 @@ class SwarmLink:
 
     @property
     def observer(self) -> Observer:
-        """What observes the swarm.
+        """The observer of the swarm.
 
         Raises:
             SwarmError: if there is no connection.
@@ -267,15 +267,15 @@ class SwarmLink:
             except Exception as error:  # the loop must outlive whatever goes wrong
                 logging.getLogger(__name__).exception("the link to the swarm")
                 why = f"The connection was lost: {what_went_wrong(error)}"
-                self._begin(Target(0, problem=why))
+                self._begin(SwarmTarget(0, problem=why))
                 await asyncio.sleep(FIND_SECONDS)
 
-    def _begin(self, target: Target) -> None:
+    def _begin(self, target: SwarmTarget) -> None:
         """Forget the previous swarm: another one, or another start of it, takes its place."""
         self._chosen = False
         self._why_not = target.problem
         before = self._known  # an emergency stop is not the swarm's: it outlasts it
-        self._known = Known(
+        self._known = SwarmState(
             target,
             before.revision + 1,
             emergency=before.emergency,
@@ -284,8 +284,8 @@ class SwarmLink:
         )
         self._tell(self._known)
 
-    async def _connect(self, target: Target) -> None:
-        link = await asyncio.to_thread(SharedLink, target.domain_id, name=NODE)
+    async def _connect(self, target: SwarmTarget) -> None:
+        link = await asyncio.to_thread(SharedLink, target.domain_id, name=STUDIO_NODE)
         space, identity = target.namespace, target.identity
         why = "The connection was lost meanwhile: look whether it was done."
         try:
@@ -310,7 +310,7 @@ class SwarmLink:
             await self._serve(target, swarm, self._observer)
             why = _gone(target)
         except asyncio.CancelledError:
-            why = ENDED
+            why = STUDIO_ENDED
             raise
         finally:
             if self._observer is not None:
@@ -323,7 +323,7 @@ class SwarmLink:
                 await asyncio.wait(self._jobs, timeout=LEAVE_SECONDS)
             link.close()
 
-    async def _serve(self, target: Target, swarm: Connected, observer: Observer) -> None:
+    async def _serve(self, target: SwarmTarget, swarm: Connected, observer: Observer) -> None:
         """Spin the node and observe the swarm until another one is meant."""
         link, failures = swarm.link, 0
         next_look = next_find = 0.0
@@ -338,7 +338,7 @@ class SwarmLink:
                 now = time.monotonic()
                 self._try(observer.see)
                 if now >= next_look:
-                    next_look = now + LOOK_SECONDS
+                    next_look = now + LINK_PERIOD_SECONDS
                     self._try(observer.look)
                     link.silent = observer.known.silent
                 if now >= next_find:
@@ -356,7 +356,7 @@ class SwarmLink:
             self._known = self._observer.known
             self._tell(self._known)
 
-    def _is_still(self, target: Target) -> bool:
+    def _is_still(self, target: SwarmTarget) -> bool:
         """Whether the same swarm is meant; if that cannot be found out at the moment, it is.
 
         Nodes that were started by hand are meant while any of them answers, whatever else starts,
@@ -387,12 +387,12 @@ class SwarmLink:
         """Show an error: on a page, on those that view an agent, or on all."""
         now = time.monotonic()
         if now >= self._troubles.get(text, 0.0):
-            self._troubles[text] = now + AGAIN_SECONDS
+            self._troubles[text] = now + ERROR_REPEAT_SECONDS
             logging.getLogger(__name__).error("%s", text, exc_info=error)
             self._complain(text, **whose)
 
 
-def _gone(target: Target) -> str:
+def _gone(target: SwarmTarget) -> str:
     """Return the error of a job whose swarm has gone."""
     name = f'Swarm "{target.swarm}"' if target.swarm else "The swarm"
     what = "went down meanwhile, was started again, or is not shown any more"

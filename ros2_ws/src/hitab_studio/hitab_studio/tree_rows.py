@@ -12,7 +12,7 @@ from hitab_core.learning import Leaf, tree_text
 
 @dataclass(frozen=True)
 class Row:
-    """One branch, see `hitab_core.learning.tree_text.rows`.
+    """A branch of a tree, see `hitab_core.learning.tree_text.rows`.
 
     Attributes:
         depth: from 0.

@@ -1,4 +1,4 @@
-"""Why something on the page does nothing at present; empty: it does something."""
+"""Why something on the page does nothing at present; empty if it does something."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from jinja2.utils import markupsafe
 from hitab_core import START
 from hitab_ros import names
 from hitab_studio.absence import absence
-from hitab_studio.session import CHOOSE_FIRST, REAL, Session
+from hitab_studio.page_state import CHOOSE_FIRST, REAL, PageState
 
 RECORDING = "This is a recording: close it first (Esc)."
 
@@ -22,7 +22,7 @@ def off(reason: str) -> markupsafe.Markup:
     return markupsafe.Markup('aria-disabled="true" title="{0}" data-off="{0}"').format(reason)
 
 
-def world(session: Session) -> str:
+def world(session: PageState) -> str:
     """Return why the world cannot be controlled."""
     known = session.shared.store.known
     if session.player is not None:
@@ -36,7 +36,7 @@ def world(session: Session) -> str:
     return session.shared.generations.why_busy
 
 
-def agent(session: Session) -> str:
+def agent(session: PageState) -> str:
     """Return why the agent cannot be commanded."""
     name, known = session.agent, session.shared.store.known
     if session.player is not None:
@@ -50,7 +50,7 @@ def agent(session: Session) -> str:
     return session.shared.generations.why_busy
 
 
-def training(session: Session) -> str:
+def training(session: PageState) -> str:
     """Return why keys that only mean something in a training do nothing."""
     kept = session.training is not None
     if (why := agent(session)) or session.is_training or kept:
@@ -58,21 +58,21 @@ def training(session: Session) -> str:
     return f"{session.agent} trains nothing: press Train… above the field to begin."
 
 
-def undoing(session: Session) -> str:
+def undoing(session: PageState) -> str:
     """Return why nothing can be undone."""
     done = session.training.done if session.training is not None else ()
     return training(session) or ("" if done else "There is nothing to undo.")
 
 
-def redoing(session: Session) -> str:
+def redoing(session: PageState) -> str:
     """Return why nothing can be redone."""
     undone = session.training.undone if session.training is not None else ()
     return training(session) or ("" if undone else "There is nothing to redo.")
 
 
-def testing(session: Session) -> str:
+def testing(session: PageState) -> str:
     """Return why what was learned cannot be tested, or saved."""
     learned = session.training
     if learned is not None and not any(e.state == START for e in learned.examples):
-        return "There is nothing yet: command the behavior that it should begin with."
+        return "There is nothing yet: command the behavior to begin with."
     return training(session)

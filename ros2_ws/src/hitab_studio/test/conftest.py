@@ -21,7 +21,7 @@ from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_ros import qos
 from hitab_ros.testing import context_of_its_own
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
 
 FEATURES = 400
 
@@ -36,7 +36,7 @@ class StandIn:
     """
 
     def __init__(self, context: Any) -> None:
-        self.target = Target(context.get_domain_id(), "stand_in", ("keeper_1", "keeper_2"), 1)
+        self.target = SwarmTarget(context.get_domain_id(), "stand_in", ("keeper_1", "keeper_2"), 1)
         self.nonsense = False
         self.alive: tuple[str, ...] = ()
         self._cycle = self._reading = 0
@@ -131,11 +131,11 @@ class RobotStandIn:
 
     Attributes:
         target: what the studio is to find.
-        odometry, scan, map, picture: what is published; None: nothing is.
+        odometry, scan, map, picture: what is published; None if nothing is.
     """
 
     def __init__(self, context: Any, robot: str = ROBOT, yaw: float = 0.0) -> None:
-        self.target = Target(context.get_domain_id(), "robots", (robot,), 1)
+        self.target = SwarmTarget(context.get_domain_id(), "robots", (robot,), 1)
         self.odometry: Odometry | None = None
         self.scan: LaserScan | None = None
         self.stand(0.0, 0.0, 0.0)

@@ -4,7 +4,7 @@ import asyncio
 from typing import Any
 
 from hitab_studio.generations import GenerationMaker, Making
-from hitab_studio.known import Known
+from hitab_studio.swarm_state import SwarmState
 
 
 class Link:

@@ -7,7 +7,7 @@ import numpy as np
 from visualization_msgs.msg import Marker
 
 from hitab_studio.markers import EVERY_SECONDS, FRAME, LIFETIME_SECONDS, Markers
-from hitab_studio.scene import Look, Scene
+from hitab_studio.scene import Appearance, Scene
 
 DOING = {"keeper_1": ("performing", "GoFast")}
 COLORS = {"GoFast": 0}
@@ -35,7 +35,7 @@ def markers() -> tuple[Markers, Publisher]:
 
 def scene(seconds: float, mode: str = "running") -> Scene:
     names = ("keeper_1", "ball")
-    looks = {name: Look(faces=name != "ball") for name in names}
+    looks = {name: Appearance(faces=name != "ball") for name in names}
     places = np.zeros((2, 5))
     size = (20.0, 20.0)
     return Scene(size, names, names, (0.3, 0.3), places, looks, mode=mode, seconds=seconds)

@@ -21,7 +21,15 @@ from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_studio.robots import watch
 from hitab_studio.robots.frames import Frames
-from hitab_studio.robots.topics import CAMERA, COMMAND, MAP, ODOMETRY, SCAN, Options, map_topic
+from hitab_studio.robots.topics import (
+    CAMERA,
+    COMMAND_TYPE,
+    MAP,
+    ODOM_TYPE,
+    SCAN,
+    Options,
+    map_topic,
+)
 from hitab_studio.robots.watch import Robots, RobotWatch
 from hitab_studio.scene import Palette, roster
 
@@ -92,7 +100,7 @@ class Node:
     def get_subscriber_names_and_types_by_node(self, _: str, space: str) -> Any:
         heard = {
             **self.agents[space[1:]],
-            f"{space}/command": COMMAND,
+            f"{space}/command": COMMAND_TYPE,
             "/joy": "sensor_msgs/msg/Joy",
         }
         return [(topic, [kind]) for topic, kind in heard.items()]
@@ -152,11 +160,11 @@ def tf2_msgs(monkeypatch):
     """Have tf installed, and let each look see what has just come."""
     monkeypatch.setitem(sys.modules, "tf2_msgs", SimpleNamespace())
     monkeypatch.setitem(sys.modules, "tf2_msgs.msg", SimpleNamespace(TFMessage=object))
-    monkeypatch.setattr(watch, "LOOK_SECONDS", 0.0)
+    monkeypatch.setattr(watch, "WATCH_PERIOD_SECONDS", 0.0)
 
 
 def one_robot() -> Watched:
-    seen = Watched({"a": {"/odom": ODOMETRY, "/scan": SCAN}}, {"/cam": CAMERA, "/map": MAP})
+    seen = Watched({"a": {"/odom": ODOM_TYPE, "/scan": SCAN}}, {"/cam": CAMERA, "/map": MAP})
     seen.says("/odom", odometry())
     return seen
 
@@ -196,7 +204,7 @@ def test_what_makes_no_sense_is_refused_and_the_reason_shown_beside_its_topic():
         ("/odom", odometry(turn=Quaternion(w=0.0)), "orientation that is none"),
         ("/odom", odometry()[:60], "no Odometry"),
         ("/scan", scan(angle_increment=math.nan), "rays point"),
-        ("/map", grid(2, 2, [0, 0, 0]), "says that it has 2 x 2 cells, and has 3"),
+        ("/map", grid(2, 2, [0, 0, 0]), "announces 2 x 2 cells and has 3"),
         ("/map", grid(0, 0, []), "has 0 x 0 cells"),
         ("/map", grid(2**31, 2**31, [0]), "can be shown"),
         ("/map", grid(1, 1, [0], math.nan), "cells of nan m"),
@@ -249,7 +257,8 @@ def test_frames_are_related_along_the_tree_and_nonsense_ends_nothing():
 
 def test_robots_stand_in_the_map_where_tf_says_that_their_odometries_began():
     seen = Watched(
-        {"a": {"/a/odom": ODOMETRY, "/a/scan": SCAN}, "b": {"/b/odom": ODOMETRY}}, {"/map": MAP}
+        {"a": {"/a/odom": ODOM_TYPE, "/a/scan": SCAN}, "b": {"/b/odom": ODOM_TYPE}},
+        {"/map": MAP},
     )
     seen.says("/a/odom", odometry("a/odom", 1.0))
     seen.says("/b/odom", odometry("b/odom"))
@@ -287,7 +296,10 @@ def test_nothing_is_listened_to_without_a_page():
 
 
 def test_of_several_robots_each_has_the_camera_in_its_namespaces():
-    agents = {"a": {"/red/odom": ODOMETRY, "/red/scan": SCAN}, "b": {"/b/odom": ODOMETRY}}
+    agents = {
+        "a": {"/red/odom": ODOM_TYPE, "/red/scan": SCAN},
+        "b": {"/b/odom": ODOM_TYPE},
+    }
     cameras = dict.fromkeys(("/red/right", "/red/left", "/b/left", "/b/right", "/up"), CAMERA)
     for options, expected in [
         (Options(), {"/red/left", "/b/left"}),
@@ -308,7 +320,10 @@ def test_the_map_is_meant_and_no_costmap():
 
 def test_robots_are_a_field_that_holds_all_in_which_no_command_means_a_moment_of_a_world():
     seen = Watched(
-        {"robot_10": {"/odom": ODOMETRY, "/scan": SCAN}, "robot_2": {"/b/odom": ODOMETRY}}
+        {
+            "robot_10": {"/odom": ODOM_TYPE, "/scan": SCAN},
+            "robot_2": {"/b/odom": ODOM_TYPE},
+        }
     )
     seen.says("/odom", odometry(x=12.0))
     scene = seen.says("/b/odom", odometry(x=1.0)).scene

@@ -12,7 +12,7 @@ import pytest
 
 from hitab_client.errors import SwarmError
 from hitab_studio.page import perform
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.studio import Studio
 from hitab_studio.views import render
 
@@ -25,7 +25,7 @@ class Page:
 
     def __init__(self, studio: Studio) -> None:
         self.studio = studio
-        self.session: Session = studio.open()
+        self.session: PageState = studio.open()
         self.session.look_at(ROBOT)
         studio.link.viewing.pages.add(self.session.id)
 

@@ -10,17 +10,17 @@ from hitab_client import Learned, SwarmError
 from hitab_core import Example
 from hitab_core.example import ExampleKind
 from hitab_studio.actions import teaching
-from hitab_studio.agent_watch import Watched
-from hitab_studio.known import Known
+from hitab_studio.agent_watch import AgentState
 from hitab_studio.learned import Vocabulary
 from hitab_studio.page import RequestQueue, perform
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm_state import SwarmState
 from hitab_studio.views import render
 
 ONE = "keeper_1"
-UP = Target(0, "keepaway", (ONE,), 1, folder="/keepaway", world=True)
+UP = SwarmTarget(0, "keepaway", (ONE,), 1, folder="/keepaway", world=True)
 SAVED = Learned(
     "FetchBall", "trained", "", "tree", (), (), ("Stop",), (), (), (),
     tuple(Example("Start", (), "Stop", ExampleKind.DEMONSTRATED, i, i) for i in (1, 2, 3)),
@@ -35,9 +35,9 @@ WORDS = Vocabulary(
 )
 
 
-def page(known: Known, use: Any) -> Any:
+def page(known: SwarmState, use: Any) -> Any:
     async def made() -> Any:
-        session = Studio(lambda: Target(0)).open()
+        session = Studio(lambda: SwarmTarget(0)).open()
         session.shared.store.known = known
         session.agent = ONE
         return await use(session)
@@ -45,10 +45,10 @@ def page(known: Known, use: Any) -> Any:
     return asyncio.run(made())
 
 
-def keeper(status: AgentStatus | None = None, **watched: Any) -> Known:
-    known = Watched(vocabulary=WORDS, behaviors={"FetchBall": SAVED}, **watched)
+def keeper(status: AgentStatus | None = None, **watched: Any) -> SwarmState:
+    known = AgentState(vocabulary=WORDS, behaviors={"FetchBall": SAVED}, **watched)
     idle = AgentStatus(agent=ONE, mode="idle", domain="soccer")
-    return Known(UP, statuses={ONE: status or idle}, watched=MappingProxyType({ONE: known}))
+    return SwarmState(UP, statuses={ONE: status or idle}, watched=MappingProxyType({ONE: known}))
 
 
 # -- a command that was not taken, while more was asked for -----------------------------------
@@ -64,7 +64,7 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
             raise SwarmError("keeper_1 did not acknowledge the command within 2 s")
         done.append(behavior)
 
-    async def use(session: Session) -> None:
+    async def use(session: PageState) -> None:
         async def ask_agent(job: Any) -> None:
             agents = SimpleNamespace(_edit=lambda *_: done.append("undo"))
             job(SimpleNamespace(agents=agents, world=None), ONE)
@@ -101,10 +101,10 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
 def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
     """It would be the key of a behavior otherwise, which nobody meant."""
 
-    async def use(session: Session) -> None:
+    async def use(session: PageState) -> None:
         done: list[str] = []
 
-        async def commanded(session: Session, behavior: str, seen: int) -> None:
+        async def commanded(session: PageState, behavior: str, seen: int) -> None:
             done.append(behavior)
 
         monkeypatch.setattr(teaching, "_commanded", commanded)
@@ -114,7 +114,7 @@ def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
         await perform(session, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
         await perform(session, {"do": "command", "behavior": "GoFast"})
         assert done == ["GoTo(ball)", "GoFast"]
-        assert session.asked is None
+        assert session.missing_targets is None
 
     page(keeper(), use)
 
@@ -123,7 +123,7 @@ def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
 
 
 def test_who_begins_before_that_was_said_is_told_and_may_begin_then(monkeypatch):
-    async def use(session: Session) -> None:
+    async def use(session: PageState) -> None:
         begun = []
 
         async def ask_agent(job: Any) -> None:
@@ -147,7 +147,7 @@ def test_who_begins_before_that_was_said_is_told_and_may_begin_then(monkeypatch)
 def test_what_was_typed_last_opens_no_dialog_that_is_closed():
     """An empty dialog took the Esc that was meant for the training."""
 
-    async def use(session: Session) -> None:
+    async def use(session: PageState) -> None:
         for late in ("new-name", "new-parameter"):
             await perform(session, {"do": late, "value": "A"})
             assert session.dialog == {}

@@ -12,7 +12,7 @@ import pytest
 
 from hitab_client.errors import SwarmError
 from hitab_client.recording import bag_file
-from hitab_studio.actions import ACTIONS
+from hitab_studio.actions import REGISTERED_ACTIONS
 from hitab_studio.page import RequestQueue
 from hitab_studio.studio import Studio
 
@@ -215,8 +215,8 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
     async def second(session: Any, data: Any) -> None:
         done.append("second")
 
-    monkeypatch.setitem(ACTIONS, "first", first)
-    monkeypatch.setitem(ACTIONS, "second", second)
+    monkeypatch.setitem(REGISTERED_ACTIONS, "first", first)
+    monkeypatch.setitem(REGISTERED_ACTIONS, "second", second)
 
     async def run() -> None:
         studio, requests = Studio(lambda: None), RequestQueue()  # type: ignore[arg-type,return-value]
@@ -248,7 +248,7 @@ def asked_twice(monkeypatch: Any, name: str, *wanted: Any) -> list[Any]:
             done.append(data)
             await asyncio.sleep(0)
 
-        monkeypatch.setitem(ACTIONS, name, do)
+        monkeypatch.setitem(REGISTERED_ACTIONS, name, do)
         studio, requests = Studio(lambda: None), RequestQueue()  # type: ignore[arg-type,return-value]
         performing = asyncio.create_task(requests.perform(studio.open(), lambda: None))
         requests.add(wanted[0])

@@ -16,15 +16,15 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
-from hitab_studio.agent_watch import Watched
-from hitab_studio.known import Known
+from hitab_studio.agent_watch import AgentState
 from hitab_studio.learned import Vocabulary, effect, is_contradicted
 from hitab_studio.page import perform
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of, state_shown
-from hitab_studio.store import Store
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm_state import SwarmState
+from hitab_studio.swarm_store import SwarmStore
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views import render
 
@@ -39,24 +39,24 @@ def scene(cycle: int = 0, x: float = 0.0) -> Any:
 
 
 def test_placements_cannot_be_undone_in_another_episode():
-    store = Store()
-    store.take(Known(scene=replace(scene(), episode=1)))
+    store = SwarmStore()
+    store.take(SwarmState(scene=replace(scene(), episode=1)))
     store.placements.append({"ball": {"x": 0.0}})
-    store.take(Known(scene=replace(scene(5), episode=1)))
+    store.take(SwarmState(scene=replace(scene(5), episode=1)))
     assert store.placements
-    store.take(Known(scene=replace(scene(9), episode=2)))
+    store.take(SwarmState(scene=replace(scene(9), episode=2)))
     assert not store.placements
 
 
 def test_where_nothing_has_a_place_what_an_agent_perceives_is_plotted_instead():
     async def use() -> None:
-        studio = Studio(lambda: Target(0))
+        studio = Studio(lambda: SwarmTarget(0))
         page = studio.open()
         page.agent = "pump"
         readings = {("", "Heat"): (20.0, 21.5), ("", "Gap(a,a)"): (0.0,), ("", DISTANCE): (3.0,)}
-        known = Known(
+        known = SwarmState(
             statuses={"pump": AgentStatus(mode="idle")},
-            watched={"pump": Watched(Vocabulary("plant"), readings=readings)},
+            watched={"pump": AgentState(Vocabulary("plant"), readings=readings)},
             scene=scene_of(WorldState(width=20.0, height=10.0)),
         )
         studio.store.take(known)
@@ -176,7 +176,7 @@ def test_a_token_is_made_where_other_machines_reach_the_page():
 
 def test_an_agent_is_commanded_by_one_demonstrator_until_another_takes_it():
     async def use() -> None:
-        studio = Studio(lambda: Target(0))
+        studio = Studio(lambda: SwarmTarget(0))
         anna, ben = studio.open("Anna"), studio.open("Ben")
         anna.agent = ben.agent = "keeper_1"
         anna.hold("keeper_1")

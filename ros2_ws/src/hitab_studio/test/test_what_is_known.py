@@ -10,25 +10,25 @@ from hitab_msgs.msg import AgentStatus, WorldStatus
 
 from hitab_client import SwarmError
 from hitab_ros import KnownStops
-from hitab_studio.actions import ACTIONS
-from hitab_studio.known import JOINING_SECONDS, Known
+from hitab_studio.actions import REGISTERED_ACTIONS
 from hitab_studio.page import perform
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm_state import JOINING_SECONDS, SwarmState
 from hitab_studio.views import render
 from hitab_studio.views.side import TABS
 
 ONE = "keeper_1"
-UP = Target(0, "keepaway", (ONE, "keeper_2"), 1, folder="/keepaway", world=True)
-OVER = Target(0, problem="keepaway has ended. Another swarm is up. Choose the one to show:")
+UP = SwarmTarget(0, "keepaway", (ONE, "keeper_2"), 1, folder="/keepaway", world=True)
+OVER = SwarmTarget(0, problem="keepaway has ended. Another swarm is up. Choose the one to show:")
 
 
-def shown(known: Known, *panels: str, tab: str = "teach", agent: str = ONE) -> str:
+def shown(known: SwarmState, *panels: str, tab: str = "teach", agent: str = ONE) -> str:
     """Return what panels of a page say."""
 
     async def made() -> str:
-        session = Studio(lambda: Target(0)).open()
+        session = Studio(lambda: SwarmTarget(0)).open()
         session.shared.store.known = known
         session.agent, session.tab = agent, tab
         return "".join(render(panel, session) for panel in panels)
@@ -45,7 +45,7 @@ def hears(*names: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("tab", [tab for tab in TABS if tab not in ("swarm", "record")])
 def test_nothing_is_said_of_an_agent_whose_swarm_has_ended(tab):
-    said = shown(Known(OVER), "overlay", "side", tab=tab)
+    said = shown(SwarmState(OVER), "overlay", "side", tab=tab)
     assert "is empty" not in said
     assert "Nothing" not in said
     assert "No training" not in said
@@ -55,45 +55,45 @@ def test_nothing_is_said_of_an_agent_whose_swarm_has_ended(tab):
     assert "does not answer" not in said
 
 
-def in_a_studio(use: Callable[[Studio, Session], None]) -> None:
+def in_a_studio(use: Callable[[Studio, PageState], None]) -> None:
     async def made() -> None:
-        studio = Studio(lambda: Target(0))
+        studio = Studio(lambda: SwarmTarget(0))
         session = studio.open()
-        studio._take(Known(UP, 1, statuses=hears(ONE)))
+        studio._take(SwarmState(UP, 1, statuses=hears(ONE)))
         use(studio, session)
 
     asyncio.run(made())
 
 
 def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
-    def use(studio: Studio, session: Session) -> None:
+    def use(studio: Studio, session: PageState) -> None:
         session.dialog = {"kind": "distribute", "name": "Chase", "agent": ONE}
-        studio._take(Known(UP, 2, statuses=hears(ONE, "keeper_2")))
+        studio._take(SwarmState(UP, 2, statuses=hears(ONE, "keeper_2")))
         assert session.dialog, "its swarm is there"
-        studio._take(Known(OVER, 3))
+        studio._take(SwarmState(OVER, 3))
         assert "dialog" not in render("dialog", session)
         closed = "The dialog was closed: keepaway is not there any more."
         assert closed in render("messages", session)
-        studio._take(Known(UP, 4, statuses=hears(ONE)))
+        studio._take(SwarmState(UP, 4, statuses=hears(ONE)))
         assert closed not in render("messages", session), "it is there again"
         session.dialog = {"kind": "help"}
-        studio._take(Known(UP, 4))
+        studio._take(SwarmState(UP, 4))
         assert session.dialog, "it is about no swarm"
 
     in_a_studio(use)
 
 
 def test_a_refusal_is_shown_in_the_dialog_that_asked_for_it():
-    async def refuses(session: Session, data: Any) -> None:
+    async def refuses(session: PageState, data: Any) -> None:
         raise SwarmError("Choose at least one feature.")
 
-    async def nothing(session: Session, data: Any) -> None: ...
+    async def nothing(session: PageState, data: Any) -> None: ...
 
     async def made(monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setitem(ACTIONS, "refuses", refuses)
-        monkeypatch.setitem(ACTIONS, "nothing", nothing)
-        session = Studio(lambda: Target(0)).open()
-        session.shared.store.known = Known(UP, statuses=hears(ONE))
+        monkeypatch.setitem(REGISTERED_ACTIONS, "refuses", refuses)
+        monkeypatch.setitem(REGISTERED_ACTIONS, "nothing", nothing)
+        session = Studio(lambda: SwarmTarget(0)).open()
+        session.shared.store.known = SwarmState(UP, statuses=hears(ONE))
         session.agent = ONE
         new = {"kind": "new", "agent": ONE, "resume": "", "name": "", "parameter": ""}
         caution = {"kind": "caution", "agent": ONE}
@@ -119,8 +119,8 @@ def test_a_refusal_is_shown_in_the_dialog_that_asked_for_it():
 
 
 def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
-    target = Target(0, "thousand", tuple(f"forager_{i}" for i in range(1000)), 1, world=True)
-    coming = Known(target, joined=time.monotonic(), world=WorldStatus(mode="running"))
+    target = SwarmTarget(0, "thousand", tuple(f"forager_{i}" for i in range(1000)), 1, world=True)
+    coming = SwarmState(target, joined=time.monotonic(), world=WorldStatus(mode="running"))
     said = shown(coming, "top", "agents", "side", tab="swarm", agent="")
     assert "0 of 1000 agents, waiting to hear from them" in said
     assert "Waiting to hear from 1000 agents" in said
@@ -128,12 +128,12 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
     said = shown(coming, "agents", "overlay", agent="forager_1")
     assert "no answer" not in said.lower()
     assert "has not been heard yet" in said
-    late = Known(target, joined=time.monotonic() - JOINING_SECONDS - 1, world=WorldStatus())
+    late = SwarmState(target, joined=time.monotonic() - JOINING_SECONDS - 1, world=WorldStatus())
     assert "No agent answers" in shown(late, "side", tab="swarm", agent="")
     assert "No answer" in shown(late, "overlay", agent="forager_1")
-    some = Known(UP, statuses=hears(ONE), joined=time.monotonic(), world=WorldStatus())
+    some = SwarmState(UP, statuses=hears(ONE), joined=time.monotonic(), world=WorldStatus())
     assert "1 of 2 agents, waiting for the others" in shown(some, "top")
-    both = Known(UP, statuses=hears(ONE, "keeper_2"), joined=time.monotonic())
+    both = SwarmState(UP, statuses=hears(ONE, "keeper_2"), joined=time.monotonic())
     assert not both.is_waiting
 
 
@@ -142,16 +142,16 @@ def test_agents_that_were_not_heard_yet_are_waited_for_while_others_come():
 
 def test_the_emergency_stop_is_large_where_robots_may_do_harm_and_when_it_is_engaged():
     status = hears(ONE)
-    assert "large" in shown(Known(UP, statuses=status), "emergency")
-    assert "large" not in shown(Known(UP, statuses=status, world=WorldStatus()), "emergency")
-    assert "large" not in shown(Known(UP), "emergency")
+    assert "large" in shown(SwarmState(UP, statuses=status), "emergency")
+    assert "large" not in shown(SwarmState(UP, statuses=status, world=WorldStatus()), "emergency")
+    assert "large" not in shown(SwarmState(UP), "emergency")
     stop = KnownStops().stopped("1", "Anna", "a dog")
-    said = shown(Known(UP, world=WorldStatus(), emergency=stop), "emergency", "top")
+    said = shown(SwarmState(UP, world=WorldStatus(), emergency=stop), "emergency", "top")
     assert "large" in said
     assert 'data-test="release"' in said
     assert "stopped by Anna (a dog)" in said
     released = stop.released_by("Ben")
-    assert 'data-test="stop-robots"' in shown(Known(UP, emergency=released), "emergency")
+    assert 'data-test="stop-robots"' in shown(SwarmState(UP, emergency=released), "emergency")
 
 
 # -- a swarm that is slow ---------------------------------------------------------------------

@@ -16,7 +16,7 @@ from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import swarm_finder
 from hitab_studio.page import perform
 from hitab_studio.studio import Studio
-from hitab_studio.swarm_finder import Finder, Target
+from hitab_studio.swarm_finder import Finder, SwarmTarget
 from hitab_studio.swarm_link import SwarmLink
 from hitab_studio.views import render
 
@@ -35,7 +35,7 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
 
     async def ask() -> None:
         link = SwarmLink(
-            lambda: Target(0, problem="Which one?"), lambda _: None, lambda text, **_: None
+            lambda: SwarmTarget(0, problem="Which one?"), lambda _: None, lambda text, **_: None
         )
         link.start()
         try:
@@ -80,7 +80,7 @@ def test_without_a_swarm_from_here_nodes_that_no_command_has_started_are_meant()
 
 
 def test_a_swarm_that_was_started_elsewhere_is_meant_if_its_identity_is_given():
-    assert Finder(ELSEWHERE)() == Target(0, ELSEWHERE, identity=ELSEWHERE)
+    assert Finder(ELSEWHERE)() == SwarmTarget(0, ELSEWHERE, identity=ELSEWHERE)
 
 
 def test_nodes_that_no_command_has_started_are_meant_in_the_namespace_that_is_given():
@@ -138,7 +138,7 @@ def test_swarms_in_other_domains_are_not_offered_if_a_domain_is_given(ups, monke
 
 
 def in_a_studio(
-    find: Callable[[], Target],
+    find: Callable[[], SwarmTarget],
     use: Callable[[Studio], Awaitable[None]],
     choose: Callable[[str], None] = lambda folder: None,
 ) -> None:
@@ -209,7 +209,9 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
     async def use(studio: Studio) -> None:
         store = studio.store
         await until(lambda: store.known.scene, "its world")
-        targets.append(Target(nodes.domain_id, "red", ("a",), 1, "", "red-0", choices=(choice,)))
+        targets.append(
+            SwarmTarget(nodes.domain_id, "red", ("a",), 1, "", "red-0", choices=(choice,))
+        )
         await until(lambda: store.known.target.choices == (choice,), "it is offered")
         assert store.known.scene is not None
         session = studio.open()

@@ -1,8 +1,8 @@
 from . import demo as demo
 from . import evaluation as evaluation
-from . import figures as figures
 from . import inprocess as inprocess
 from . import parameters as parameters
+from . import ros_parameters as ros_parameters
 from . import snapshots as snapshots
 from . import testing as testing
 from .gymnasium_world import GymnasiumWorld as GymnasiumWorld

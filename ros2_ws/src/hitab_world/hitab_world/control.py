@@ -21,9 +21,9 @@ class Control:
         factor: speed in real-time pace, as a factor of real time.
         paused: whether it is paused, except for the cycles of ``steps_left``.
         steps_left: cycles to play while paused.
-        episodes_left: episodes to play until it pauses; 0: no limit.
+        episodes_left: episodes to play until it pauses; 0 for no limit.
         run: number of the run that was begun last, unlike that of any other.
-        held: why it rests whatever the others say, such as an emergency stop; empty: it does not.
+        held: why the world rests in spite of all requests, such as an emergency stop; else empty.
             No file stores it.
     """
 

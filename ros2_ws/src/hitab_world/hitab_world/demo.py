@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-GROUP = "hitab.demos"
+DEMO_ENTRY_POINTS = "hitab.demos"
 """The entry-point group; a demo has the name of its domain."""
 
 
@@ -16,12 +16,12 @@ class Demo:
     Attributes:
         swarm: a shipped swarm with a world, in which one agent is taught.
         lessons: shipped lessons, in the order in which they are played.
-        behavior: that all agents perform afterwards.
-        against: whom they play against, for the title of the result.
+        behavior: performed by all agents afterwards.
+        against: the opponents, for the title of the result.
         reference: of `references`, and of `examples`, such as ``paper``.
         references: mean and standard error of measures elsewhere; no error: None.
         examples: how many examples each automaton took there.
-        closing: what training took there, a sentence.
+        closing: a sentence about the effort of training there.
     """
 
     swarm: str

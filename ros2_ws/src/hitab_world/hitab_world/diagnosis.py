@@ -1,32 +1,34 @@
-"""What is wrong with a world, for the topic ``/diagnostics``."""
+"""The faults of a world, for the topic ``/diagnostics``."""
 
 from __future__ import annotations
 
 from hitab_core import some
 from hitab_ros import Guard
 from hitab_ros.diagnostics import Diagnosis, Level
-from hitab_world.course import Course
+from hitab_world.run_state import RunState
 
 NAMED_MAX = 10  # most agents that a message names
 
 
-def diagnosis_of_world(course: Course, guard: Guard, hardware: str, errors: set[str]) -> Diagnosis:
-    """Return what is wrong with a world.
+def diagnosis_of_world(
+    run_state: RunState, guard: Guard, hardware: str, errors: set[str]
+) -> Diagnosis:
+    """Return the faults of a world.
 
     Args:
-        course: of the world.
+        run_state: of the world.
         guard: of its node; its faults are shown.
         hardware: the world's namespace, which is unique.
         errors: the keys of faults with which it cannot go on.
     """
-    world, control, round_answers = course.world, course.control, course.round_answers
+    world, control, round_answers = run_state.world, run_state.control, run_state.round_answers
     found = [
         (Level.ERROR if key in errors else Level.WARN, text)
         for key, text in guard.faults.by_key.items()
     ]
     missing = round_answers.missing
     if missing:
-        found.append((Level.WARN, f"nobody answers for {some(missing, NAMED_MAX)}"))
+        found.append((Level.WARN, f"no node answers for {some(missing, NAMED_MAX)}"))
 
     def details() -> tuple[str, dict[str, object]]:
         mode = "paused" if control.at_rest else "running"
@@ -38,7 +40,7 @@ def diagnosis_of_world(course: Course, guard: Guard, hardware: str, errors: set[
             "agents": len(world.agents),
             "missing agents": len(missing),
             "missed deadlines": round_answers.missed_deadlines,
-            "reproducible": course.reproducible,
+            "reproducible": run_state.reproducible,
         }
         return mode, values
 

@@ -1,4 +1,4 @@
-"""Evaluates what agents do by the same episodes: measures, their means and what is better."""
+"""Evaluates agents by the same episodes: measures, their means and comparisons."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from hitab_world.inprocess import Between, Player, play
 from hitab_world.world import MORE, SECONDS, EpisodeResult, Measure, World
 
 
-class Game(NamedTuple):
+class GameSetup(NamedTuple):
     """A world in this process, and what plays its agents.
 
     Attributes:
-        between: called when all have perceived and nobody has acted yet, such as for commanders.
+        between: called between the percepts and the actions of a cycle, such as for commanders.
     """
 
     world: World
@@ -34,8 +34,8 @@ class Estimate:
     """The mean of a measure over episodes.
 
     Attributes:
-        mean: of all values; None: there are none.
-        se: its standard error; None for fewer than two values, as the others.
+        mean: of all values; None if there are none.
+        se: standard error of the mean; None for fewer than two values, as the others.
         low, high: the 95 % confidence interval of the mean, from Student's t distribution.
     """
 
@@ -56,7 +56,7 @@ def estimate(values: Sequence[float]) -> Estimate:
 
 
 def student_t(freedom: int) -> float:
-    """Return how many standard errors the 95 % interval reaches to either side.
+    """Return the half-width of the 95 % interval, in standard errors.
 
     Exact for one and two degrees of freedom; for more, to a thousandth (Abramowitz and Stegun,
     26.7.5).
@@ -84,21 +84,21 @@ def mean_and_error(values: Sequence[float]) -> dict[str, float]:
 
 
 def measures_of(world: World, results: Sequence[EpisodeResult]) -> Sequence[Measure]:
-    """Return what a world declares, or else the measures of its results, as if more is better."""
+    """Return a world's declared measures, or else those of its results, as if more is better."""
     names = {name for result in results for name in result.measures}
     undeclared = (Measure(SECONDS, "s"), *map(Measure, sorted(names)))
     return getattr(world, "measures", ()) or undeclared
 
 
 def play_alike(
-    games: Sequence[Game], episodes: int, *, longest: float = 0.0
+    games: Sequence[GameSetup], episodes: int, *, longest: float = 0.0
 ) -> Iterator[tuple[EpisodeResult, ...]]:
     """Play the same episodes in each game; yield the results of each episode, in order of games.
 
     Args:
         games: with worlds of the same seed and figures.
         episodes: how many.
-        longest: break an episode off after so many simulated seconds; 0: never.
+        longest: break an episode off after so many simulated seconds; 0 for never.
     """
     for number in range(episodes):
         yield tuple(
@@ -117,7 +117,7 @@ class Comparison:
     """A measure of the same episodes, in one game or in two.
 
     Attributes:
-        measure: what is measured.
+        measure: the compared measure.
         values: of the episodes, by game.
     """
 
@@ -138,7 +138,7 @@ class Comparison:
 
     @property
     def difference(self) -> Estimate:
-        """By how much the first game has more than the second, paired by episode."""
+        """The mean lead of the first game over the second, paired by episode."""
         return estimate([a - b for a, b in zip(*self.values, strict=True)])
 
     @property

@@ -17,7 +17,7 @@ class GymnasiumWorld(Simulation):
     perceived last, and its actions are ignored. One that has not joined it perceives zeros.
 
     Attributes:
-        idle: the action of an agent that does nothing; None: the first number of a Discrete space,
+        idle: the action of an agent that does nothing; None for the first of a Discrete space,
             in a Box the numbers nearest to 0.
         env: the environment of this episode; each episode has its own.
         reward: of all agents in the episode so far.
@@ -101,7 +101,7 @@ class GymnasiumWorld(Simulation):
 
 
 def _parts(returned: Any, method: str, count: int) -> Sequence[Any]:
-    """Return what an environment returned; a `ValueError` if its interface is an old one."""
+    """Return the parts of an environment's answer; `ValueError` for an old interface."""
     if isinstance(returned, tuple | list) and len(returned) == count:
         return returned
     raise ValueError(

@@ -14,7 +14,7 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_world.lockstep import Answer
 
 PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
-"""Returns what an agent perceives; None: send it nothing."""
+"""Returns an agent's percept; None to send nothing."""
 
 HOSTS_MAX = 1000  # announcements that are kept for a late reader
 TAKE_IN = QoSProfile(
@@ -73,7 +73,7 @@ class HostRegistry:
             node: of the world.
             agents: all agents of the world.
             take: receives each agent's answer, with the sequence of the percept.
-            swarm: identity of the world's swarm, whose hosts are taken; empty: any are.
+            swarm: identity of the world's swarm, whose hosts are taken; empty if all are taken.
             report: called with why a host is not taken.
         """
         self._node, self._agents, self._take = node, frozenset(agents), take
@@ -121,7 +121,7 @@ class HostRegistry:
 
         Args:
             common: the fields that all percepts of a cycle share.
-            percept_of: returns what an agent perceives; None: send it nothing.
+            percept_of: returns an agent's percept; None to send nothing.
         """
         for name, host in self._hosts.items():
             if host.listens:

@@ -11,8 +11,7 @@ Example::
     repertoire = Repertoire(DOMAIN, library)
     results = play(world, perform(world, repertoire, "Keepaway"), episodes=200)
 
-A world that computes what all its agents perceive at once does so at the first `World.percept` of
-a cycle; nothing has to be done here for it.
+A world that computes all percepts at once does so at the first `World.percept` of a cycle.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ Between = Callable[[], None]
 
 
 class Player(Protocol):
-    """What plays one agent.
+    """A player of one agent.
 
     Attributes:
         body: of the agent; see `hitab_core.domain.Body`.
@@ -161,7 +160,7 @@ def cycle(
     Args:
         world: is stepped.
         players: by agent.
-        between: called when all have perceived and nobody has acted yet, such as for commanders.
+        between: called between the percepts and the actions of a cycle, such as for commanders.
     """
     for name, player in players.items():
         player.body.sense(*world.percept(name))

@@ -10,10 +10,9 @@ Answer = tuple[Sequence[float], str]
 class RoundAnswers:
     """Records the answers to one round of percepts.
 
-    An agent that misses a deadline is not waited for until it answers again: a dead one must not
-    slow the others down for longer than one deadline. In the first round that is played after
-    rounds in which the agents only look, all are waited for, so that a run in which an agent takes
-    no part has a missed deadline.
+    An agent that misses a deadline is not waited for until it answers again: a dead agent must not
+    slow down the others for longer than one deadline. All are waited for in the first round played
+    after rounds of looking, so that a run without one of the agents has a missed deadline.
     """
 
     def __init__(self, agents: Iterable[str], joined: Callable[[str], bool]) -> None:

@@ -11,7 +11,7 @@ For example::
         leaves: int = 3
         rain: bool = False
 
-Independent of ROS; `hitab_world.figures` declares such figures as the parameters of a node.
+Independent of ROS; `hitab_world.ros_parameters` declares such figures as the parameters of a node.
 """
 
 from __future__ import annotations

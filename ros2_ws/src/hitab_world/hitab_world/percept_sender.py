@@ -70,7 +70,7 @@ class PerceptSender:
 
         Args:
             common: the fields that all percepts of a cycle share.
-            percept_of: returns what an agent perceives; None: send it nothing.
+            percept_of: returns an agent's percept; None to send nothing.
         """
         for name, publisher in self._alone.items():
             if not self._hosted(name) and (sensed := percept_of(name)) is not None:

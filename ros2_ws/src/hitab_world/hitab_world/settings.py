@@ -8,18 +8,18 @@ from types import MappingProxyType
 from hitab_msgs.msg import WorldStatus
 from rclpy.node import Node
 
-from hitab_world.figures import declare
 from hitab_world.parameters import NOT_NEGATIVE, Parameters, between, one_of
+from hitab_world.ros_parameters import declare
 
-DESCRIPTIONS = {
+WORLD_PARAMETERS = {
     "pace": "lockstep: the next cycle begins when every agent has answered; realtime",
     "factor": "speed in real-time pace, as a factor of real time",
     "seed": "of the run: episode i is seeded with it and i",
     "paused": "wait for a resume, step or play before the first cycle",
     "deadline": "s; in lockstep, how long to wait for an agent's answer",
-    "swarm": "identity of its swarm; empty: none, and nothing to resume",
-    "state_dir": "folder in which its state survives a restart of its process; empty: none",
-    "snapshot_period": "s; how often its state is saved for a restart; 0: never",
+    "swarm": "identity of its swarm; empty if none, and nothing to resume",
+    "state_dir": "folder in which its state survives a restart of its process; empty if none",
+    "snapshot_period": "s; how often its state is saved for a restart; 0 for never",
     "state_rate": "Hz; how often the true state is published while running",
 }
 
@@ -57,4 +57,6 @@ class WorldSettings(Parameters):
         Raises:
             HitabError: if one has another type, or is out of its range.
         """
-        return cls(**{s.name: declare(node, s.name, s, DESCRIPTIONS[s.name]) for s in fields(cls)})
+        return cls(
+            **{s.name: declare(node, s.name, s, WORLD_PARAMETERS[s.name]) for s in fields(cls)}
+        )

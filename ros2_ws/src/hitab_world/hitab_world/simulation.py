@@ -29,11 +29,11 @@ from hitab_world.world import (
     WorldError,
 )
 
-VERSION = 2
+SIMULATION_VERSION = 2
 PLACED = "placed"
-"""What a placement is kept under, where a step has the actions of agents."""
+"""Key of a placement, where a step has the actions of agents."""
 
-TIME = "time"
+ENDED_BY_TIME = "time"
 Values = Sequence[float]
 Things = Mapping[str, Mapping[str, float]]
 
@@ -87,7 +87,7 @@ class Simulation:
         )
 
     def draw(self) -> Iterable[Entity]:
-        """Return what viewers show."""
+        """Return the things that viewers show."""
         return ()
 
     def measured(self) -> Mapping[str, float]:
@@ -127,8 +127,8 @@ def simulation_in(path: Path) -> type[Simulation]:
 
 
 @dataclass(frozen=True)
-class SimulationFigures(Parameters):
-    """The file of a simulation, and how many agents; 0: as many as it says."""
+class SimulationParameters(Parameters):
+    """The file of a simulation, and how many agents; 0 for the number in the file."""
 
     WORLD: ClassVar[str] = "simulation"
     LIMITS: ClassVar[Mapping[str, Limit]] = {"agents": NOT_NEGATIVE}
@@ -144,7 +144,7 @@ class SimulationWorld:
     done again.
     """
 
-    def __init__(self, figures: SimulationFigures, seed: int = 0) -> None:
+    def __init__(self, figures: SimulationParameters, seed: int = 0) -> None:
         kind = simulation_in(Path(figures.file))
         self._place = f"{figures.file}: {kind.__name__}"
         self.parameters = figures
@@ -182,7 +182,7 @@ class SimulationWorld:
         return simulation, percepts, list(done)
 
     def _done_once(self, simulation: Simulation, one: dict[str, Any]) -> dict[str, list[float]]:
-        """Return what all agents perceive after a step with these actions, or a placement."""
+        """Return the percepts of all agents after a step with these actions, or a placement."""
         if PLACED not in one:
             return self._stepped(simulation, one)
         things = {name: dict(fields) for name, fields in one[PLACED].items()}
@@ -217,7 +217,7 @@ class SimulationWorld:
     def _stepped(
         self, simulation: Simulation, actions: Mapping[str, list[float]]
     ) -> dict[str, list[float]]:
-        """Return what all agents perceive after a step; the step may change what it is given."""
+        """Return the percepts of all agents after a step; the step may change its arguments."""
         given = {name: list(values) for name, values in actions.items()}
         percepts = self._checked(simulation.step(given), "step")
         if not isinstance(simulation.ended, str):
@@ -228,7 +228,7 @@ class SimulationWorld:
         return percepts
 
     def _checked(self, percepts: Any, method: str) -> dict[str, list[float]]:
-        """Return what all agents perceive.
+        """Return the checked percepts of all agents.
 
         Raises:
             WorldError: naming the agent whose percept is missing or wrong.
@@ -265,7 +265,7 @@ class SimulationWorld:
         self._begin()
 
     def percept(self, agent: str) -> Sensed:
-        """Return what an agent perceives now."""
+        """Return an agent's percept."""
         if agent not in self._percepts:
             raise WorldError(f'no agent "{agent}" {has(self.agents, agent)}')
         return list(self._percepts[agent]), []
@@ -296,11 +296,11 @@ class SimulationWorld:
         self.episode_cycle += 1
         self.ended = self._simulation.ended
         if not self.ended and self.episode_cycle >= self._kind.longest:
-            self.ended = self._simulation.ended = TIME
+            self.ended = self._simulation.ended = ENDED_BY_TIME
         return self.ended or None
 
     def entities(self) -> list[Entity]:
-        """Return what the simulation draws."""
+        """Return the drawn things of the simulation."""
         with self._naming_the_line():
             return list(self._simulation.draw())
 
@@ -328,9 +328,9 @@ class SimulationWorld:
             raise
 
     def snapshot(self) -> dict[str, Any]:
-        """Return what was done in the episode, as JSON-able data."""
+        """Return the actions of the episode, as JSON-able data."""
         done = [dict(one) for one in self._done]
-        return {**snapshots.header(self, VERSION), "source": self._source, "done": done}
+        return {**snapshots.header(self, SIMULATION_VERSION), "source": self._source, "done": done}
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
         """Do again what was done until a snapshot.
@@ -338,7 +338,7 @@ class SimulationWorld:
         Raises:
             WorldError: if it is of another world, or damaged; then nothing has changed.
         """
-        with snapshots.reading(snapshot, self, VERSION) as moment:
+        with snapshots.reading(snapshot, self, SIMULATION_VERSION) as moment:
             if snapshots.text(snapshot["source"]) != self._source:
                 raise WorldError(
                     f"{self.parameters.file} is not as it was when the snapshot was taken; "
@@ -355,7 +355,7 @@ class SimulationWorld:
                 raise ValueError(f"{steps} steps in {moment.episode_cycle} cycles")
             again = self._played(done, moment.seed, moment.episode)
             if steps >= self._kind.longest and not again[0].ended:
-                again[0].ended = TIME
+                again[0].ended = ENDED_BY_TIME
             if again[0].ended != moment.ended:
                 raise ValueError("the episode does not end as it did")
         moment.bring_back(self)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from rclpy.node import Node
 
-from hitab_world.figures import declare_figures
-from hitab_world.simulation import SimulationFigures, SimulationWorld
+from hitab_world.ros_parameters import declare_parameters
+from hitab_world.simulation import SimulationParameters, SimulationWorld
 from hitab_world.world_node import run_world
 
 
@@ -20,7 +20,7 @@ def make_world(node: Node, seed: int) -> SimulationWorld:
     Raises:
         HitabError: if the file has no simulation, or that cannot begin an episode.
     """
-    return SimulationWorld(declare_figures(node, SimulationFigures), seed)
+    return SimulationWorld(declare_parameters(node, SimulationParameters), seed)
 
 
 def main() -> None:

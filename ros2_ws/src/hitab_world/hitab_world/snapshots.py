@@ -24,17 +24,17 @@ from hitab_world.parameters import Parameters
 from hitab_world.world import World, WorldError
 
 
-class WorldOfFigures(World, Protocol):
-    """A world whose state depends on its figures."""
+class ParameterizedWorld(World, Protocol):
+    """A world whose state depends on its parameters."""
 
     @property
     def parameters(self) -> Parameters:
-        """Its figures."""
+        """The parameters of the world."""
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
-    """When a snapshot was taken; the fields are those of `World`."""
+class SnapshotHeader:
+    """The header of a snapshot: the world's counts when it was taken, as in `World`."""
 
     seed: int
     episode: int
@@ -49,22 +49,24 @@ class Moment:
         world.refused = {}
 
 
-COUNTS = ("seed", "episode", "cycle", "episode_cycle")
+SNAPSHOT_COUNTS = ("seed", "episode", "cycle", "episode_cycle")
 
 
-def header(world: WorldOfFigures, version: int) -> dict[str, Any]:
+def header(world: ParameterizedWorld, version: int) -> dict[str, Any]:
     """Return the first fields of a snapshot.
 
     Args:
         world: the world.
         version: of the layout of this kind of world's snapshots.
     """
-    moment = {name: getattr(world, name) for name in (*COUNTS, "ended")}
+    moment = {name: getattr(world, name) for name in (*SNAPSHOT_COUNTS, "ended")}
     return {**_origin(world, version), **moment}
 
 
 @contextmanager
-def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) -> Iterator[Moment]:
+def reading(
+    snapshot: Mapping[str, Any], world: ParameterizedWorld, version: int
+) -> Iterator[SnapshotHeader]:
     """Check a snapshot's header, and refuse the snapshot if reading the rest of it fails.
 
     Args:
@@ -84,8 +86,8 @@ def reading(snapshot: Mapping[str, Any], world: WorldOfFigures, version: int) ->
                     else "restore it in a world like the one it was taken from"
                 )
                 raise WorldError(f"{_difference(key, snapshot.get(key), mine)}; {way_out}")
-        counts = {name: whole(snapshot[name]) for name in COUNTS}
-        yield Moment(**counts, ended=text(snapshot["ended"]))
+        counts = {name: whole(snapshot[name]) for name in SNAPSHOT_COUNTS}
+        yield SnapshotHeader(**counts, ended=text(snapshot["ended"]))
     except WorldError:
         raise
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
@@ -139,7 +141,7 @@ def finite(value: Any) -> float:
 
 
 def _difference(key: str, there: Any, here: Any) -> str:
-    """Return what differs between a snapshot and the world where it should be restored."""
+    """Return the differences between a snapshot and the world where it should be restored."""
     if not isinstance(there, Mapping) or not isinstance(here, Mapping):
         return f"the snapshot's {key} is {there}, this world's is {here}"
     names = sorted(name for name in {*there, *here} if there.get(name) != here.get(name))
@@ -147,7 +149,7 @@ def _difference(key: str, there: Any, here: Any) -> str:
     return f"the snapshot was taken with other {key} ({some(told)})"
 
 
-def _origin(world: WorldOfFigures, version: int) -> dict[str, Any]:
-    """Return what must match in the world where a snapshot is restored."""
+def _origin(world: ParameterizedWorld, version: int) -> dict[str, Any]:
+    """Return the fields that must match in the world where a snapshot is restored."""
     figures = world.parameters.as_dict()
     return {"world": world.name, "version": version, "parameters": figures}

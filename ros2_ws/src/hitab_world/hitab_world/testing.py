@@ -35,7 +35,7 @@ from hitab_world.world import (
 MakeWorld = Callable[[int], World]
 """Creates a world, given the seed of the run."""
 
-NOBODY = "nobody_is_called_so"
+NO_AGENT_NAME = "nobody_is_called_so"
 LIKE_EACH_OTHER = 3
 """How many values of a list in a snapshot are damaged; a random generator has hundreds."""
 
@@ -45,7 +45,7 @@ class Wandering:
 
     Args:
         samples: actions that agents can do, in the domain's own layout.
-        say: what they may say, apart from nothing.
+        say: possible messages.
     """
 
     def __init__(self, samples: Sequence[Sequence[float]], say: Sequence[str] = ()) -> None:
@@ -53,7 +53,7 @@ class Wandering:
         self._say = ["", *say]
 
     def actions(self, world: World) -> dict[str, Action]:
-        """Return what the agents do in this cycle; about one in ten does nothing."""
+        """Return the agents' actions of this cycle; about one in ten does nothing."""
         random = Random(world.cycle)
         return {
             name: (random.choice(self._samples), random.choice(self._say))
@@ -117,9 +117,9 @@ def _check_interface(world: World) -> None:
     assert all(isinstance(e, Entity) for e in entities), "entities() are Entity objects"
     names = {e.name for e in entities}
     assert len(names) == len(entities), "names of entities must differ"
-    assert set(world.agents) <= names, "every agent is an entity, so that it can be seen"
+    assert set(world.agents) <= names, "every agent is an entity, to be visible"
     assert all(isinstance(look, Look) for look in world.looks.values()), "looks are Look objects"
-    _refuses(lambda: world.percept(NOBODY), "percept() of an unknown agent", NOBODY)
+    _refuses(lambda: world.percept(NO_AGENT_NAME), "percept() of an unknown agent", NO_AGENT_NAME)
 
 
 def _check_cycles(world: World, wandering: Wandering, cycles: int) -> None:
@@ -197,7 +197,7 @@ def _check_damaged_snapshots(world: World, wandering: Wandering, cycles: int) ->
 
 def _damaged_copies(snapshot: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield damaged copies, each after a text that names the damage."""
-    yield "of another kind of world", {**snapshot, "world": NOBODY}
+    yield "of another kind of world", {**snapshot, "world": NO_AGENT_NAME}
     for key in snapshot:
         yield f'without "{key}"', {k: value for k, value in snapshot.items() if k != key}
     alike: dict[tuple[Any, ...], list[tuple[Any, ...]]] = {}
@@ -235,8 +235,8 @@ def _check_bad_actions(make: MakeWorld, wandering: Wandering) -> None:
         assert victim in world.refused[victim], "a refusal contains the agent's name"
         assert _observed(world) == _observed(idle), f"the action {bad} counts as none"
         world.reset()
-        world.step({NOBODY: ([], "")})
-        assert set(world.refused) == {NOBODY}, (
+        world.step({NO_AGENT_NAME: ([], "")})
+        assert set(world.refused) == {NO_AGENT_NAME}, (
             "`refused` covers the last cycle, and the actions of unknown agents"
         )
 
@@ -246,7 +246,7 @@ def _check_bad_placements(world: World) -> None:
     agent = world.agents[0]
     before = world.snapshot()
     good = Placement(agent, 0.0, 0.0)
-    for bad in (Placement(NOBODY, 0.0, 0.0), Placement(agent, x=math.inf)):
+    for bad in (Placement(NO_AGENT_NAME, 0.0, 0.0), Placement(agent, x=math.inf)):
         _refuses(partial(world.place, [good, bad], new_episode=True), str(bad), bad.name)
         assert world.snapshot() == before, "nothing is placed if anything is refused"
     episode = world.episode

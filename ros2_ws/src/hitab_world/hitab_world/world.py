@@ -16,10 +16,10 @@ from typing import Any, Protocol, runtime_checkable
 from hitab_core import HitabError, unknown
 
 Action = tuple[Sequence[float], str]
-"""What one agent does: values in the domain's own layout, and what it says ("" = nothing)."""
+"""The action of one agent: values in the domain's own layout, and a message or ""."""
 
 Sensed = tuple[list[float], list[str]]
-"""What one agent perceives: values in the domain's own layout, and the messages it hears."""
+"""The percept of one agent: values in the domain's own layout, and the messages it hears."""
 
 NAN = float("nan")
 
@@ -39,7 +39,7 @@ class Entity:
         heading: rad, counter-clockwise from x.
         vx, vy: velocity, m/s.
         radius: m.
-        say: what it said in the last cycle, "" = nothing.
+        say: its message of the last cycle, "" if none.
     """
 
     name: str
@@ -58,7 +58,7 @@ SHAPES = ("disc", "square", "ball")
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How viewers draw one kind of thing.
+    """The look of one kind of thing in viewers.
 
     Attributes:
         color: such as ``"#f2c94c"``; "" leaves it to the viewer, which colors agents by what they
@@ -114,7 +114,7 @@ class Measure:
 
     Attributes:
         name: such as ``boxes``.
-        unit: such as ``s``; "": a number.
+        unit: such as ``s``; "" for a number.
         better: `MORE` or `LESS`.
 
     Raises:
@@ -130,7 +130,7 @@ class Measure:
             raise WorldError(unknown("way to be better", self.better, (MORE, LESS)))
 
     def of(self, result: EpisodeResult) -> float:
-        """Return its value in an episode; NaN if it has none."""
+        """Return the measure's value in an episode; NaN if it has none."""
         return result.seconds if self.name == SECONDS else result.measures.get(self.name, NAN)
 
 
@@ -180,7 +180,7 @@ class World(Protocol):
         cycle: cycles since the world was created; never goes back, except in `restore`.
         episode_cycle: cycles since the present episode began.
         ended: why the present episode has ended, "" while it is being played.
-        refused: what was wrong with actions of the last cycle, by agent; each such action was
+        refused: faults of the last cycle's actions, by agent; each such action was
             treated as no action.
     """
 
@@ -200,7 +200,7 @@ class World(Protocol):
         """Begin an episode: the given one, or the next one; of the given run, or of this one."""
 
     def percept(self, agent: str) -> Sensed:
-        """Return what ``agent`` perceives now; asking again gives the same."""
+        """Return the percept of ``agent``; asking again gives the same."""
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
         """Advance by one cycle; agents that are not in ``actions`` do nothing.
@@ -239,7 +239,7 @@ class World(Protocol):
 
 
 LOOK = "look"
-"""What the agents perceive has changed."""
+"""The agents' percepts have changed."""
 
 RESTART = "restart"
 """An episode has begun."""
@@ -250,8 +250,8 @@ class LiveWorld(Protocol):
     """Further members of a `World` that runs by itself, such as on a server elsewhere.
 
     Attributes:
-        waiting: why the world cannot be stepped at the moment, such as that the server has gone,
-            in one sentence that says what to do; "" if it can.
+        waiting: why the world cannot be stepped at the moment, such as a missing server, in one
+            sentence with the remedy; "" if it can.
     """
 
     waiting: str

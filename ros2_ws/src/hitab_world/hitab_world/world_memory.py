@@ -1,8 +1,8 @@
-"""What a world continues from after a restart of its process: its latest state and snapshots.
+"""The memory from which a restarted world continues: its latest state and snapshots.
 
 The latest state is replaced at a period, and before a request that has changed it is acknowledged.
-It is valid for one start of a swarm: the next one starts as its description says, but a world that
-was paused stays so. A snapshot that a person saves stays until a person deletes it.
+The memory is valid for one start of a swarm: the next start follows the description, but a paused
+world stays paused. A snapshot that a person saves stays until a person deletes it.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from typing import Any
 
 from hitab_core.library.durable_files import UNFINISHED, file_errors, write_durably
 from hitab_world.control import Control
-from hitab_world.course import Course
+from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LiveWorld
 
-LATEST = "latest.json"
+LATEST_FILE = "latest.json"
 NAMED = "snapshot-"
 LEISURE = 50
 """Minimum time between two states, as a multiple of the time that saving one takes."""
@@ -40,7 +40,7 @@ class WorldMemory:
     def __init__(
         self,
         name: str,
-        course: Course,
+        run_state: RunState,
         settings: WorldSettings,
         warn: Callable[[str], None],
         unsaved: Callable[[str], object],
@@ -49,19 +49,19 @@ class WorldMemory:
 
         Args:
             name: of the world and its folder, which is created with the first file.
-            course: what to save.
+            run_state: the state to save.
             settings: where, how often, and for which swarm.
             warn: called with what cannot be restored.
             unsaved: called with why the state cannot be saved, and "" once it can be again.
         """
         self.named: dict[str, dict[str, Any]] = {}
-        self._course, self._warn, self._unsaved = course, warn, unsaved
+        self._run_state, self._warn, self._unsaved = run_state, warn, unsaved
         self._swarm, self._period = settings.swarm, settings.snapshot_period
         self._kept: tuple[Any, ...] = ()
         self._next_s = self._earliest_s = 0.0
         self._folder: Path | None = None
         wanted = settings.swarm and settings.state_dir and settings.snapshot_period
-        if wanted and not isinstance(course.world, LiveWorld):
+        if wanted and not isinstance(run_state.world, LiveWorld):
             self._folder = Path(settings.state_dir).expanduser() / name
 
     def restore(self) -> bool:
@@ -70,16 +70,16 @@ class WorldMemory:
             return False
         for path in sorted(self._folder.glob(f"{NAMED}*.json")):
             self._read(path, lambda saved: self.named.update({saved["name"]: {**saved["state"]}}))
-        return bool(self._read(self._folder / LATEST, self._take_over))
+        return bool(self._read(self._folder / LATEST_FILE, self._take_over))
 
     def _take_over(self, latest: dict[str, Any]) -> bool:
         if latest["swarm"] != self._swarm:
             # From an earlier start of the swarm; only a person ends a pause.
-            self._course.control.paused |= latest["control"]["paused"] is True
+            self._run_state.control.paused |= latest["control"]["paused"] is True
             return False
         control = Control.read(latest["control"])
-        self._course.world.restore(latest["world"])
-        self._course.control.take_over(control)
+        self._run_state.world.restore(latest["world"])
+        self._run_state.control.take_over(control)
         return True
 
     def _read(self, path: Path, take: Callable[[dict[str, Any]], Any]) -> Any:
@@ -95,29 +95,29 @@ class WorldMemory:
     def save_if_due(self) -> None:
         """Save the state if it is due and has changed; called between cycles."""
         now = time.monotonic()
-        if now >= self._earliest_s and (self._course.touched or now >= self._next_s):
+        if now >= self._earliest_s and (self._run_state.touched or now >= self._next_s):
             self.save_latest()
 
     def save_now(self) -> None:
         """Save what a request has changed: then acknowledge it."""
-        if self._course.touched:
+        if self._run_state.touched:
             self.save_latest()
 
     def save_latest(self) -> None:
         """Save the state, if it has changed."""
         if self._folder is None:
             return
-        course, now = self._course, time.monotonic()
-        control = asdict(course.control)
-        state = (course.world.cycle, *control.values())
+        run_state, now = self._run_state, time.monotonic()
+        control = asdict(run_state.control)
+        state = (run_state.world.cycle, *control.values())
         self._next_s = now + self._period
-        if state == self._kept and not course.touched:
+        if state == self._kept and not run_state.touched:
             return
-        course.touched = False
-        path = self._folder / LATEST
+        run_state.touched = False
+        path = self._folder / LATEST_FILE
         beside = path.with_suffix(UNFINISHED)
         try:
-            saved = {"swarm": self._swarm, "control": control, "world": course.world.snapshot()}
+            saved = {"swarm": self._swarm, "control": control, "world": run_state.world.snapshot()}
             self._folder.mkdir(parents=True, exist_ok=True)
             # Readers see it whole or not at all; it need not survive a power failure.
             beside.write_text(json.dumps(saved), encoding="utf-8")

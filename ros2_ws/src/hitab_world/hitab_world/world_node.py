@@ -33,10 +33,10 @@ from hitab_ros.emergency_stop import stopped_by
 from hitab_ros.fault_texts import STOPPED
 from hitab_ros.stamps import NANOSECONDS, time_of
 from hitab_world.control import Control
-from hitab_world.course import Course
 from hitab_world.diagnosis import diagnosis_of_world
 from hitab_world.lockstep import RoundAnswers
 from hitab_world.percept_sender import PerceptSender
+from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
 from hitab_world.world import LOOK, RESTART, LiveWorld, World
 from hitab_world.world_memory import WorldMemory
@@ -48,7 +48,7 @@ FAULTS_PERIOD_NS = NANOSECONDS // 20  # between a change of the faults and its p
 LISTENER_S = 10.0  # how long a restarted world waits for subscribers to its episodes
 NAMED_MAX = 10  # most agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
-UNSAVED = "unsaved"  # another
+UNSAVED_FAULT = "unsaved"  # another
 STOP_PERIOD_S = 0.5  # between two reports whether an emergency stop holds the world
 STEPPED_DEADLINES = 3  # how long to wait in a cycle that a client steps
 UNREAD_MAX = 100  # most events that are handled after a deadline, in search of unread answers
@@ -84,11 +84,11 @@ class WorldNode(GuardedNode):
         self._next_status_ns = 0
         self._percept_sender = PerceptSender(self, tuple(self.world.agents))
         self.round_answers = RoundAnswers(self.world.agents, self._percept_sender.has)
-        self.course = Course(self.world, self.control, self.round_answers)
+        self.run_state = RunState(self.world, self.control, self.round_answers)
         warn = self.get_logger().warning
-        unsaved = partial(self.guard.faults.set, UNSAVED)
-        self.memory = WorldMemory(names.own_name(self), self.course, settings, warn, unsaved)
-        self._topics = WorldTopics(self, self.course, settings)
+        unsaved = partial(self.guard.faults.set, UNSAVED_FAULT)
+        self.memory = WorldMemory(names.own_name(self), self.run_state, settings, warn, unsaved)
+        self._topics = WorldTopics(self, self.run_state, settings)
         self._stop_states = self.create_publisher(msg.StopState, names.STOP_STATE, qos.STREAM)
 
     def join(self) -> None:
@@ -98,9 +98,9 @@ class WorldNode(GuardedNode):
         )
         self._restored = self.memory.restore()
         if self._restored:
-            self.course.go_on()
+            self.run_state.go_on()
         self._world_services = WorldServices(
-            self, self.course, self.memory, self._topics, self.look_who_is_there
+            self, self.run_state, self.memory, self._topics, self.look_who_is_there
         )
         self._switch = EmergencySwitch(self, self._emergency, hands_on=True)
         steady_timer(self, STOP_PERIOD_S, self._tell_of_stop)
@@ -108,7 +108,7 @@ class WorldNode(GuardedNode):
     def _emergency(self, known: KnownStops) -> None:
         """Hold the world as long as the robots are stopped; then it goes on as before."""
         self.control.held = stopped_by(known)
-        self.course.disturbed = True
+        self.run_state.disturbed = True
         held = self.control.held
         self.guard.faults.set("stop", held and f"{STOPPED}: {held}", Fix.GO())
         self._tell_of_stop()
@@ -149,25 +149,25 @@ class WorldNode(GuardedNode):
         if not self._live():
             spinning.spin_once(timeout_sec=0.01)
         elif self.control.at_rest:
-            if self.course.disturbed:
+            if self.run_state.disturbed:
                 self._show(spinning)
             spinning.spin_once(timeout_sec=0.1)
         elif self.control.lockstep and not self.round_answers.present:
             spinning.spin_once(timeout_sec=0.1)  # no agent has joined yet
         else:
-            if self.course.begins:
+            if self.run_state.begins:
                 self._begin_run(spinning)
             self._cycle(spinning)
 
     def _begin_run(self, spinning: Spinner) -> None:
-        """In lockstep, have all look first, which waits for those given up on in an earlier run.
+        """Begin a run; in lockstep all look first, also those given up on in an earlier run.
 
         Otherwise a run without them would have no missed deadline.
         """
-        self.course.begins = False
+        self.run_state.begins = False
         if self.control.lockstep:
             self._show(spinning)
-            self.course.restart = True
+            self.run_state.restart = True
 
     def _pause(self, fault: str) -> None:
         """Pause after an error in the world itself, until a person resumes it."""
@@ -183,9 +183,9 @@ class WorldNode(GuardedNode):
         if world.waiting or alone or self.control.at_rest:
             happened = world.idle()
             if happened == RESTART:
-                self.course.mark_restart()
+                self.run_state.mark_restart()
             elif happened == LOOK:
-                self.course.disturbed = True
+                self.run_state.disturbed = True
         if world.waiting:
             self.guard.log(world.waiting)
         self.guard.faults.set(WAITING, world.waiting)
@@ -197,39 +197,39 @@ class WorldNode(GuardedNode):
             self._next_status_ns = now + STATUS_PERIOD_NS
             changed = self.look_who_is_there()
             if changed and not self.control.at_rest:
-                self.course.in_real_time = True  # another time, they come at another cycle
+                self.run_state.in_real_time = True  # another time, they come at another cycle
             if changed or (self.round_answers.silent and self.control.paused):
-                self.course.disturbed = True  # shown again, so that late agents may answer
+                self.run_state.disturbed = True  # shown again, so that late agents may answer
             self._topics.publish_status()
             # A node that waits for the time must learn it from a world that is paused, too.
             self._topics.publish_clock()
 
     def _show(self, spinning: Spinner) -> None:
         """Have the agents perceive the present world without acting."""
-        self.course.disturbed = False
+        self.run_state.disturbed = False
         self._send_percepts(look=True)
         self._wait(spinning, self._deadline())
-        if self.course.disturbed or spinning.stopped:
-            return  # nobody is late: there was no time to answer
-        self.course.restart = False
+        if self.run_state.disturbed or spinning.stopped:
+            return  # no agent is late: there was no time to answer
+        self.run_state.restart = False
         self.round_answers.give_up_on_late()
         self._topics.publish_status()  # first: who waits for the state looks at the status then
         self._topics.publish_state()
 
     def _cycle(self, spinning: Spinner) -> None:
-        course = self.course
-        course.disturbed = False
+        run_state = self.run_state
+        run_state.disturbed = False
         lockstep = self.control.lockstep
-        course.in_real_time |= not lockstep
+        run_state.in_real_time |= not lockstep
         self._send_percepts(look=False)
         self._wait(
             spinning, self._deadline() if lockstep else self._next_cycle(), whole=not lockstep
         )
         if lockstep and self.control.steps_left:
             self._wait_for_stepped(spinning)
-        if course.disturbed or spinning.stopped:
+        if run_state.disturbed or spinning.stopped:
             return  # the answers were about another situation
-        course.restart = False
+        run_state.restart = False
         late = ""
         if not self.round_answers.complete:
             names_of_late = self.round_answers.count_late(exclude=lockstep)
@@ -247,7 +247,7 @@ class WorldNode(GuardedNode):
         """
         for _ in range(STEPPED_DEADLINES - 1):
             late = self.round_answers.late
-            if not late or self.course.disturbed:
+            if not late or self.run_state.disturbed:
                 return
             self.guard.faults.set(LATE, f"waits for {some(late, NAMED_MAX)}")
             self._topics.publish_status()
@@ -270,9 +270,9 @@ class WorldNode(GuardedNode):
 
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
         """Handle events until all have answered, or, with ``whole``, until the deadline."""
-        round_answers, course = self.round_answers, self.course
+        round_answers, run_state = self.round_answers, self.run_state
         spin_once = spinning.spin_once
-        while not course.disturbed and not spinning.stopped:
+        while not run_state.disturbed and not spinning.stopped:
             if not whole and round_answers.complete:
                 return
             left = deadline_ns - time.monotonic_ns()
@@ -282,7 +282,7 @@ class WorldNode(GuardedNode):
 
         # If this process itself was delayed, answers that came in time are still unread.
         for _ in range(UNREAD_MAX):
-            if round_answers.complete or course.disturbed or spinning.stopped:
+            if round_answers.complete or run_state.disturbed or spinning.stopped:
                 return
             spin_once(timeout_sec=0.0)
 
@@ -298,12 +298,12 @@ class WorldNode(GuardedNode):
             "seed": world.seed,
             "look": look,
             "lockstep": self.control.lockstep,
-            "restart": self.course.restart,
+            "restart": self.run_state.restart,
         }
         self._percept_sender.send(common, self._percept)
 
     def _percept(self, agent: str) -> tuple[Sequence[float], Sequence[str]] | None:
-        """Return what an agent perceives; None, and a fault, if the world fails to return it."""
+        """Return an agent's percept; None, and a fault, if the world fails to return it."""
         key = f"percept of {agent}"
         try:
             values, heard = self.world.percept(agent)
@@ -334,15 +334,15 @@ class WorldNode(GuardedNode):
             control.steps_left -= 1
         if ended is not None:
             topics.publish_episode(ended)
-            self.course.end_episode()
+            self.run_state.end_episode()
         if control.at_rest:
-            self.course.disturbed = True  # so that it is shown
+            self.run_state.disturbed = True  # for viewers
         else:
             topics.publish_state_if_due(at_once=ended is not None)
 
     def _diagnoses(self) -> list[Diagnosis]:
         where = self.get_namespace()
-        return [diagnosis_of_world(self.course, self.guard, where, {TURN, STEP})]
+        return [diagnosis_of_world(self.run_state, self.guard, where, {TURN, STEP})]
 
     def faults_changed(self) -> None:
         """Publish the status soon, at the next turn."""
@@ -366,7 +366,7 @@ def _start(make_world: Callable[[Node, int], World], spinning: Spinner) -> Loop:
     check_name_is_free(spinning, [node], msg.WorldStatus)
     node.join()
     if not node.world.agents:
-        raise HitabError("the world has no agents; set its parameters so that it has some")
+        raise HitabError("the world has no agents; set its parameters for at least one")
     give_signs_of_life(node, node.settings.swarm)
 
     def run_and_close(spinning: Spinner) -> int:

@@ -10,7 +10,7 @@ from hitab_msgs import srv
 from hitab_core import Fix, HitabError, has, quantity, unknown
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Serve, answering
-from hitab_world.course import Course
+from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
 from hitab_world.world import Placement
 from hitab_world.world_memory import WorldMemory
@@ -26,7 +26,7 @@ class WorldServices:
     def __init__(
         self,
         node: GuardedNode,
-        course: Course,
+        run_state: RunState,
         memory: WorldMemory,
         topics: WorldTopics,
         look: Callable[[], Any],
@@ -35,12 +35,12 @@ class WorldServices:
 
         Args:
             node: to offer them on.
-            course: what they change.
+            run_state: changed by the services.
             memory: holds the snapshots.
             topics: publish changes at once.
             look: updates which agents have joined the world.
         """
-        self._course = course
+        self._run_state = run_state
         self._memory = memory
         self._topics = topics
         self._look = look
@@ -54,25 +54,25 @@ class WorldServices:
             node.create_service(kind, name, answering(self._kept(serve)))
 
     def _kept(self, serve: Serve) -> Serve:
-        """Return a service after which a restarted world goes on with what it was asked to."""
+        """Return a service after which a restarted world resumes its last request."""
 
         def served(request: Any, response: Any) -> str:
             done = serve(request, response)
-            self._course.changes += 1
-            response.change = self._course.changes
+            self._run_state.changes += 1
+            response.change = self._run_state.changes
             self._memory.save_now()
             return done
 
         return served
 
     def _control(self, request: srv.Control.Request, response: srv.Control.Response) -> str:
-        course, control, actions = self._course, self._course.control, srv.Control.Request
+        run_state, control, actions = self._run_state, self._run_state.control, srv.Control.Request
         if request.action in (actions.RESUME, actions.STEP):
             self._need_release()
         match request.action:
             case actions.PAUSE:
                 control.pause()
-                course.disturbed = True
+                run_state.disturbed = True
                 done = "paused"
             case actions.RESUME:
                 control.resume()
@@ -81,20 +81,20 @@ class WorldServices:
                 self._step(request.cycles)
                 done = f"stepping {quantity(request.cycles, 'cycle')}"
             case actions.RESET:
-                course.begin_episode()
-                done = f"episode {course.world.episode}"
+                run_state.begin_episode()
+                done = f"episode {run_state.world.episode}"
             case actions.PACE:
                 pace = request.pace or control.pace
                 checked = WorldSettings(pace=pace, factor=request.factor or control.factor)
                 if request.pace:
-                    course.disturbed = True  # the agents must know whether the world waits
+                    run_state.disturbed = True  # the agents must know whether the world waits
                 control.pace, control.factor = checked.pace, checked.factor
                 done = f"pace {control.pace}, factor {control.factor:g}"
             case action:
                 known = (actions.PAUSE, actions.RESUME, actions.STEP, actions.RESET, actions.PACE)
                 raise HitabError(unknown("action", action, known))
-        course.touched = True
-        response.cycle = course.world.cycle + control.steps_left
+        run_state.touched = True
+        response.cycle = run_state.world.cycle + control.steps_left
         if request.action != actions.STEP:
             self._topics.publish_status()
         return done
@@ -103,17 +103,17 @@ class WorldServices:
         if not cycles:
             raise HitabError("step needs a number of cycles greater than 0")
         self._look()
-        if not self._course.round_answers.present:
-            agents = ", ".join(self._course.world.agents)
+        if not self._run_state.round_answers.present:
+            agents = ", ".join(self._run_state.world.agents)
             raise HitabError(f"no agent has joined the world; start any of {agents}")
-        self._course.control.step(cycles)
+        self._run_state.control.step(cycles)
 
     def _need_release(self) -> None:
         if held := self._course.control.held:
             raise HitabError(held, Fix.GO())
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
-        course = self._course
+        run_state = self._run_state
         self._need_release()
         self._look()
         if missing := course.round_answers.missing:
@@ -128,14 +128,14 @@ class WorldServices:
         return f"playing {count}, seed {request.seed}"
 
     def _place(self, request: srv.Place.Request, response: srv.Place.Response) -> str:
-        course = self._course
-        course.world.place(
+        run_state = self._run_state
+        run_state.world.place(
             [Placement(e.name, e.x, e.y, e.heading, e.vx, e.vy) for e in request.entities],
             new_episode=request.new_episode,
         )
-        course.change()
+        run_state.change()
         if request.new_episode:
-            course.mark_restart()
+            run_state.mark_restart()
         return f"placed {len(request.entities)}"
 
     def _snapshot(self, request: srv.Snapshot.Request, response: srv.Snapshot.Response) -> str:
@@ -153,8 +153,8 @@ class WorldServices:
                 memory.save(name, self._course.world.snapshot())
                 done = f'saved "{name}"'
             case actions.RESTORE:
-                self._course.world.restore(kept[name])
-                self._course.change()
+                self._run_state.world.restore(kept[name])
+                self._run_state.change()
                 done = f'restored "{name}"'
             case actions.DELETE:
                 memory.delete(name)

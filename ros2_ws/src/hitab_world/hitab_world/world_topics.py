@@ -13,23 +13,23 @@ from std_msgs.msg import Header
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.conversions import remedy_messages
 from hitab_ros.stamps import NANOSECONDS, time_of
-from hitab_world.course import Course
+from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
 
 
 class WorldTopics:
-    """Publishes a world's course; the state and the clock only while there are subscribers."""
+    """Publishes the state of a world; the state and the clock only while there are subscribers."""
 
-    def __init__(self, node: GuardedNode, course: Course, settings: WorldSettings) -> None:
+    def __init__(self, node: GuardedNode, run_state: RunState, settings: WorldSettings) -> None:
         self._guard = node.guard
-        self._course = course
-        self._world = course.world
+        self._run_state = run_state
+        self._world = run_state.world
         self._settings = settings
         self._note = ""
         self._error = ""
         self._next_state_ns = 0
         self._looks = [
-            msg.Look(kind=kind, **asdict(look)) for kind, look in course.world.looks.items()
+            msg.Look(kind=kind, **asdict(look)) for kind, look in run_state.world.looks.items()
         ]
         self._state = node.create_publisher(msg.WorldState, names.STATE, qos.LATCHED)
         self._status = node.create_publisher(msg.WorldStatus, names.STATUS, qos.LATCHED)
@@ -61,8 +61,8 @@ class WorldTopics:
 
     def publish_status(self) -> None:
         """Publish the world's status."""
-        world, course = self._world, self._course
-        control, round_answers = course.control, course.round_answers
+        world, run_state = self._world, self._run_state
+        control, round_answers = run_state.control, run_state.round_answers
         faults = self._guard.faults.texts()
         self._status.publish(
             msg.WorldStatus(
@@ -75,7 +75,7 @@ class WorldTopics:
                 episode=world.episode,
                 seed=world.seed,
                 missed_deadlines=round_answers.missed_deadlines,
-                reproducible=self._course.reproducible,
+                reproducible=self._run_state.reproducible,
                 agents=list(world.agents),
                 missing=round_answers.missing,
                 episodes_left=control.episodes_left,
@@ -87,7 +87,7 @@ class WorldTopics:
         )
 
     def _mode(self) -> str:
-        at_rest = self._course.control.at_rest
+        at_rest = self._run_state.control.at_rest
         return msg.WorldState.PAUSED if at_rest else msg.WorldState.RUNNING
 
     # -- episodes ---------------------------------------------------------------------------
@@ -97,13 +97,13 @@ class WorldTopics:
         result = self._world.result()
         self._episodes.publish(
             msg.Episode(
-                run=self._course.control.run,
+                run=self._run_state.control.run,
                 number=result.number,
                 seed=result.seed,
                 cycles=result.cycles,
                 seconds=result.seconds,
                 ended=result.ended,
-                reproducible=self._course.reproducible,
+                reproducible=self._run_state.reproducible,
                 measure_names=list(result.measures),
                 measures=[float(value) for value in result.measures.values()],
             )
@@ -135,7 +135,7 @@ class WorldTopics:
                 height=float(world.size[1]),
                 entities=entities,
                 looks=self._looks,
-                change=self._course.changes,
+                change=self._run_state.changes,
                 note=self._note,
             )
         )

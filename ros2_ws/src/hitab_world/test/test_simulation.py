@@ -7,7 +7,7 @@ import pytest
 
 from hitab_core import FeatureKind, HitabError, LearningAgent, load_domain
 from hitab_world import SimulationWorld, WorldError
-from hitab_world.simulation import SimulationFigures
+from hitab_world.simulation import SimulationParameters
 from hitab_world.testing import Wandering, check_world
 from hitab_world.world import Placement
 
@@ -72,10 +72,10 @@ def written(folder: Path, text: str, name: str = "corridor") -> Path:
 def test_a_simulation_in_a_file_is_a_world(tmp_path):
     path = written(tmp_path, CORRIDOR)
     check_world(
-        lambda seed: SimulationWorld(SimulationFigures(str(path)), seed),
+        lambda seed: SimulationWorld(SimulationParameters(str(path)), seed),
         Wandering([[1.0], [-0.5]]),
     )
-    assert len(SimulationWorld(SimulationFigures(str(path), 5)).agents) == 5
+    assert len(SimulationWorld(SimulationParameters(str(path), 5)).agents) == 5
 
 
 def test_its_functions_are_a_domain_that_a_notebook_trains(tmp_path):
@@ -109,14 +109,14 @@ def test_a_mistake_in_the_file_is_named_with_its_place(tmp_path, old, new, told)
     assert old in CORRIDOR
     path = written(tmp_path, CORRIDOR.replace(old, new), "bad")
     with pytest.raises(HitabError) as raised:
-        SimulationWorld(SimulationFigures(str(path)))
+        SimulationWorld(SimulationParameters(str(path)))
     assert told in str(raised.value)
     assert str(path) in str(raised.value)
 
 
 def test_an_ending_that_is_no_text_is_refused(tmp_path):
     text = CORRIDOR.replace("if self.gone > 4.0:", "if True:").replace('"far"', "self.gone > 4.0")
-    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "bad"))))
+    world = SimulationWorld(SimulationParameters(str(written(tmp_path, text, "bad"))))
     with pytest.raises(WorldError, match=r"bad\.py: Corridor\.step\(\) set ended to False; set"):
         world.step({})
 
@@ -125,7 +125,7 @@ def test_a_step_that_raises_changes_nothing_and_names_its_line(tmp_path):
     text = CORRIDOR.replace(
         "if self.gone > 4.0:", "if 1 / (self.gone < 0.15) and self.gone > 4.0:"
     )
-    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "half"))))
+    world = SimulationWorld(SimulationParameters(str(written(tmp_path, text, "half"))))
     world.step({"agent_1": ([1.0], "")})
     before = world.entities(), world.result(), world.snapshot(), world.percept("agent_1")
     with pytest.raises(WorldError, match=r"half\.py:23: ZeroDivisionError: .*; correct the file"):
@@ -135,7 +135,7 @@ def test_a_step_that_raises_changes_nothing_and_names_its_line(tmp_path):
 
 def test_an_episode_ends_at_its_longest_and_is_restored_there(tmp_path):
     text = CORRIDOR.replace("    agents = 2\n", "    agents = 2\n    longest = 3\n")
-    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "short"))))
+    world = SimulationWorld(SimulationParameters(str(written(tmp_path, text, "short"))))
     assert [world.step({}) for _ in range(3)] == [None, None, "time"]
     kept = world.snapshot()
     world.reset()
@@ -147,13 +147,13 @@ def test_a_class_without_reset_begins_with_a_step_in_which_nothing_is_done(tmp_p
     reset = CORRIDOR.partition("    def reset")[2].partition("    def step")[0]
     text = CORRIDOR.replace(f"    def reset{reset}", "    x, gone = {'agent_1': 2.0}, 0.0\n\n")
     text = text.replace("agents = 2", "agents = 1")
-    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "plain"))))
+    world = SimulationWorld(SimulationParameters(str(written(tmp_path, text, "plain"))))
     assert world.percept("agent_1") == ([2.0], [])
 
 
 def test_a_step_may_change_the_actions_it_is_given(tmp_path):
     text = CORRIDOR.replace("actions.items():", "((n, actions.pop(n)) for n in [*actions]):")
-    world = SimulationWorld(SimulationFigures(str(written(tmp_path, text, "pops"))))
+    world = SimulationWorld(SimulationParameters(str(written(tmp_path, text, "pops"))))
     world.step({"agent_1": ([1.0], "")})
     kept, percept = world.snapshot(), world.percept("agent_1")
     world.reset()
@@ -163,10 +163,10 @@ def test_a_step_may_change_the_actions_it_is_given(tmp_path):
 
 def test_a_snapshot_is_refused_once_the_file_has_changed(tmp_path):
     path = written(tmp_path, CORRIDOR, "edited")
-    kept = SimulationWorld(SimulationFigures(str(path))).snapshot()
+    kept = SimulationWorld(SimulationParameters(str(path))).snapshot()
     path.write_text(CORRIDOR.replace("0.1 *", "0.2 *"))
     with pytest.raises(WorldError, match="not as it was when the snapshot was taken"):
-        SimulationWorld(SimulationFigures(str(path))).restore(kept)
+        SimulationWorld(SimulationParameters(str(path))).restore(kept)
 
 
 def test_a_file_with_the_name_of_an_installed_domain_is_refused(tmp_path):
@@ -189,9 +189,9 @@ PLACED = CORRIDOR.replace(
 def test_what_is_placed_is_perceived_at_once_and_a_snapshot_keeps_it(tmp_path):
     path = written(tmp_path, PLACED, "placed")
     check_world(
-        lambda seed: SimulationWorld(SimulationFigures(str(path)), seed), Wandering([[1.0]])
+        lambda seed: SimulationWorld(SimulationParameters(str(path)), seed), Wandering([[1.0]])
     )
-    world = SimulationWorld(SimulationFigures(str(path)))
+    world = SimulationWorld(SimulationParameters(str(path)))
     world.step({"agent_1": ([1.0], "")})
     world.place([Placement("agent_1", x=2.0), Placement("agent_2", y=1.0)])
     assert world.percept("agent_1") == ([2.0], [])
@@ -207,7 +207,7 @@ def test_what_is_placed_is_perceived_at_once_and_a_snapshot_keeps_it(tmp_path):
 
 
 def test_a_file_that_places_nothing_says_what_to_define(tmp_path):
-    world = SimulationWorld(SimulationFigures(str(written(tmp_path, CORRIDOR))))
+    world = SimulationWorld(SimulationParameters(str(written(tmp_path, CORRIDOR))))
     with pytest.raises(WorldError, match=r"agent_1 cannot be moved; define place\(self, things\)"):
         world.place([Placement("agent_1", x=1.0)])
 

@@ -9,10 +9,10 @@ from hitab_msgs.msg import WorldStatus
 
 from hitab_core.errors import HitabError
 from hitab_world.control import Control
-from hitab_world.course import Course
 from hitab_world.lockstep import RoundAnswers
+from hitab_world.run_state import RunState
 from hitab_world.settings import WorldSettings
-from hitab_world.world_memory import LATEST, WorldMemory
+from hitab_world.world_memory import LATEST_FILE, WorldMemory
 
 RUN, NEXT_RUN = "pond-1", "pond-2"
 
@@ -34,9 +34,11 @@ def memory_of(tmp_path):
 
     def make(swarm=RUN, *, paused=True):
         control = Control(WorldStatus.LOCKSTEP, 1.0, paused)
-        made.course = Course(Pond(), control, RoundAnswers((), lambda _: True))
+        made.run_state = RunState(Pond(), control, RoundAnswers((), lambda _: True))
         settings = WorldSettings(swarm=swarm, state_dir=str(tmp_path), snapshot_period=60.0)
-        return WorldMemory("world", made.course, settings, made.warned.append, made.unsaved.append)
+        return WorldMemory(
+            "world", made.run_state, settings, made.warned.append, made.unsaved.append
+        )
 
     made = make
     made.warned, made.unsaved = [], []
@@ -44,8 +46,8 @@ def memory_of(tmp_path):
 
 
 def ask_for(memory_of, episodes):
-    memory_of.course.control.episodes_left = memory_of.course.world.ducks = episodes
-    memory_of.course.change()
+    memory_of.run_state.control.episodes_left = memory_of.run_state.world.ducks = episodes
+    memory_of.run_state.change()
 
 
 def test_a_request_is_saved_before_it_is_acknowledged_also_right_after_another(
@@ -58,7 +60,7 @@ def test_a_request_is_saved_before_it_is_acknowledged_also_right_after_another(
     for episodes in range(1, 6):
         ask_for(memory_of, episodes)
         memory.save_now()
-        saved = json.loads((tmp_path / "world" / LATEST).read_bytes())
+        saved = json.loads((tmp_path / "world" / LATEST_FILE).read_bytes())
         assert saved["control"]["episodes_left"] == episodes
     assert set(memory_of.unsaved) == {""}
 
@@ -69,8 +71,8 @@ def test_the_last_state_is_there_for_the_same_swarm_only(memory_of):
     memory.save_latest()
     assert not memory_of(NEXT_RUN).restore()
     assert memory_of().restore()
-    course = memory_of.course
-    assert (course.world.ducks, course.control.episodes_left) == (7, 7)
+    run_state = memory_of.run_state
+    assert (run_state.world.ducks, run_state.control.episodes_left) == (7, 7)
 
 
 @pytest.mark.parametrize("paused", [True, False])
@@ -79,8 +81,8 @@ def test_only_a_pause_outlasts_the_end_of_a_swarm(memory_of, paused):
     ask_for(memory_of, 7)
     memory.save_latest()
     assert not memory_of(NEXT_RUN, paused=False).restore()
-    course = memory_of.course
-    assert (course.control.paused, course.control.episodes_left) == (paused, 0)
+    run_state = memory_of.run_state
+    assert (run_state.control.paused, run_state.control.episodes_left) == (paused, 0)
 
 
 def test_saved_snapshots_are_there_under_any_name_until_they_are_deleted(memory_of):
@@ -98,7 +100,7 @@ def test_saved_snapshots_are_there_under_any_name_until_they_are_deleted(memory_
 def test_damaged_files_are_ignored_with_a_warning_that_names_them(memory_of, tmp_path, damaged):
     memory_of().save("corner", {})
     (saved,) = (tmp_path / "world").iterdir()
-    latest = tmp_path / "world" / LATEST
+    latest = tmp_path / "world" / LATEST_FILE
     for file in (saved, latest):
         file.write_bytes(damaged)
     memory = memory_of()
@@ -111,7 +113,7 @@ def test_damaged_files_are_ignored_with_a_warning_that_names_them(memory_of, tmp
 
 def test_a_state_that_cannot_be_saved_is_a_fault_until_it_can_be(memory_of, monkeypatch):
     memory = memory_of()
-    memory_of.course.world.cycle = 466
+    memory_of.run_state.world.cycle = 466
     memory.save_latest()
 
     def full(*_, **__):
@@ -119,7 +121,7 @@ def test_a_state_that_cannot_be_saved_is_a_fault_until_it_can_be(memory_of, monk
 
     with monkeypatch.context() as on_disk:
         on_disk.setattr(Path, "write_text", full)
-        memory_of.course.world.cycle = 543
+        memory_of.run_state.world.cycle = 543
         memory.save_latest()
     assert "(No space left on device)" in memory_of.unsaved[-1]
     assert "if its process restarts, it will go back to cycle 466" in memory_of.unsaved[-1]

@@ -27,7 +27,7 @@ Order = tuple[str, float, float]
 """("dash", power, 0), ("turn", moment, 0), ("kick", power, direction) or ("none", 0, 0); of a
 goalie also ("catch", direction, 0)."""
 
-_KINDS = {NONE: ("none", 1), DASH: ("dash", 2), TURN: ("turn", 2), KICK: ("kick", 3)}
+_ACTION_KINDS = {NONE: ("none", 1), DASH: ("dash", 2), TURN: ("turn", 2), KICK: ("kick", 3)}
 
 
 class ActionError(ValueError):
@@ -42,10 +42,10 @@ def parse(values: Sequence[float]) -> Order:
     """
     if len(values) == 0:
         return "none", 0.0, 0.0
-    if values[0] not in _KINDS:
-        known = ", ".join(f"{number:g} {name}" for number, (name, _) in _KINDS.items())
+    if values[0] not in _ACTION_KINDS:
+        known = ", ".join(f"{number:g} {name}" for number, (name, _) in _ACTION_KINDS.items())
         raise ActionError(f"unknown kind of action {values[0]} (known: {known})")
-    kind, length = _KINDS[values[0]]
+    kind, length = _ACTION_KINDS[values[0]]
     if len(values) < length:
         raise ActionError(f"a {kind} has {length} values, not {len(values)}: {list(values)}")
     amount, direction = (float(value) for value in (*values[1:length], 0.0, 0.0)[:2])
@@ -60,7 +60,7 @@ def orders_of(
     say_length: int,
     refused: dict[str, str],
 ) -> Iterator[tuple[str, Order, str]]:
-    """Yield what each keeper does and says, in the order of the agents.
+    """Yield each keeper's action and message, in the order of the agents.
 
     Args:
         actions: by agent.

@@ -1,4 +1,4 @@
-"""What there is on a field for viewers, and where a viewer puts it."""
+"""The things on a field for viewers, and their placement by viewers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hitab_world import Entity, Placement, WorldError
 from keepaway_world.percept import CYCLES_PER_SECOND
 from keepaway_world.physics import Mover, Physics
 
-FARTHEST = 1000.0
+PLACED_DISTANCE_MAX = 1000.0
 """Largest distance from the center of the field, m, at which something can be placed."""
 
 Place = tuple[float, float, float, float, float]
@@ -59,10 +59,10 @@ def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict
         x, y, heading, vx, vy = (
             old if math.isnan(new) else float(new) for new, old in zip(given, now, strict=True)
         )
-        if max(abs(x), abs(y)) > FARTHEST:
+        if max(abs(x), abs(y)) > PLACED_DISTANCE_MAX:
             raise WorldError(
-                f"{p.name}: ({x:g}, {y:g}) m is beyond {FARTHEST:g} m; give it a place near the "
-                "field, whose center is (0, 0)"
+                f"{p.name}: ({x:g}, {y:g}) m is beyond {PLACED_DISTANCE_MAX:g} m; give it a place "
+                "near the field, whose center is (0, 0)"
             )
         if math.hypot(vx, vy) > mover.speed_max * 1.001:
             raise WorldError(

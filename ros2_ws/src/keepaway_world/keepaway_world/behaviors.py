@@ -11,7 +11,7 @@ import math
 from hitab_core import BasicBehavior
 from keepaway_world import percept
 from keepaway_world.angles import wrapped
-from keepaway_world.body import NOBODY, YELL, KeeperBody
+from keepaway_world.body import NO_PLAYER, YELL, KeeperBody
 from keepaway_world.features import direction_to
 from keepaway_world.interception import FULL, power_to_rest
 from keepaway_world.kicking import kick_acceleration, kick_power, off_place, pass_speed
@@ -79,9 +79,9 @@ def most_open_keeper(body: KeeperBody) -> int:
     lowest number. Without takers, it is the closest teammate.
     """
     taker = body.closest_taker()
-    if taker == NOBODY:
+    if taker == NO_PLAYER:
         return body.closest_keeper()
-    return max(body.others, key=lambda place: body.angle_between(place, taker), default=NOBODY)
+    return max(body.others, key=lambda place: body.angle_between(place, taker), default=NO_PLAYER)
 
 
 def pass_ball(body: KeeperBody) -> None:
@@ -109,7 +109,7 @@ def pass_to(body: KeeperBody, receiver: int) -> None:
 
 
 def send_ball(body: KeeperBody, bearing: float, speed: float) -> None:
-    """Kick a kickable ball so that it leaves along ``bearing``, rad, with ``speed``, m/cycle."""
+    """Kick a kickable ball along ``bearing``, rad, with ``speed``, m/cycle."""
     p, values = body.parameters, body.values
     c, s = math.cos(bearing), math.sin(bearing)
     vx, vy = body.ball_velocity

@@ -10,9 +10,9 @@ from keepaway_world import percept
 from keepaway_world.action import DASH, KICK, TURN
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.parameters import PAPER, KeepawayParameters
-from keepaway_world.percept import BALL, CYCLES_PER_SECOND, OTHERS
+from keepaway_world.percept import BALL, CYCLES_PER_SECOND, OTHER_PLAYERS
 
-NOBODY = -1
+NO_PLAYER = -1
 """The place of a missing player, such as the closest taker if there are none."""
 
 CORNERS = {-2: (-1.0, 1.0), -3: (1.0, 1.0), -4: (1.0, -1.0), -5: (-1.0, -1.0)}
@@ -47,7 +47,7 @@ class KeeperBody:
         self.values: Sequence[float] = ()
         self.heard: Sequence[str] = ()
         self._keepers = 0
-        self._length = self._first_taker = OTHERS
+        self._length = self._first_taker = OTHER_PLAYERS
         self._action: list[float] = []
         self._say = ""
 
@@ -65,14 +65,14 @@ class KeeperBody:
         self._say = ""
 
     def _lay_out(self, values: Sequence[float]) -> None:
-        if len(values) >= OTHERS and math.isfinite(
+        if len(values) >= OTHER_PLAYERS and math.isfinite(
             values[percept.KEEPERS] + values[percept.TAKERS]
         ):
             keepers, takers = int(values[percept.KEEPERS]), int(values[percept.TAKERS])
             expected = percept.percept_length(keepers, takers)
             if len(values) == expected:
                 self._keepers, self._length = keepers, expected
-                self._first_taker = OTHERS + 2 * (keepers - 1)
+                self._first_taker = OTHER_PLAYERS + 2 * (keepers - 1)
                 return
         raise FeatureValueError(
             f"{self.name}: a percept of {quantity(len(values), 'value')} is not from keepaway; "
@@ -106,28 +106,28 @@ class KeeperBody:
 
     @property
     def number(self) -> int:
-        """Its number, from 1."""
+        """The keeper's number, from 1."""
         return int(self.values[percept.NUMBER])
 
     @property
     def position(self) -> tuple[float, float]:
-        """Its position, m."""
+        """The keeper's position, m."""
         return self.values[percept.X], self.values[percept.Y]
 
     @property
     def heading(self) -> float:
-        """The heading of its body, rad."""
+        """The heading of the keeper's body, rad."""
         return self.values[percept.HEADING]
 
     @property
     def velocity(self) -> tuple[float, float]:
-        """Its velocity, m/cycle."""
+        """The keeper's velocity, m/cycle."""
         values = self.values
         return values[percept.VX] / CYCLES_PER_SECOND, values[percept.VY] / CYCLES_PER_SECOND
 
     @property
     def speed(self) -> float:
-        """Its speed, m/cycle."""
+        """The keeper's speed, m/cycle."""
         values = self.values
         return math.hypot(values[percept.VX], values[percept.VY]) / CYCLES_PER_SECOND
 
@@ -148,7 +148,7 @@ class KeeperBody:
     @property
     def others(self) -> range:
         """The places of the other keepers, by rising number."""
-        return range(OTHERS, self._first_taker, 2)
+        return range(OTHER_PLAYERS, self._first_taker, 2)
 
     @property
     def takers(self) -> range:
@@ -157,7 +157,7 @@ class KeeperBody:
 
     def number_at(self, place: int) -> int:
         """Return the number of the other keeper at a place."""
-        number = (place - OTHERS) // 2 + 1
+        number = (place - OTHER_PLAYERS) // 2 + 1
         return number if number < self.number else number + 1
 
     def closest_keeper(self) -> int:
@@ -165,11 +165,11 @@ class KeeperBody:
         return self._closest(self.others)
 
     def closest_taker(self) -> int:
-        """Return the place of the closest taker, or `NOBODY`."""
+        """Return the place of the closest taker, or `NO_PLAYER`."""
         return self._closest(self.takers)
 
     def _closest(self, places: range) -> int:
-        return min(places, key=self.values.__getitem__, default=NOBODY)
+        return min(places, key=self.values.__getitem__, default=NO_PLAYER)
 
     def vector_to(self, place: int) -> tuple[float, float]:
         """Return the ball's or a player's position relative to the keeper, in world axes, m."""

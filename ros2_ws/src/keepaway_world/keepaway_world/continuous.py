@@ -11,7 +11,7 @@ import math
 from hitab_core import BasicBehavior, BoundedNumber, Domain, Feature, FeatureKind, Target
 from keepaway_world.angles import wrapped
 from keepaway_world.behaviors import FAST, TURN_WHEN_OFF
-from keepaway_world.body import NOBODY, KeeperBody
+from keepaway_world.body import NO_PLAYER, KeeperBody
 from keepaway_world.features import NAN, direction_to
 from keepaway_world.hand_coded_team import DOMAIN as HAND_CODED
 from keepaway_world.percept import BALL, CYCLES_PER_SECOND
@@ -57,7 +57,7 @@ def ball_course(body: KeeperBody) -> float:
 
 
 def _farthest_keeper(body: KeeperBody) -> int:
-    return max(body.others, key=body.values.__getitem__, default=NOBODY)
+    return max(body.others, key=body.values.__getitem__, default=NO_PLAYER)
 
 
 DOMAIN = Domain.of(

@@ -6,7 +6,7 @@ import math
 from functools import partial
 
 from hitab_core import Feature, FeatureKind, Target
-from keepaway_world.body import CORNERS, NOBODY, YELL, KeeperBody
+from keepaway_world.body import CORNERS, NO_PLAYER, YELL, KeeperBody
 from keepaway_world.percept import BALL
 
 NAN = float("nan")
@@ -16,14 +16,14 @@ def distance_to(body: KeeperBody, place: int) -> float:
     """Return the distance between the centers, m; NaN if there is no such player."""
     if place >= 0:
         return body.values[place]
-    return NAN if place == NOBODY else body.corner(place)[0]
+    return NAN if place == NO_PLAYER else body.corner(place)[0]
 
 
 def direction_to(body: KeeperBody, place: int) -> float:
     """Return the direction relative to the body, rad on [-pi, pi], counter-clockwise."""
     if place >= 0:
         return body.values[place + 1]
-    return NAN if place == NOBODY else body.corner(place)[1]
+    return NAN if place == NO_PLAYER else body.corner(place)[1]
 
 
 def i_was_yelled_at(body: KeeperBody) -> float:

@@ -15,12 +15,12 @@ from hitab_core import START, Automaton, Domain, HandWritten, Use
 from keepaway_world.domain import DOMAIN as KEEPAWAY_WORDS
 
 OFF = math.radians(9.0)  # the keeper turns if the ball is farther off its heading
-NEAR = 4.5  # m: within this distance it goes slowly, so that it does not overshoot
+WALK_DISTANCE = 4.5  # m: within this distance it goes slowly, not to overshoot
 PRESSED = 2.5  # m: it passes if a taker is this close
 
 
 def goto_ball(distance: float, direction: float) -> str:
-    """Return what to do to reach the ball at its current position.
+    """Return the behavior that reaches the ball at its current position.
 
     Args:
         distance: to the ball, m.
@@ -28,11 +28,11 @@ def goto_ball(distance: float, direction: float) -> str:
     """
     if abs(direction) > OFF:
         return "TurnToBall"
-    return "GoSlow" if distance <= NEAR else "GoFast"
+    return "GoSlow" if distance <= WALK_DISTANCE else "GoFast"
 
 
 def control_ball(taker: float, kickable: float) -> str:
-    """Return what to do with the ball: reach it, hold it, and pass when pressed.
+    """Return the behavior at the ball: reach it, hold it, and pass when pressed.
 
     Args:
         taker: distance to the closest taker, m.
@@ -44,7 +44,7 @@ def control_ball(taker: float, kickable: float) -> str:
 
 
 def begin_keepaway(closer: float) -> str:
-    """Return what to do first: whoever is closest takes the ball.
+    """Return the first behavior: the closest keeper takes the ball.
 
     Args:
         closer: 1 if a teammate is closer to the ball, else 0.
@@ -53,7 +53,7 @@ def begin_keepaway(closer: float) -> str:
 
 
 def await_pass(yelled: float) -> str:
-    """Return what to do while open: take the ball if a passer has yelled to this keeper.
+    """Return the behavior while open: take the ball if a passer has yelled to this keeper.
 
     Args:
         yelled: 1 if so, else 0.
@@ -62,7 +62,7 @@ def await_pass(yelled: float) -> str:
 
 
 def after_pass(done: float) -> str:
-    """Return what to do while in control: get open once the ball has been passed.
+    """Return the behavior while in control: get open once the ball has been passed.
 
     Args:
         done: 1 if `ControlBall` has raised Done, else 0.
@@ -92,7 +92,7 @@ CONTROL_BALL = Automaton(
     description="go to the ball, wait until a taker is near, pass it; raises Done (hand-written)",
 )
 
-KEEPAWAY = Automaton(
+KEEPAWAY_AUTOMATON = Automaton(
     "Keepaway",
     (Use("GetOpen"), Use("ControlBall")),
     (Use("ATeammateIsCloserToBall"), Use("IWasYelledAt"), Use("Done")),
@@ -111,5 +111,5 @@ DOMAIN = Domain.of(
     behaviors=KEEPAWAY_WORDS.behaviors.values(),
     features=KEEPAWAY_WORDS.features.values(),
     targets=KEEPAWAY_WORDS.targets.values(),
-    automata=(GOTO_BALL, CONTROL_BALL, KEEPAWAY),
+    automata=(GOTO_BALL, CONTROL_BALL, KEEPAWAY_AUTOMATON),
 )

@@ -11,8 +11,8 @@ import math
 
 from hitab_core import START, Automaton, HandWritten, Use
 
-FAR = 3.0  # m: it runs beyond this distance
-NEAR = 1.7  # m: it slows down within this distance
+RUN_DISTANCE = 3.0  # m: it runs beyond this distance
+SLOW_DISTANCE = 1.7  # m: it slows down within this distance
 OFF_FAR = math.radians(10.0)  # it turns if the ball is farther off its heading
 OFF_NEAR = math.radians(25.0)  # likewise within NEAR, where the kicking range forgives more
 
@@ -27,11 +27,11 @@ def servo(distance: float, direction: float, kickable: float) -> str:
     """
     if kickable:
         return "Stop"
-    if abs(direction) > (OFF_NEAR if distance < NEAR else OFF_FAR):
+    if abs(direction) > (OFF_NEAR if distance < SLOW_DISTANCE else OFF_FAR):
         return "TurnToBall"
-    if distance > FAR:
+    if distance > RUN_DISTANCE:
         return "GoFast"
-    return "GoMedium" if distance > NEAR else "GoSlow"
+    return "GoMedium" if distance > SLOW_DISTANCE else "GoSlow"
 
 
 _STATES = ("TurnToBall", "GoFast", "GoMedium", "GoSlow", "Stop")

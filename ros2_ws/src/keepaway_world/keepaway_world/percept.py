@@ -33,13 +33,13 @@ NUMBER, KEEPERS, TAKERS, WIDTH, HEIGHT = range(5)
 X, Y, HEADING, VX, VY = range(5, 10)
 BALL = 10
 BALL_VX, BALL_VY = 12, 13
-OTHERS = 14
+OTHER_PLAYERS = 14
 CYCLES_PER_SECOND = 10.0
 
 
 def percept_length(keepers: int, takers: int) -> int:
     """Return the number of values in a percept."""
-    return OTHERS + 2 * (keepers - 1 + takers)
+    return OTHER_PLAYERS + 2 * (keepers - 1 + takers)
 
 
 def perceive(physics: Physics, keeper: Mover) -> list[float]:

@@ -25,7 +25,7 @@ BALL_CATEGORY = 1
 PLAYER_CATEGORY = 2
 COLLISION_ROUNDS = 10  # rcssserver gives up separating bodies after this many
 REBOUND = -0.1
-GAP = 1e-10  # rcssserver's EPS: separated bodies no longer touch
+SEPARATION = 1e-10  # rcssserver's EPS: separated bodies no longer touch
 
 
 Names = tuple[Sequence[str], Sequence[str]]
@@ -137,7 +137,7 @@ class Physics:
         """Accelerate the ball, if it is kickable.
 
         Args:
-            player: that kicks.
+            player: the kicker.
             power: 0 to 100, clipped.
             direction: relative to the body, rad.
 
@@ -216,7 +216,7 @@ class Physics:
             for first, second in sorted(pairs):  # pymunk's order must not matter
                 a, b = self.movers[first], self.movers[second]
                 ux, uy = self._apart(a, b)
-                reach = (a.radius + b.radius) / 2.0 + GAP
+                reach = (a.radius + b.radius) / 2.0 + SEPARATION
                 middle_x, middle_y = (a.x + b.x) / 2.0, (a.y + b.y) / 2.0
                 for index, side in ((first, reach), (second, -reach)):
                     x, y, count = sums.get(index, (0.0, 0.0, 0))
@@ -245,7 +245,7 @@ class Physics:
         """Return the unit vector from ``b`` to ``a``; any, if they coincide."""
         dx, dy = a.x - b.x, a.y - b.y
         distance = math.hypot(dx, dy)
-        if distance < GAP:
+        if distance < SEPARATION:
             angle = PI * (2.0 * self.random.random() - 1.0)
             return math.cos(angle), math.sin(angle)
         return dx / distance, dy / distance

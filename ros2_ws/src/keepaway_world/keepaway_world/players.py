@@ -1,7 +1,7 @@
 """Players that other packages offer: takers for the world, and keepers for comparison.
 
 Entry points of the group ``keepaway.takers`` are called with the world's `Physics` and return
-`Takers`. Those of ``keepaway.keepers`` are called with a `KeepawayWorld` in this process and
+`Takers`. Functions in ``keepaway.keepers`` are called with a `KeepawayWorld` in this process and
 return a `hitab_world.inprocess.Player` for each keeper, by name.
 """
 
@@ -44,7 +44,7 @@ def takers_of(physics: Physics, own: Callable[[Physics], Takers] = TakerTeam) ->
 
 
 def offered(group: str, name: str) -> Any:
-    """Return what an installed package offers.
+    """Return the players that an installed package offers.
 
     Raises:
         ParameterError: if none offers this.

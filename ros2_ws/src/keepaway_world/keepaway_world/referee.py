@@ -25,7 +25,7 @@ TAKER_CORNER = (-1.0, -1.0)
 
 
 class Referee:
-    """Watches one episode at a time.
+    """The referee of one episode at a time.
 
     Attributes:
         possession: cycles of possession by takers so far; see `judge`.
@@ -88,7 +88,7 @@ class Referee:
         return OUT if out else ""
 
     def saw_catch(self, player: Mover) -> None:
-        """Note that a taker has tried to catch the ball: nobody catches in keepaway."""
+        """Note that a taker has tried to catch the ball, which keepaway does not allow."""
 
     def measures(self, ended: str) -> dict[str, float]:
         """Return the figures of the episode so far; ``ended``: why it has ended, if it has."""
@@ -111,7 +111,7 @@ class Referee:
         return stuck and self._stuck_area > 0.0
 
     def state(self) -> dict[str, Any]:
-        """Return its counts as JSON-serializable data."""
+        """Return the referee's counts as JSON-serializable data."""
         last = self._last_kick.name if self._last_kick else ""
         return {
             "possession": self.possession,

@@ -1,4 +1,4 @@
-"""What differs between games on the same field: who plays, how it begins, when it ends."""
+"""Rules that differ between games on the same field: players, beginning and end."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from keepaway_world.referee import Referee, set_up
 from keepaway_world.takers import TakerTeam
 
 TAKER = Look("#c94f4f")
-BALL = Look("#f2c94c", "ball", faces=False, labelled=False, layer=1)
+BALL_LOOK = Look("#f2c94c", "ball", faces=False, labelled=False, layer=1)
 
 
 @dataclass(frozen=True)
@@ -28,10 +28,10 @@ class Rules:
         takers: the opponents, which are part of the world.
         set_up: puts everything in its initial position.
         names: of the players; see `Physics`.
-        marks: what viewers see besides, such as a goal.
+        marks: further things for viewers, such as a goal.
         center: of the field on an rcssserver: its x there, m.
         stops: why an episode ends when an rcssserver stops a match, by how its word for that
-            begins, such as "goal_l"; empty: the server itself plays this game.
+            begins, such as "goal_l"; empty if the server itself plays this game.
     """
 
     name: str
@@ -46,9 +46,9 @@ class Rules:
     stops: Sequence[tuple[str, str]] = ()
 
 
-KEEPAWAY = Rules(
+KEEPAWAY_RULES = Rules(
     "keepaway",
-    {"keeper": Look(), "taker": TAKER, "ball": BALL},
+    {"keeper": Look(), "taker": TAKER, "ball": BALL_LOOK},
     (Measure("seconds", "s"), Measure("passes")),
     lambda physics: Referee(physics.parameters),
     TakerTeam,

@@ -17,7 +17,7 @@ DIRECTION_CHANGE_STEP = math.radians(0.1)
 
 _NEAREST = -60  # e**-6 m and below is 0 m
 _FARTHEST = 80  # e**8 m, about 3 km
-_SEEN = tuple(
+_SEEN_DISTANCES = tuple(
     round(math.exp(step * LOG_STEP) / DISTANCE_STEP) / 10.0
     for step in range(_NEAREST, _FARTHEST + 1)
 )
@@ -28,7 +28,7 @@ def quantised_distance(distance: float) -> float:
     if distance < 1e-3:
         return 0.0
     step = round(math.log(distance) * 10.0)
-    return _SEEN[min(step, _FARTHEST) - _NEAREST] if step > _NEAREST else 0.0
+    return _SEEN_DISTANCES[min(step, _FARTHEST) - _NEAREST] if step > _NEAREST else 0.0
 
 
 def quantised_direction(direction: float) -> float:
@@ -42,11 +42,11 @@ def seen_velocity(
     """Return an object's velocity relative to the observer, as seen.
 
     The observer sees the quantised rates of change of distance and direction, and combines them
-    with the distance and direction that it sees.
+    with the perceived distance and direction.
 
     Args:
-        dx, dy: its position relative to the observer.
-        vx, vy: its velocity relative to the observer's.
+        dx, dy: position relative to the observer.
+        vx, vy: velocity relative to the observer's.
         seen_distance: quantised distance.
         seen_bearing: quantised direction, from the x axis of the same frame as ``dx, dy``.
     """

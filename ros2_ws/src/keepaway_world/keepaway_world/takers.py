@@ -1,4 +1,4 @@
-"""The takers: they go where they can first reach the ball, and hold it once they have it.
+"""The takers: each goes where it first reaches the ball, and holds a ball within its reach.
 
 Modeled on the UT Austin keepaway players (Stone et al.) on the real simulator: the taker closest
 to the ball stops it and holds it if it can kick; the others wait if a teammate has it; otherwise

@@ -25,7 +25,7 @@ from keepaway_world.percept import perceive
 from keepaway_world.physics import Mover, Physics
 from keepaway_world.players import takers_of
 from keepaway_world.referee import drop_ball
-from keepaway_world.rules import KEEPAWAY, Rules
+from keepaway_world.rules import KEEPAWAY_RULES, Rules
 
 SNAPSHOT_VERSION = 2
 
@@ -40,7 +40,7 @@ class KeepawayWorld:
         parameters: of the game; the paper's by default.
         seed: of the run. Episode i draws from a generator seeded by both, so that it can be
             replayed by itself.
-        rules: who plays, how an episode begins and when it ends.
+        rules: players, beginning and end of an episode.
 
     Raises:
         ParameterError: if there are no takers as the parameters name them.
@@ -49,7 +49,7 @@ class KeepawayWorld:
     cycle_seconds = 0.1
 
     def __init__(
-        self, parameters: KeepawayParameters = PAPER, seed: int = 0, rules: Rules = KEEPAWAY
+        self, parameters: KeepawayParameters = PAPER, seed: int = 0, rules: Rules = KEEPAWAY_RULES
     ) -> None:
         self.name, self.looks, self.measures = rules.name, rules.looks, rules.measures
         self.parameters = parameters
@@ -93,7 +93,7 @@ class KeepawayWorld:
         return self._physics
 
     def percept(self, agent: str) -> Sensed:
-        """Return what a keeper perceives now.
+        """Return a keeper's percept.
 
         Raises:
             WorldError: if there is no such keeper.
@@ -148,7 +148,7 @@ class KeepawayWorld:
             self._referee.saw_catch(player)
 
     def _hear(self, said: Mapping[str, str]) -> dict[str, list[str]]:
-        """Return what each keeper hears: one message per cycle, chosen at random."""
+        """Return the messages that keepers hear: one message per cycle, chosen at random."""
         heard: dict[str, list[str]] = {}
         reach = self.parameters.say_range
         for name, keeper in self._keepers.items():

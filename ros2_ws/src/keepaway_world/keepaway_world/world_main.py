@@ -13,7 +13,7 @@ from __future__ import annotations
 from rclpy.node import Node
 
 from hitab_world import run_world
-from hitab_world.figures import declare_figures
+from hitab_world.ros_parameters import declare_parameters
 from keepaway_world.parameters import KeepawayParameters
 from keepaway_world.world import KeepawayWorld
 
@@ -24,7 +24,7 @@ def make_world(node: Node, seed: int) -> KeepawayWorld:
     Raises:
         HitabError: if a parameter of the game is invalid.
     """
-    return KeepawayWorld(declare_figures(node, KeepawayParameters), seed)
+    return KeepawayWorld(declare_parameters(node, KeepawayParameters), seed)
 
 
 def main() -> None:

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hitab_core.errors import HitabError
-from keepaway_world.body import NOBODY, KeeperBody
+from keepaway_world.body import NO_PLAYER, KeeperBody
 from keepaway_world.parameters import variant
 from keepaway_world.percept import percept_length
 from keepaway_world.sight import quantised_direction, quantised_distance, seen_velocity
@@ -70,7 +70,7 @@ def test_every_keeper_of_any_team_can_read_its_percept(keepers, takers, sight):
         assert body.number == number
         assert len(body.others) == keepers - 1
         assert len(body.takers) == takers
-        assert (body.closest_taker() == NOBODY) == (takers == 0)
+        assert (body.closest_taker() == NO_PLAYER) == (takers == 0)
         truth = {entity.name: entity for entity in world.entities()}
         x, y = body.position
         for place in body.others:

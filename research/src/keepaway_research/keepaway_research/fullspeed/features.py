@@ -6,7 +6,7 @@ import math
 
 from hitab_core import Feature, FeatureKind, Target
 from keepaway_research.fullspeed.body import FullSpeedBody
-from keepaway_world.body import NOBODY
+from keepaway_world.body import NO_PLAYER
 from keepaway_world.features import NAN
 from keepaway_world.percept import HEIGHT, WIDTH
 
@@ -33,7 +33,7 @@ def lane_slack(body: FullSpeedBody, mate: int) -> float:
 
 def clearest_keeper(body: FullSpeedBody) -> int:
     """Return the place of the teammate whose lane has the most slack."""
-    return max(body.others, key=lambda mate: body.lane(mate).slack, default=NOBODY)
+    return max(body.others, key=lambda mate: body.lane(mate).slack, default=NO_PLAYER)
 
 
 FEATURES = (

@@ -15,7 +15,7 @@ from keepaway_research.predictive.lanes import clearance
 from keepaway_world import percept
 from keepaway_world.angles import wrapped
 from keepaway_world.behaviors import go_by, pass_to, turn_to_ball
-from keepaway_world.body import NOBODY
+from keepaway_world.body import NO_PLAYER
 from keepaway_world.kicking import kick_power
 from keepaway_world.percept import BALL
 
@@ -62,7 +62,7 @@ def hold_ball(body: PredictiveBody) -> None:
     vx, vy = body.ball_velocity
     # Wanted position of the ball in the next cycle, relative to the keeper's current one.
     own_vx, own_vy = body.velocity
-    if taker == NOBODY or body.values[taker] > SHIELD_FROM:
+    if taker == NO_PLAYER or body.values[taker] > SHIELD_FROM:
         distance = math.hypot(x, y)
         scale = min(1.0, SHIELD / distance) if distance > 0.0 else 0.0
         to_x, to_y = own_vx + x * scale, own_vy + y * scale

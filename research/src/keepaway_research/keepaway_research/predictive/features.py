@@ -8,7 +8,7 @@ from hitab_core import Feature, FeatureKind, Target
 from keepaway_research.predictive.body import PredictiveBody
 from keepaway_research.predictive.lanes import clearance
 from keepaway_world import percept
-from keepaway_world.body import NOBODY
+from keepaway_world.body import NO_PLAYER
 from keepaway_world.features import NAN
 from keepaway_world.percept import BALL
 
@@ -35,7 +35,7 @@ def lane_clearance(body: PredictiveBody, place: int) -> float:
 
 def farthest_keeper(body: PredictiveBody) -> int:
     """Return the place of the farthest other keeper; on a tie, the highest number."""
-    return max(body.others, key=lambda place: (body.values[place], place), default=NOBODY)
+    return max(body.others, key=lambda place: (body.values[place], place), default=NO_PLAYER)
 
 
 FEATURES = (

@@ -27,7 +27,7 @@ from hitab_core import (
 )
 from hitab_ros import GuardedNode, names, qos
 
-LOOK_PERIOD_S = 0.1
+GOAL_PERIOD_S = 0.1
 """How often the goals are looked after, s."""
 
 
@@ -78,7 +78,7 @@ class ActionClients:
             remembered = self._remembered(behavior.action)
             server.goals += [Goal(orphaned, None, server, one) for one in remembered]
         calls_of(agent.body).carrier = self
-        ticker.every(LOOK_PERIOD_S, self.look, node.guard)
+        ticker.every(GOAL_PERIOD_S, self.look, node.guard)
 
     def _remembered(self, action: str) -> list[bytes]:
         """Return the goals that a killed process had; what is damaged is left out."""

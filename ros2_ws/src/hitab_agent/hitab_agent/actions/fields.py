@@ -22,7 +22,7 @@ _TIMES = (["builtin_interfaces", "msg", "Time"], ["builtin_interfaces", "msg", "
 
 
 class FieldError(HitabError):
-    """A field that a message does not have, or a value that it cannot hold."""
+    """A field that is missing in a message, or a value that does not fit the field."""
 
 
 @functools.cache
@@ -61,7 +61,7 @@ def put(message: Any, path: str, value: Any) -> None:
         value: a number, boolean or text; a list; a message, or a mapping with its fields.
 
     Raises:
-        FieldError: naming the field and what it must be.
+        FieldError: naming the field and its type.
     """
     parent, name, slot = _found(message, path)
     try:
@@ -106,7 +106,7 @@ def _found(message: Any, path: str) -> tuple[Any, str, Any]:
 
 
 def _converted(slot: Any, value: Any) -> Any:
-    """Return a value as a field of this type holds it; one that it cannot hold stays as it is."""
+    """Return a value as a field of this type holds it; unsuitable values stay as they are."""
     if isinstance(slot, AbstractNestedType):
         if isinstance(value, str) or not isinstance(value, Iterable):
             raise TypeError("it must be a list")

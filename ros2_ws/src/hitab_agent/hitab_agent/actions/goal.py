@@ -1,4 +1,4 @@
-"""One goal of an action at its server, from waiting for the server to the result."""
+"""A goal of an action at its server, from waiting for the server to the result."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from unique_identifier_msgs.msg import UUID
 from hitab_core import ActionCall
 from hitab_ros import Guard
 
-_OVER = (CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, CancelGoal.Response.ERROR_GOAL_TERMINATED)
+_GOAL_OVER = (CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, CancelGoal.Response.ERROR_GOAL_TERMINATED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +26,7 @@ class Limits:
 
     Attributes:
         answer: for a server to appear, to take a goal, and to end a canceled one.
-        pulse: for the agent to act, before its goal is canceled; 0: for ever.
+        pulse: for the agent to act, before its goal is canceled; 0 for no limit.
     """
 
     answer: float
@@ -43,7 +43,7 @@ class Server:
         limits: how long to wait.
         guard: of the agent's node.
         changed: called after each answer of the server.
-        goals: that the server has or will get.
+        goals: present and future goals of the server.
     """
 
     client: Any
@@ -71,7 +71,7 @@ class Goal:
 
     Attributes:
         call: to carry out.
-        runs_on: why the server goes on with a canceled goal; empty: it does not.
+        runs_on: why the server goes on with a canceled goal; empty if it does not.
     """
 
     def __init__(
@@ -83,8 +83,7 @@ class Goal:
             call: to carry out.
             message: of the action's goal type.
             server: of the action.
-            identity: what the server knows a goal by that a process which is gone has sent: it
-                is canceled.
+            identity: of a goal that an earlier process has sent, which is to be canceled.
         """
         self.call = call
         self.runs_on = ""
@@ -99,7 +98,7 @@ class Goal:
 
     @property
     def identity(self) -> bytes:
-        """What the server knows the goal by; empty: it was not sent, or the server is done."""
+        """The goal's identity at the server; empty before it is sent and after its end."""
         return b"" if self._stage in (_Stage.WAITING, _Stage.ENDED) else bytes(self._id.uuid)
 
     @property
@@ -170,7 +169,7 @@ class Goal:
             )
 
     def _look_after(self, now: float) -> None:
-        call, patience = self.call, self._server.limits.pulse
+        call, pulse_timeout = self.call, self._server.limits.pulse
         if call.pulses != self._pulses:
             self._pulses, self._pulsed = call.pulses, now
         if not self._server.client.server_is_ready():
@@ -178,9 +177,9 @@ class Goal:
         elif 0.0 < call.behavior.feedback_within < now - self._heard:
             self._fail(f"gave no feedback for {call.behavior.feedback_within:g} s")
             self._cancel()
-        elif 0.0 < patience < now - self._pulsed:
+        elif 0.0 < pulse_timeout < now - self._pulsed:
             self._fail(
-                f"lost its goal: the agent has not acted for {patience:g} s, so the goal was "
+                f"lost its goal: the agent has not acted for {pulse_timeout:g} s, so the goal was "
                 "canceled; see its other faults, or set its parameter action_patience"
             )
             self._cancel()
@@ -217,7 +216,7 @@ class Goal:
             case GoalStatus.STATUS_ABORTED:
                 self._fail(f"aborted the goal{_told(answer.result)}")
             case GoalStatus.STATUS_CANCELED:
-                self._fail(f"had the goal canceled by somebody else{_told(answer.result)}")
+                self._fail(f"had the goal canceled by another client{_told(answer.result)}")
             case _:
                 self._fail("does not know the goal any more; was it restarted?")
         self._end()
@@ -232,7 +231,7 @@ class Goal:
         answer = future.result()
         if answer.goals_canceling or self._stage is not _Stage.CANCELING:
             return  # the result is still to come, or has come already
-        if answer.return_code in _OVER:
+        if answer.return_code in _GOAL_OVER:
             self._end()
         else:
             self.runs_on = f"{self._server.label} refuses to cancel a goal, and goes on with it"

@@ -25,7 +25,7 @@ class _Goal:
 
     Attributes:
         handle: of the server.
-        use: what is performed.
+        use: the performed behavior.
         ended: gets the outcome, empty if it was canceled, and a message.
         path: the active states that were published last.
     """
@@ -56,7 +56,7 @@ class OfferedAction:
             node: of the agent.
             agent: the agent.
             answered: called after a goal was accepted or refused.
-            rest: has the agent perform what it is ordered to or, without an order, nothing.
+            rest: has the agent perform its commander's order or, without an order, nothing.
         """
         self._node = node
         self._agent = agent

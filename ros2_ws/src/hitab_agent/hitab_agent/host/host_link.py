@@ -19,12 +19,12 @@ from hitab_agent.round_gate import RoundGate
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.checks import too_far_ahead
 
-LATEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+LATEST_ONLY_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """A host that was held up answers only the latest percepts."""
 
 
-COMMON = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
-"""What all percepts of a cycle have in common."""
+CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
+"""Fields that all percepts of a cycle share."""
 
 
 class _Perceiver(NamedTuple):
@@ -58,7 +58,7 @@ class HostLink:
             world: name of the world.
             outbox: of the process, held while all act.
             orders: of the process.
-            swarm: identity of the agents' swarm; empty: none.
+            swarm: identity of the agents' swarm; empty if none.
         """
         self._swarm = swarm
         self._host = host
@@ -89,7 +89,7 @@ class HostLink:
             msg.PerceptBatch,
             names.in_swarm(self._host, self._name, names.PERCEPTS),
             self._on_percepts,
-            LATEST,
+            LATEST_ONLY_QOS,
         )
         self._publish_roster()
 
@@ -120,7 +120,7 @@ class HostLink:
             )
             return
         percept = self._percept
-        for field in COMMON:
+        for field in CYCLE_FIELDS:
             setattr(percept, field, getattr(batch, field))
         # The world skips an answer that comes too late, and with it the restart it answered.
         episode = (batch.seed, batch.episode)

@@ -1,4 +1,4 @@
-"""What the doctor finds."""
+"""Findings of `hitab doctor`."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ OK, WARNING, ERROR = "ok", "warning", "error"
 
 @dataclass(frozen=True)
 class Finding:
-    """One finding.
+    """A finding of the doctor.
 
     Attributes:
-        about: what was looked at, such as "Python".
-        text: what was found.
+        about: the examined thing, such as "Python".
+        text: the finding.
         level: `OK`; `WARNING`: it may cause problems; `ERROR`: it keeps HiTAB from working.
-        way_out: what to do about it; empty: nothing.
+        way_out: the remedy; empty if there is none.
     """
 
     about: str

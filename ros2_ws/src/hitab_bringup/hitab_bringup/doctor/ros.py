@@ -14,7 +14,7 @@ from hitab_core import way_to_install
 
 DISTRO = "jazzy"
 FAST_DDS = "rmw_fastrtps_cpp"
-COMMON = 102
+SAFE_DOMAINS = 102
 """Domains whose ports no other program of the system uses."""
 
 
@@ -52,11 +52,11 @@ def middleware() -> Iterator[Finding]:
     elif own:
         told = f"by your own DDS profile {own[0]}"
     elif server := os.environ.get(SERVER):
-        told = f"by the server {server}, without which nobody finds anybody ({SERVER})"
+        told = f"by the server {server}, without which no node finds another ({SERVER})"
     elif any(Path(name).name == LOOPBACK.name for name in profiles):
         told = "of processes on this computer only"
     elif environment[RANGE] == "OFF":
-        told, level, way_out = f"{RANGE} is OFF: nobody finds anybody", ERROR, f"unset {RANGE}"
+        told, level, way_out = f"{RANGE} is OFF: no node finds another", ERROR, f"unset {RANGE}"
     else:
         told = f"of other computers in the network, too ({RANGE}={said})"
     yield Finding("discovery", told, level, way_out)
@@ -74,5 +74,5 @@ def domain() -> Iterator[Finding]:
         yield Finding("ROS domain", told)
         return
     mean = "all commands mean swarms in this domain"
-    told = f"{number}: {mean if number < COMMON else 'its ports may be in use by others'}"
-    yield judged("ROS domain", told, number < COMMON, "choose a ROS_DOMAIN_ID up to 101")
+    told = f"{number}: {mean if number < SAFE_DOMAINS else 'its ports may be in use by others'}"
+    yield judged("ROS domain", told, number < SAFE_DOMAINS, "choose a ROS_DOMAIN_ID up to 101")

@@ -18,9 +18,9 @@ from hitab_client.run_processes import SUPERVISOR_TIMEOUT_SECONDS, is_suspended,
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Fix, each_once, quantity, some
 
-SHOWN = 5  # processes by name
-MANY = 100  # agents; a larger swarm takes long to ask
-ASK_SECONDS = 3.0
+PROCESSES_NAMED_MAX = 5  # processes by name
+LARGE_SWARM = 100  # agents; a larger swarm takes long to ask
+DOCTOR_TIMEOUT_SECONDS = 3.0
 
 
 def swarms() -> Iterator[Finding]:
@@ -42,7 +42,7 @@ def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
         return
     running = [state for state in states if state["statename"] == "RUNNING"]
     lost = [state["name"] for state in states if state not in running]
-    pids = some([f"{state['name']} {state['pid']}" for state in running], SHOWN)
+    pids = some([f"{state['name']} {state['pid']}" for state in running], PROCESSES_NAMED_MAX)
     where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
     told = f"{record.swarm} is up {where}: {pids}"
     told += f"; {', '.join(lost[:SHOWN])} does not run" if lost else ""
@@ -64,7 +64,7 @@ def leftovers() -> Iterator[Finding]:
         if record is None or folder.supervisor(record) is None:
             lost.setdefault(mark, []).append(process.pid)
     for mark, pids in sorted(lost.items()):
-        numbers = some([str(pid) for pid in sorted(pids)], SHOWN)
+        numbers = some([str(pid) for pid in sorted(pids)], PROCESSES_NAMED_MAX)
         unknown = "" if mark in known else ", which no command knows"
         told = f"processes {numbers} of a killed run in {mark}{unknown}"
         yield Finding("leftovers", told, WARNING, as_command(Fix.DOWN_FOLDER(folder=mark)))
@@ -75,7 +75,7 @@ def leftovers() -> Iterator[Finding]:
 def faults() -> Iterator[Finding]:
     """Report what agents say that hinders them, such as a silent sensor."""
     for _, record in running_swarms():
-        if len(record.agents) > MANY:
+        if len(record.agents) > LARGE_SWARM:
             count = quantity(len(record.agents), "agent")
             told = f"the {count} of {record.swarm} were not asked; {as_command(Fix.STATUS())}"
             yield Finding("agents", told)
@@ -90,7 +90,7 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
         agents = SwarmClient(
             link, record.agents, prefix=record.namespace, identity=record.identity
         )
-        link.spin_until(lambda: len(agents.statuses) == len(record.agents), ASK_SECONDS)
+        link.spin_until(lambda: len(agents.statuses) == len(record.agents), DOCTOR_TIMEOUT_SECONDS)
         statuses = dict(agents.statuses)
     mute = [name for name in record.agents if name not in statuses]
     if mute:

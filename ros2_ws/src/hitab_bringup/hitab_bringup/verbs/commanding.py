@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_bringup.verbs.showing import plain, tell_faults
+from hitab_bringup.verbs.printing import plain, tell_faults
 from hitab_client import console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_client.cli_remedies import called, with_commands
@@ -32,8 +32,8 @@ def demonstrate(
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
 
-    The agent records an example: what it perceives and the change of state. Command the behavior
-    that it is already performing to say: keep going here. `hitab train` begins a training.
+    The agent records an example: its percept and the change of state. Command the behavior
+    that is already performed to say: keep going here. `hitab train` begins a training.
 
     A command that comes late is recorded with the situation of some time before you pressed Enter,
     if you say how long with --ago.
@@ -41,7 +41,7 @@ def demonstrate(
     Args:
         behavior: A behavior, such as GoFast, or GoTo(ball).
         ago: How long ago it was due, s of your time. Default: it counts when it arrives.
-        unrecorded: Only bring the agent into that state, such as to correct what it does there;
+        unrecorded: Only bring the agent into that state, such as to correct its decisions there;
             no example is recorded.
 
     Examples:
@@ -76,8 +76,8 @@ def demonstrate(
 def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
     """Return how long ago a command was due, s of simulated time, and the cycle that it is before.
 
-    It counts from when the person pressed Enter. What this process takes to start and to find the
-    agent is no reaction of theirs: the world went on meanwhile, and they have not seen that yet.
+    It counts from when the person pressed Enter. The start-up of this process and its search for
+    the agent are no part of a person's reaction time: the world went on meanwhile, unseen.
     """
     import time
 
@@ -134,7 +134,7 @@ def distribute(
 ) -> None:
     """Send a behavior and everything it uses from one agent to the others of its domain.
 
-    Each receiver verifies what it got; the output lists which ones accepted it.
+    Each receiver verifies the files; the output lists which ones accepted it.
 
     Args:
         behavior: A trained behavior in that agent's library.

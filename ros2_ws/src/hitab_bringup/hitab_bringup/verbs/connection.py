@@ -41,7 +41,7 @@ class Connection:
                 console.note(sentence)
 
     def await_world(self) -> WorldClient | None:
-        """Return the world, once it answers; None: there is none.
+        """Return the world, once it answers; None if there is none.
 
         Raises:
             SwarmError: if the swarm has one that does not answer.
@@ -74,7 +74,7 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
     identity is given, or by a verb that only reads.
 
     Args:
-        swarm: its name, identity, namespace or run folder.
+        swarm: name, identity, namespace or run folder.
         reads: whether the verb changes nothing; it has to call `Connection.note_whose`.
 
     Raises:

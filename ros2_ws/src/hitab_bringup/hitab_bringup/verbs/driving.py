@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 READ_S = 0.03
 """How often keys are read and what is shown is renewed, s."""
 
-AGAIN_S = 2.0
+AGENT_RETRY_S = 2.0
 """How long to wait before an agent that did not answer is asked again, s."""
 
 DELIVER_S = 1.0
@@ -162,6 +162,6 @@ def carry_out(
                     demonstrator.look()
                 except HitabError as error:
                     demonstrator.tell(str(error), failed=True)
-                    look_at = time.monotonic() + AGAIN_S
+                    look_at = time.monotonic() + AGENT_RETRY_S
     finally:
         demonstrator.close(DELIVER_S)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 CONFIRM_S = 10.0
 """How long all may take to confirm it, s."""
 
-LOOK_S = 3.0
+REARM_TIMEOUT_S = 3.0
 """How long to look for robots that wait to be re-armed, s."""
 
 
@@ -33,9 +33,9 @@ def stop(
 
     Each robot stands still, whatever its agent does, until `hitab go` and then `hitab arm`. Relays
     between agents and robots obey it even if an agent has died; goals of actions are cancelled;
-    simulated worlds pause. The command repeats it until each of them has confirmed that it stands
-    still, so that a robot that is out of reach obeys when it is back; after ten seconds it names
-    those that have not. It takes no names: `hitab perform ROBOT` stops one robot.
+    simulated worlds pause. The command repeats the stop until each robot has confirmed standing
+    still, so a robot out of reach obeys when it is back; after ten seconds the command names the
+    others. It takes no names: `hitab perform ROBOT` stops one robot.
 
     Args:
         reason: Why, for those who read the status.
@@ -84,9 +84,9 @@ def arm(
     """Let robots act again that were stopped, whatever stopped them; without names, list them.
 
     A robot waits for this after each start of its relay, an emergency stop, a sensor or an agent
-    that fell silent. It is refused while that lasts, and while the robot moves. What the agent
-    performs then drives the robot at once: look at the robot first. Only robots of the swarm that
-    is up are meant; if none is, those in ROS_DOMAIN_ID.
+    that fell silent. It is refused while that lasts, and while the robot moves. The agent's
+    behavior drives the robot at once: look at the robot first. Only robots of the swarm that is up
+    are meant; if none is, those in ROS_DOMAIN_ID.
 
     Args:
         robots: Names of robots.
@@ -104,7 +104,7 @@ def arm(
     refused = []
     with _meant(swarm) as (end, prefix, own):
         where = f"in ROS domain {end.domain_id}"
-        Stops.listen([end], LOOK_S)
+        Stops.listen([end], REARM_TIMEOUT_S)
         waiting = {
             name: it
             for name, it in end.waiting().items()
@@ -121,7 +121,7 @@ def arm(
             try:
                 if own and name not in own:
                     raise SwarmError(f"{robot} is not in this swarm {has(own, name)}")
-                end.arm(name, LOOK_S)
+                end.arm(name, REARM_TIMEOUT_S)
                 console.say(f"{robot} may act {where}")
             except SwarmError as error:
                 refused.append(str(error))
@@ -130,17 +130,17 @@ def arm(
 
 
 def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) -> str:
-    """Stop or release everything; return what has confirmed it.
+    """Stop or release everything; return the names that have confirmed it.
 
     Args:
-        engaged: whether to stop it.
-        reason: that the user gives.
-        done: what has been done to it then.
-        unsure: what follows if not all confirm it.
-        seconds: how long to repeat it until all have confirmed it.
+        engaged: whether to stop, not to release.
+        reason: given by the user.
+        done: participle for messages, such as "stopped".
+        unsure: the consequence if not all confirm.
+        seconds: longest time to repeat the request until all have confirmed.
 
     Raises:
-        SwarmError: if nobody heard it, or not all confirm it.
+        SwarmError: if no robot and no world heard it, or not all confirm it.
     """
     from hitab_client import Stops
 
@@ -152,7 +152,7 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
             return
         told[:] = who, is_late
         if is_late:
-            whom = _listed(who) or f"nobody answers in ROS domain {where}"
+            whom = _listed(who) or f"no node answers in ROS domain {where}"
             console.note(
                 f"not confirmed: {whom}; {unsure}; the command goes on, so that they obey when "
                 "they are back, until all confirm it or Ctrl-C"
@@ -167,8 +167,8 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
         there = [end.label(name, ends) for end in ends for name in end.names()]
     if not there:
         raise SwarmError(
-            f"nobody heard it: no robot and no simulated world answers in ROS domain {where}; "
-            "use the robots' own switches, check ROS_DOMAIN_ID and "
+            "the stop was not heard: no robot and no simulated world answers in ROS domain "
+            f"{where}; use the robots' own switches, check ROS_DOMAIN_ID and "
             "ROS_AUTOMATIC_DISCOVERY_RANGE, and try again",
             Fix.DOCTOR(),
         )
@@ -185,7 +185,7 @@ def _listed(who: dict[str, str]) -> str:
 
 @contextmanager
 def _everywhere() -> Iterator[list[Stops]]:
-    """Yield what is in the user's ROS domain, and in those of all swarms that are up."""
+    """Yield the swarms in the user's ROS domain and in the domains of all swarms that are up."""
     from hitab_client import RosLink, Stops
     from hitab_client.domain_ids import chosen_by_user
     from hitab_client.run_folder import running_swarms
@@ -205,10 +205,10 @@ def _everywhere() -> Iterator[list[Stops]]:
 
 @contextmanager
 def _meant(swarm: str | None) -> Iterator[tuple[Stops, str, set[str]]]:
-    """Yield the ROS domain of a swarm, the start of its robots' names, and these; empty: any.
+    """Yield the ROS domain of a swarm, the start of its robots' names, and these; empty for any.
 
     Args:
-        swarm: which; None: the only one that is up, or what was started by hand.
+        swarm: which; None for the only one that is up, or what was started by hand.
 
     Raises:
         SwarmError: if several are up and none is named, or the named one is not.

@@ -13,7 +13,7 @@ from hitab_client.cli_options import JsonPath
 from hitab_core import quantity
 
 if TYPE_CHECKING:
-    from hitab_bringup.evaluating import Part
+    from hitab_bringup.evaluating import CastMember
     from hitab_world.evaluation import Comparison, Estimate
 
 LINES = 10
@@ -114,7 +114,7 @@ def _named(one: Comparison) -> str:
 
 def _show(
     swarm: str,
-    parts: Sequence[Mapping[str, Part]],
+    parts: Sequence[Mapping[str, CastMember]],
     played: Sequence[Any],
     compared: Sequence[Comparison],
     seed: int,
@@ -146,7 +146,7 @@ def _show(
     console.show(json, data, title, console.table(columns, rows), *lines)
 
 
-def _told(parts: Mapping[str, Part]) -> dict[str, Any]:
+def _told(parts: Mapping[str, CastMember]) -> dict[str, Any]:
     return {
         name: {
             "behavior": str(part.behavior or ""),

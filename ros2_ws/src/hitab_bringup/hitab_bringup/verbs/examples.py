@@ -11,7 +11,7 @@ import typer
 
 from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import as_text, plain
+from hitab_bringup.verbs.printing import as_text, plain
 from hitab_client import as_direction, console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from hitab_core.training import TrainingCost
 
 MINUTES_FROM_S = 120.0
-"""From here on times are shown in minutes."""
+"""Times from this one on are shown in minutes."""
 
-COUNTS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
+COUNT_FIELDS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 
 
 class ExamplesGroup(HelpfulGroup):
@@ -126,11 +126,11 @@ def _show_costs(costs: list[TrainingCost], json: str | None) -> None:
             cost.began.replace("T", " ")[:16],
             _duration(cost.wall_seconds),
             _duration(cost.simulated_seconds),
-            *(str(getattr(cost, count)) for count in COUNTS),
+            *(str(getattr(cost, count)) for count in COUNT_FIELDS),
         )
         for cost in costs
     ]
-    heads = ("automaton", "began (UTC)", "time", "simulated", *COUNTS)
+    heads = ("automaton", "began (UTC)", "time", "simulated", *COUNT_FIELDS)
     data = {"trainings": [asdict(cost) for cost in costs]}
     console.show(json, data, console.table(heads, rows))
 

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from hitab_client import Branch, CommanderView
 
 WAIT_SECONDS = 8.0
-STARTED_BY_HAND_SECONDS = 1.5  # for commanders of a swarm that has started none
+COMMANDER_DISCOVERY_SECONDS = 1.5  # for commanders of a swarm that has started none
 GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
-SHOWN = 12
+SUBORDINATES_SHOWN_MAX = 12
 """Up to this many agents of a commander are shown individually."""
 
 
@@ -73,7 +73,7 @@ def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
     started = swarm_up.record.commanders if swarm_up.record is not None else ()
     if not started:
         by_hand = swarm_up.record is None
-        view.await_groups(WAIT_SECONDS if by_hand else STARTED_BY_HAND_SECONDS)
+        view.await_groups(WAIT_SECONDS if by_hand else COMMANDER_DISCOVERY_SECONDS)
         return []
     from hitab_client.run_processes import sentences
 
@@ -125,7 +125,7 @@ def _drawn(branch: Branch, agents: bool) -> Tree:
 
 
 def line_of(branch: Branch) -> str:
-    """Return what a commander or an agent does, in one line."""
+    """Return the activity of a commander or an agent, in one line."""
     doing = " > ".join((branch.behavior or "nothing", *branch.path))
     if not branch.is_commander:
         return f"{branch.name}: {doing}{_why_not(branch)}"
@@ -163,7 +163,7 @@ def _style(branch: Branch) -> str:
 
 def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
     """Return one line per agent, or per behavior if there are many agents."""
-    if len(leaves) <= SHOWN:
+    if len(leaves) <= SUBORDINATES_SHOWN_MAX:
         return [console.line(line_of(leaf), _style(leaf)) for leaf in leaves]
     alike: dict[tuple[str, str], list[Branch]] = {}
     for leaf in leaves:
@@ -183,13 +183,13 @@ def order(
     targets: Annotated[list[str] | None, typer.Argument()] = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Make a commander give an order, or perform what it has learned; its group obeys at once.
+    """Make a commander give an order, or perform a learned behavior; its group obeys at once.
 
     The next order from its own commander replaces this one.
 
     Args:
         commander: Name of the commander, such as captain.
-        behavior: One of its orders, or a behavior that it has learned.
+        behavior: One of its orders, or a learned behavior.
         targets: Targets for its parameters.
 
     Examples:

@@ -1,4 +1,4 @@
-"""The verb that trains from what somebody did in a recording, without commands."""
+"""The verb that trains from the actions in a recording, without commands."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ def label(
 ) -> None:
     """Show which behavior each moment of a recording was, and train from that, without commands.
 
-    Whoever acted: an agent, a program in its place, a person who drove. The strip says from when
-    to when it was which behavior, how sure that is, and how many moments none explains. Say with
+    An agent may have acted, a program in its place, or a person who drove. The strip shows the
+    behavior of each span, how sure that is, and how many moments no behavior explains. Say with
     --was where it is wrong; with --library, train as if each change had been commanded.
 
     Args:
         recording: A file that `hitab record` or the studio wrote.
         name: Name of the behavior to train.
         feature: A feature by which behaviors were chosen, such as "DistanceTo(ball)". Repeatable.
-        behavior: A basic behavior that it may have been. Repeatable. Default: all that need no
-            target.
-        was: What it was from when to when, in s, such as 3.2-4.1=Stop. Repeatable.
+        behavior: A basic behavior that may be in the recording. Repeatable. Default: all
+            that need no target.
+        was: The behavior between two times, in s, such as 3.2-4.1=Stop. Repeatable.
         library: Train, and save in this folder; a new one, or a library.
         agent: Whose actions. Default: of the only one.
 

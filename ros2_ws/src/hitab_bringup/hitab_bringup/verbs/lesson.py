@@ -38,7 +38,7 @@ def run(
 
     Args:
         lessons: Lesson files, or names of shipped ones, in order.
-        factor: Multiple of real time, for watching; 0: as fast as possible.
+        factor: Multiple of real time, for watching; 0 for as fast as possible.
         discard: First discard what the agents have not saved.
 
     Examples:

@@ -87,7 +87,7 @@ def list_behaviors(
 
 
 def _row(name: str, file: Any) -> dict[str, Any]:
-    """Return what is listed of a behavior file."""
+    """Return the row of a behavior file in the list."""
     automaton = file.automaton
     return {
         "name": name,
@@ -116,7 +116,7 @@ def show(
 
     Args:
         picture: Draw it to a PNG or SVG file instead.
-        deep: Also show the automata that it uses.
+        deep: Also show the automata used by the behavior.
 
     Examples:
       hitab library show Keepaway

@@ -175,13 +175,13 @@ def import_(
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Read behaviors from a file into a library: all or none. What they replace is kept.
+    """Read behaviors from a file into a library: all or none. Replaced files are kept.
 
     A folder that does not exist is a new library.
 
     Args:
         file: A file that `hitab library export` wrote.
-        dry_run: Only say what it would replace.
+        dry_run: Only list what would be replaced.
 
     Examples:
       hitab library import Keepaway.bundle.yaml -l my_library --dry-run
@@ -225,7 +225,7 @@ def reload(
 ) -> None:
     """Have agents read their libraries again, after a change by other means.
 
-    What an agent performs begins again at Start.
+    The agent's behavior begins again at Start.
 
     Args:
         agents: The agents. Default: all of the swarm.

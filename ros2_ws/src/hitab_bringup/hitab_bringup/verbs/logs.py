@@ -14,11 +14,11 @@ from hitab_core import Fix, has
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from hitab_bringup.run_logs import Line, LogFile
+    from hitab_bringup.run_logs import LogFile, LogLine
     from hitab_client import RunFolder, RunRecord
 
 Level = Literal["debug", "info", "warn", "error", "fatal"]
-LOOK_SECONDS = 0.3  # between two looks for new lines
+LOG_PERIOD_SECONDS = 0.3  # between two looks for new lines
 
 
 def logs(
@@ -33,7 +33,7 @@ def logs(
     Args:
         name: An agent, a host, world or supervisor. Default: all.
         follow: Go on until the swarm is down, or Ctrl-C.
-        lines: Number of lines to begin with; 0: all.
+        lines: Number of lines to begin with; 0 for all.
         level: Only lines of this level or above: debug, info, warn, error or fatal.
 
     Examples:
@@ -61,10 +61,10 @@ def logs(
         if not up:
             console.note(f"{folder.path.name} is down")
             return
-        time.sleep(LOOK_SECONDS)
+        time.sleep(LOG_PERIOD_SECONDS)
 
 
-def _say(lines: Iterable[Line], names: bool) -> None:
+def _say(lines: Iterable[LogLine], names: bool) -> None:
     for line in lines:
         console.say(f"{line.process} | {line.text}" if names else line.text)
 

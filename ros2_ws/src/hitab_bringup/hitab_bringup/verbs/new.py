@@ -16,9 +16,9 @@ from hitab_client.cli_remedies import called
 from hitab_core import ENTRY_POINT_GROUP, HitabError
 
 TEMPLATES = Path(__file__).parents[1] / "templates"
-SUFFIX = ".txt"
+TEMPLATE_SUFFIX = ".txt"
 """Keeps templates from being compiled, tested or installed as code."""
-NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", re.ASCII)
+PACKAGE_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", re.ASCII)
 
 
 def new(
@@ -28,7 +28,7 @@ def new(
 ) -> None:
     """Write a robot of your own, or with --world a simulated world in one file, to begin with.
 
-    What is written can be started, tested and trained at once; then change it.
+    The new files can be started, tested and trained at once; then change them.
 
     Args:
         name: Of the folder my_robot, or the file my_world.py; neither may exist yet.
@@ -51,8 +51,8 @@ def new(
         raise HitabError(f"{to} exists already; choose another name, or another folder")
     own = TEMPLATES / ("standard" if standard else kind)
     for base in (own,) if world else (own, TEMPLATES / "package"):
-        for template in sorted(base.rglob(f"*{SUFFIX}")):
-            path = str(template.relative_to(base)).removesuffix(SUFFIX)
+        for template in sorted(base.rglob(f"*{TEMPLATE_SUFFIX}")):
+            path = str(template.relative_to(base)).removesuffix(TEMPLATE_SUFFIX)
             file = to if world else to / path.replace(placeholder, name)
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(template.read_text("utf-8").replace(placeholder, name), "utf-8")
@@ -72,7 +72,7 @@ def new(
 
 def _refuse_taken(name: str, example: str) -> None:
     """Refuse a name that Python, ROS or an installed package could not tell from another."""
-    if NAME.fullmatch(name) is None or len(name) < 2 or iskeyword(name):
+    if PACKAGE_NAME.fullmatch(name) is None or len(name) < 2 or iskeyword(name):
         raise HitabError(
             f'"{name}" is not a name for a package; use small letters, digits and single "_", '
             f"beginning with a letter, such as {example}"

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from hitab_bringup.verbs.connection import connection
-from hitab_bringup.verbs.showing import plain
+from hitab_bringup.verbs.printing import plain
 from hitab_client import console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_client.cli_remedies import called, with_commands
@@ -25,9 +25,9 @@ def questions(
     """Show what an agent asks about its examples, or answer it.
 
     It asks when commands contradict each other, when an example made it do what you corrected,
-    when it was shown too little somewhere, and when several explanations fit what it was shown.
-    `hitab undo` takes an answer back. Above the questions it says where what it learned goes round
-    in a circle, and what did not happen in fifty episodes of a test.
+    when a situation has too few examples, and when several explanations fit the examples.
+    `hitab undo` takes an answer back. Above the questions stands where the learned behavior goes
+    round in a circle, and what did not happen in fifty episodes of a test.
 
     Args:
         answer: Answer this question, as proposed or with --choice.
@@ -42,7 +42,7 @@ def questions(
     """
     number = answer if answer is not None else dismiss
     if choice and answer is None:
-        raise typer.BadParameter("--choice needs the question that it answers: --answer NUMBER")
+        raise typer.BadParameter("--choice needs a question: --answer NUMBER")
     with connection(swarm) as swarm_up:
         if number is not None:
             dismissed = answer is None

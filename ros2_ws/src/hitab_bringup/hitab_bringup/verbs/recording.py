@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 STATUS_S = 1.0
 """How long to wait for the status of the world, s."""
 
-LOOK_S = 0.5
-"""Between two looks for new topics."""
+TOPIC_PERIOD_S = 0.5
+"""Period of the search for new topics, s."""
 
 
 def record(
@@ -72,7 +72,7 @@ def record(
                 recorder.close()
         lasted = time.monotonic() - began
     for topic in recorder.missing:
-        console.note(f"{topic} is not in it: nobody has published it in this ROS domain")
+        console.note(f"{topic} is not in it: no node has published it in this ROS domain")
     for topic, why in recorder.left_out.items():
         console.note(f"{topic} is not in it: {why}")
     if recorder.problem:
@@ -109,7 +109,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
             now = time.monotonic()
             if seconds is not None and now - began >= seconds:
                 return
-            if now - looked < LOOK_S:
+            if now - looked < TOPIC_PERIOD_S:
                 continue
             looked = now
             recorder.look()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from hitab_bringup.verbs.connection import Connection, connection
-from hitab_bringup.verbs.showing import plain
+from hitab_bringup.verbs.printing import plain
 from hitab_client import SwarmError, console
 from hitab_client.cli_options import JsonPath, SwarmName
 from hitab_client.cli_remedies import as_command
@@ -20,17 +20,17 @@ if TYPE_CHECKING:
     from hitab_client import SignsOfLife
     from hitab_client.run_processes import Silence
 
-AGENT = (
+AGENT_FIELDS = (
     "domain mode behavior active_path examples default_examples cycle library_digest last_error "
     "faults stopped when_out_of_reach note unsure questions remarks"
 )
-WORLD = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
+WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
 """Fields of statuses that are shown."""
 
 WAYS_MAX = 10
 """Ways out that are shown at most."""
 
-LOOK_SECONDS = 1.0  # for a world that was started by hand
+HAND_STARTED_WORLD_SECONDS = 1.0  # for a world that was started by hand
 
 
 def status(
@@ -43,7 +43,7 @@ def status(
 
     Args:
         watch: Keep it up to date.
-        check: Exit with 1 if somebody does not answer, is stopped or has a fault.
+        check: Exit with 1 if a member does not answer, is stopped or has a fault.
 
     Examples:
       hitab status
@@ -62,7 +62,7 @@ def status(
         if swarm_up.record is None and not data["agents"] and data["world"] is None:
             number = swarm_up.link.node.context.get_domain_id()
             raise SwarmError(
-                f"nobody answers in ROS domain {number}; a swarm that starts or ends needs a "
+                f"no node answers in ROS domain {number}; a swarm that starts or ends needs a "
                 "moment: try again",
                 Fix.UP(swarm="keepaway"),
             )
@@ -76,7 +76,7 @@ def _await_world(swarm_up: Connection) -> None:
 
     world = swarm_up.world
     if swarm_up.record is None:
-        swarm_up.link.spin_until(lambda: world.status is not None, LOOK_SECONDS)
+        swarm_up.link.spin_until(lambda: world.status is not None, HAND_STARTED_WORLD_SECONDS)
     elif swarm_up.has_world:
         with suppress(SwarmError):  # shown with all that does not answer
             world.wait()
@@ -110,7 +110,7 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
         {
             "agent": name,
             "training": status.training,
-            **plain(status, AGENT),
+            **plain(status, AGENT_FIELDS),
             "remedies": list(map(as_command, remedies_of(status.remedies))),
             "refused_at": status.refused_at.sec or None,
         }
@@ -128,13 +128,13 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
             name: why.of(name) if why is not None else f"{name} does not answer"
             for name, why in silent.items()
         },
-        "world": None if world is None else plain(world, WORLD),
+        "world": None if world is None else plain(world, WORLD_FIELDS),
         "remedies": [] if world is None else list(map(as_command, remedies_of(world.remedies))),
     }
 
 
 def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Silence | None]:
-    """Return why agents, or the world, do not answer, by name; None: that is unknown."""
+    """Return why agents, or the world, do not answer, by name; None if that is unknown."""
     from hitab_client.run_processes import Silence
 
     agents, world, processes = swarm_up.agents, swarm_up.world, swarm_up.processes
@@ -217,7 +217,7 @@ def _kept(agent: Mapping[str, Any]) -> str:
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
-    # It may have been long ago: what is still so is among the faults.
+    # The error may be long ago: present ones are among the faults.
     what = "last refusal" if "agent" in status else "last error"
     if status.get("refused_at"):
         what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))

@@ -34,9 +34,9 @@ def up(
 ) -> None:
     """Start a swarm and keep it alive until `hitab down`.
 
-    Waits until every agent and the world answer. Killed processes are restarted. What the agents
-    learn is kept: the next start of the swarm goes on with it. A world that was paused when the
-    swarm went down stays paused.
+    Waits until every agent and the world answer. Killed processes are restarted. Learned behaviors
+    are kept: the next start of the swarm goes on with them. A world that was paused when the swarm
+    went down stays paused.
 
     Args:
         swarm: A swarm description, the name of a shipped one, or a Python file with a world.
@@ -109,7 +109,7 @@ def down(
 ) -> None:
     """Stop a swarm and all its processes.
 
-    What was trained and not saved is named and kept: the next start of the swarm resumes it.
+    Unsaved trainings are listed and kept: the next start of the swarm resumes them.
 
     Args:
         name: The swarm, if several are up: its name, identity, namespace or run folder.

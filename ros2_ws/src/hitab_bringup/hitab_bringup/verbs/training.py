@@ -9,7 +9,7 @@ import typer
 
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.examples import edit
-from hitab_bringup.verbs.showing import tell_faults
+from hitab_bringup.verbs.printing import tell_faults
 from hitab_client import console
 from hitab_client.cli_options import AgentName, SwarmName
 from hitab_client.cli_remedies import called
@@ -102,8 +102,8 @@ def start_testing(
 ) -> None:
     """Give control to what the agent has learned, without a reset.
 
-    What it does when it is unsure also holds for what it performs afterwards; `hitab status` shows
-    why it is unsure.
+    The choice for unsure decisions also holds for what is performed afterwards; `hitab status`
+    shows why a decision is unsure.
 
     Args:
         restart: Begin at Start, not at the active state.
@@ -129,7 +129,7 @@ def start_testing(
 def undo(agent: AgentName, swarm: SwarmName = None) -> None:
     """Undo the last command, deletion or relabeling.
 
-    Undoing a command makes the agent perform again what it performed before.
+    Undoing a command makes the agent perform its previous behavior again.
 
     Example:
       hitab undo keeper_1
@@ -197,8 +197,8 @@ def discard(
 ) -> None:
     """Give up a training and its unsaved examples; the agent is idle afterwards.
 
-    On a terminal it asks first if that is more than a few commands. What was saved before stays.
-    The examples are kept in the folder of the agent's journals, beside those of earlier trainings.
+    On a terminal it asks first if that is more than a few commands. Saved behaviors stay. The
+    examples are kept in the folder of the agent's journals, beside those of earlier trainings.
 
     Args:
         yes: Do not ask, however many examples there are.

@@ -154,10 +154,10 @@ def pace(
     _control(swarm, "pace", pace=pace, factor=factor or 0.0)
 
 
-FIELDS = {"x": "m", "y": "m", "heading": "degrees", "vx": "m/s", "vy": "m/s"}
+THING_UNITS = {"x": "m", "y": "m", "heading": "degrees", "vx": "m/s", "vy": "m/s"}
 """The fields of a thing that can be set, and their units here."""
 
-_NUMBER = re.compile(r"-?(\d+\.?\d*|\.\d+)(e-?\d+)?")
+_PLAIN_NUMBER = re.compile(r"-?(\d+\.?\d*|\.\d+)(e-?\d+)?")
 
 
 @app.command()
@@ -181,11 +181,11 @@ def place(
     name = ""
     for word in things:
         field, is_field, value = word.partition("=")
-        if not is_field and not _NUMBER.fullmatch(word):
+        if not is_field and not _PLAIN_NUMBER.fullmatch(word):
             name = word
             placed[name] = {}
-        elif not name or field not in FIELDS or not _NUMBER.fullmatch(value):
-            units = ", ".join(f"{known} ({unit})" for known, unit in FIELDS.items())
+        elif not name or field not in THING_UNITS or not _PLAIN_NUMBER.fullmatch(value):
+            units = ", ".join(f"{known} ({unit})" for known, unit in THING_UNITS.items())
             raise typer.BadParameter(
                 f'"{word}": write a name, then its fields, each with a number, such as '
                 f"{name or 'ball'} x=1; the fields are {units}"

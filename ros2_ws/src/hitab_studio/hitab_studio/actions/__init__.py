@@ -1,11 +1,11 @@
-"""What a person can do on the page, one module per concern; each registers its actions."""
+"""Actions of a person on the page, one module per concern; each registers its actions."""
 
 from importlib import import_module
 from pkgutil import iter_modules
 
-from hitab_studio.actions.registry import ACTIONS, REPEATED, URGENT, Data
+from hitab_studio.actions.registry import REGISTERED_ACTIONS, REPEATED, URGENT, Data
 
-__all__ = ["ACTIONS", "REPEATED", "URGENT", "Data"]
+__all__ = ["REGISTERED_ACTIONS", "REPEATED", "URGENT", "Data"]
 
 for _module in iter_modules(__path__):
     import_module(f"{__name__}.{_module.name}")

@@ -1,14 +1,14 @@
-"""Answering what an agent asks about its examples, and what it does when it is unsure."""
+"""Answers an agent's questions about its examples, and sets its behavior when unsure."""
 
 from __future__ import annotations
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 
 @action("answer")
-async def answer(session: Session, data: Data) -> None:
+async def answer(session: PageState, data: Data) -> None:
     """Answer a question; without a choice, as the agent proposes."""
     number, choice = int(data["number"]), str(data.get("choice", ""))
     answer = await session.request(SwarmClient.answer, number, choice)
@@ -16,7 +16,7 @@ async def answer(session: Session, data: Data) -> None:
 
 
 @action("dismiss")
-async def dismiss(session: Session, data: Data) -> None:
+async def dismiss(session: PageState, data: Data) -> None:
     """Have a question not be asked again."""
     number = int(data["number"])
     answer = await session.request(SwarmClient.answer, number, dismiss=True)
@@ -24,7 +24,7 @@ async def dismiss(session: Session, data: Data) -> None:
 
 
 @action("caution")
-async def caution(session: Session, data: Data) -> None:
+async def caution(session: PageState, data: Data) -> None:
     """Say what the agent does when it is unsure."""
     values = data["values"]
     try:

@@ -8,14 +8,14 @@ from hitab_msgs.msg import WorldState
 
 from hitab_client import SwarmError, WorldClient
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 MOST_UNDO = 100
 PAUSED = WorldState.PAUSED
 
 
 @action("pause")
-async def pause(session: Session, data: Data) -> None:
+async def pause(session: PageState, data: Data) -> None:
     """Pause or resume the world."""
     world = session.shared.store.known.world
     wanted = "resume" if world is not None and world.mode == PAUSED else "pause"
@@ -23,21 +23,21 @@ async def pause(session: Session, data: Data) -> None:
 
 
 @action("step", repeats=True)
-async def step(session: Session, data: Data) -> None:
+async def step(session: PageState, data: Data) -> None:
     """Play some cycles, then pause."""
     cycles = int(data.get("cycles", 1))
     await session.ask_world(lambda world: world.step(cycles, 5.0))
 
 
 @action("reset")
-async def reset(session: Session, data: Data) -> None:
+async def reset(session: PageState, data: Data) -> None:
     """Begin a new episode."""
     _remember(session)
     await session.ask_world(lambda world: world.control("reset"))
 
 
 @action("pace")
-async def pace(session: Session, data: Data) -> None:
+async def pace(session: PageState, data: Data) -> None:
     """Set how fast the world runs: a factor of real time, or lockstep."""
     value = str(data["value"])
     if value == "lockstep":
@@ -49,7 +49,7 @@ async def pace(session: Session, data: Data) -> None:
         )
 
 
-def _remember(session: Session) -> None:
+def _remember(session: PageState) -> None:
     """Remember all positions, for undo."""
     store = session.shared.store
     if store.known.scene is not None:
@@ -58,7 +58,7 @@ def _remember(session: Session) -> None:
 
 
 @action("place", repeats=True)
-async def place(session: Session, data: Data) -> None:
+async def place(session: PageState, data: Data) -> None:
     """Move things to where they were dragged."""
     things = {
         str(name): {key: float(value) for key, value in where.items()}
@@ -90,7 +90,7 @@ def paused(world: WorldClient) -> bool:
 
 
 @action("unplace", repeats=True)
-async def unplace(session: Session, data: Data) -> None:
+async def unplace(session: PageState, data: Data) -> None:
     """Undo the last placement."""
     placements = session.shared.store.placements
     if not placements:
@@ -101,14 +101,14 @@ async def unplace(session: Session, data: Data) -> None:
 
 
 @action("snapshots")
-async def snapshots(session: Session, data: Data) -> None:
+async def snapshots(session: PageState, data: Data) -> None:
     """Show the snapshots of the world."""
     await _snapshot(session, "list")
     session.dialog = {"kind": "snapshots"}
 
 
 @action("snapshot-save")
-async def snapshot_save(session: Session, data: Data) -> None:
+async def snapshot_save(session: PageState, data: Data) -> None:
     """Save the world's state under a name."""
     name = str(data["values"].get("name", "")).strip()
     if not name:
@@ -118,7 +118,7 @@ async def snapshot_save(session: Session, data: Data) -> None:
 
 
 @action("snapshot-restore")
-async def snapshot_restore(session: Session, data: Data) -> None:
+async def snapshot_restore(session: PageState, data: Data) -> None:
     """Restore a snapshot."""
     name = str(data["name"])
     _remember(session)
@@ -128,17 +128,17 @@ async def snapshot_restore(session: Session, data: Data) -> None:
 
 
 @action("snapshot-delete")
-async def snapshot_delete(session: Session, data: Data) -> None:
+async def snapshot_delete(session: PageState, data: Data) -> None:
     """Delete a snapshot."""
     await _snapshot(session, "delete", str(data["name"]))
 
 
-async def _snapshot(session: Session, what: str, name: str = "") -> None:
+async def _snapshot(session: PageState, what: str, name: str = "") -> None:
     answer = await session.ask_world(lambda world: world.snapshot(what, name))
     session.shared.store.snapshots = tuple(answer.names)
 
 
-async def go_there(session: Session, things: Any) -> None:
+async def go_there(session: PageState, things: Any) -> None:
     """Pause, and move everything to where it was at another time."""
     _remember(session)
 

@@ -17,7 +17,7 @@ LONGEST_NOTE = 200
 
 
 @action("generations-dialog")
-async def generations_dialog(session: Session, data: Data) -> None:
+async def generations_dialog(session: PageState, data: Data) -> None:
     """List the generations of a behavior, to make the next one or to go back."""
     agent, training = str(data.get("agent") or session.agent), session.training
     behavior = str(data.get("name") or (training.name if training is not None else ""))
@@ -28,14 +28,14 @@ async def generations_dialog(session: Session, data: Data) -> None:
 
 
 @action("generation-next")
-async def generation_next(session: Session, data: Data) -> None:
+async def generation_next(session: PageState, data: Data) -> None:
     """Make the next generation of what is being trained."""
     agent, note = session.dialog["agent"], str(data["values"].get("note", "")).strip()
     _begin(session, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
 
 
 @action("generation-back")
-async def generation_back(session: Session, data: Data) -> None:
+async def generation_back(session: PageState, data: Data) -> None:
     """Go back to a generation: the team performs it again, and the training goes on from it."""
     agent, behavior = session.dialog["agent"], session.dialog["behavior"]
     version, discard = int(data["number"]), data["values"].get("discard") == "on"

@@ -6,11 +6,11 @@ from hitab_client import SwarmClient, SwarmError
 from hitab_core import Use, numbered, with_numbers
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action, number_from
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 
 @action("undo", repeats=True)
-async def undo(session: Session, data: Data) -> None:
+async def undo(session: PageState, data: Data) -> None:
     """Undo the last command or edit."""
     session.unseen.check(session.agent, "undo")
     await session.request(SwarmClient.undo)
@@ -18,26 +18,26 @@ async def undo(session: Session, data: Data) -> None:
 
 
 @action("redo", repeats=True)
-async def redo(session: Session, data: Data) -> None:
+async def redo(session: PageState, data: Data) -> None:
     """Redo what was undone last."""
     await session.request(SwarmClient.redo)
     session.tell("Redone")
 
 
 @action("mark", repeats=True)
-async def mark(session: Session, data: Data) -> None:
+async def mark(session: PageState, data: Data) -> None:
     """Select or deselect an example."""
     session.table.marked ^= {int(data["number"])}
 
 
 @action("mark-none")
-async def mark_none(session: Session, data: Data) -> None:
+async def mark_none(session: PageState, data: Data) -> None:
     """Deselect all examples."""
     session.table.marked.clear()
 
 
 @action("sort", repeats=True)
-async def sort(session: Session, data: Data) -> None:
+async def sort(session: PageState, data: Data) -> None:
     """Sort by a column, or reverse the order."""
     table, column = session.table, str(data["column"])
     table.descending = not table.descending if table.sort == column else False
@@ -45,19 +45,19 @@ async def sort(session: Session, data: Data) -> None:
 
 
 @action("examples-text", repeats=True)
-async def examples_text(session: Session, data: Data) -> None:
+async def examples_text(session: PageState, data: Data) -> None:
     """Show examples with this in their states."""
     session.table.text = str(data["value"])
 
 
 @action("examples-kind", repeats=True)
-async def examples_kind(session: Session, data: Data) -> None:
+async def examples_kind(session: PageState, data: Data) -> None:
     """Show examples of one kind."""
     session.table.kind = str(data["value"])
 
 
 @action("examples-column", repeats=True)
-async def examples_column(session: Session, data: Data) -> None:
+async def examples_column(session: PageState, data: Data) -> None:
     """Show a feature's column, or leave it out."""
     table, name = session.table, str(data["name"])
     if data["value"]:
@@ -68,7 +68,7 @@ async def examples_column(session: Session, data: Data) -> None:
             table.sort = "number"
 
 
-def _numbers(session: Session, data: Data) -> list[int]:
+def _numbers(session: PageState, data: Data) -> list[int]:
     if "number" in data:
         return [int(data["number"])]
     if not session.table.marked:
@@ -77,7 +77,7 @@ def _numbers(session: Session, data: Data) -> list[int]:
 
 
 @action("delete")
-async def delete(session: Session, data: Data) -> None:
+async def delete(session: PageState, data: Data) -> None:
     """Delete examples."""
     numbers = _numbers(session, data)
     await session.request(SwarmClient.delete, numbers)
@@ -86,7 +86,7 @@ async def delete(session: Session, data: Data) -> None:
 
 
 @action("relabel")
-async def relabel(session: Session, data: Data) -> None:
+async def relabel(session: PageState, data: Data) -> None:
     """Change the next state of examples."""
     numbers, state = _numbers(session, data), str(data["value"])
     if not state:
@@ -97,7 +97,7 @@ async def relabel(session: Session, data: Data) -> None:
 
 
 @action("renumber")
-async def renumber(session: Session, data: Data) -> None:
+async def renumber(session: PageState, data: Data) -> None:
     """Change a number with which an example was commanded."""
     number, training = int(data["number"]), session.training
     found = [e for e in training.examples if e.number == number] if training else []
@@ -114,7 +114,7 @@ async def renumber(session: Session, data: Data) -> None:
 
 
 @action("situation")
-async def situation(session: Session, data: Data) -> None:
+async def situation(session: PageState, data: Data) -> None:
     """Move everything to where it was when an example was recorded."""
     number = int(data["number"])
     training = session.training

@@ -8,12 +8,12 @@ from hitab_client import SwarmClient, SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
-from hitab_studio.remedy_words import told
-from hitab_studio.session import Session, nothing_in_training
+from hitab_studio.page_state import PageState, nothing_in_training
+from hitab_studio.ui_remedies import told
 
 
 @action("features-dialog")
-async def features_dialog(session: Session, data: Data) -> None:
+async def features_dialog(session: PageState, data: Data) -> None:
     """Ask which features to learn from."""
     training = session.training
     if training is None:
@@ -32,7 +32,7 @@ async def features_dialog(session: Session, data: Data) -> None:
     session.shared.link.probe(session.agent, on=True)
 
 
-def _chosen(session: Session, values: Iterable[object]) -> tuple[str, ...]:
+def _chosen(session: PageState, values: Iterable[object]) -> tuple[str, ...]:
     """Return the chosen features: those in use first, in their order."""
     wanted = [str(value) for value in values]
     used = session.dialog["used"]
@@ -41,7 +41,7 @@ def _chosen(session: Session, values: Iterable[object]) -> tuple[str, ...]:
 
 
 @action("features-preview", repeats=True)
-async def features_preview(session: Session, data: Data) -> None:
+async def features_preview(session: PageState, data: Data) -> None:
     """Show what would be learned from other features."""
     dialog = session.dialog
     if dialog.get("kind") != "features":
@@ -61,7 +61,7 @@ async def features_preview(session: Session, data: Data) -> None:
 
 
 @action("features-accept")
-async def features_accept(session: Session, data: Data) -> None:
+async def features_accept(session: PageState, data: Data) -> None:
     """Learn from other features from now on."""
     chosen = _chosen(session, data["values"].get("features", []))
     await session.request(SwarmClient.choose_features, chosen)

@@ -9,12 +9,12 @@ from hitab_core.labeling import Span, Strip
 from hitab_studio.actions.library_changes import change_library
 from hitab_studio.actions.recording import meanwhile_busy, player_of
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.replay import Labels, Player
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
+from hitab_studio.replay import Labels, ReplayPlayer
 
 
 @action("label-dialog")
-async def ask(session: Session, data: Data) -> None:
+async def ask(session: PageState, data: Data) -> None:
     """Ask by which features the agent may have chosen among which behaviors."""
     if session.status is None:
         raise SwarmError("Choose an agent of the recording first.")
@@ -23,7 +23,7 @@ async def ask(session: Session, data: Data) -> None:
 
 
 @action("label")
-async def label(session: Session, data: Data) -> None:
+async def label(session: PageState, data: Data) -> None:
     """Find which behavior each moment of what the agent did was."""
     player, dialog, chosen = player_of(session), session.dialog, data["values"]
     features, behaviors = chosen.get("features", []), chosen.get("states", [])
@@ -38,7 +38,7 @@ async def label(session: Session, data: Data) -> None:
 
 
 @action("label-span", repeats=True)
-async def look_at_span(session: Session, data: Data) -> None:
+async def look_at_span(session: PageState, data: Data) -> None:
     """Look at a span: go to where it begins."""
     player = player_of(session)
     labels, span = _labels(player), _span(player, int(data["number"]))
@@ -49,7 +49,7 @@ async def look_at_span(session: Session, data: Data) -> None:
 
 
 @action("label-was")
-async def correct(session: Session, data: Data) -> None:
+async def correct(session: PageState, data: Data) -> None:
     """Say what a span was, and label the rest again."""
     player = player_of(session)
     labels, span = _labels(player), _span(player, int(data["number"]))
@@ -69,7 +69,7 @@ async def correct(session: Session, data: Data) -> None:
 
 
 @action("label-train")
-async def train(session: Session, data: Data) -> None:
+async def train(session: PageState, data: Data) -> None:
     """Train a behavior from the labels, into the library of the agent in the swarm."""
     player, name = player_of(session), str(data["values"].get("name", "")).strip()
     strip, source = _labels(player).strip, player.recording.path.name
@@ -86,13 +86,13 @@ async def train(session: Session, data: Data) -> None:
     session.show_again()
 
 
-def _labels(player: Player) -> Labels:
+def _labels(player: ReplayPlayer) -> Labels:
     if player.labels is None:
         raise SwarmError("Nothing is labeled yet.")
     return player.labels
 
 
-def _span(player: Player, number: int) -> Span:
+def _span(player: ReplayPlayer, number: int) -> Span:
     spans = _labels(player).strip.spans
     if not 0 <= number < len(spans):
         raise SwarmError("The strip has changed meanwhile: choose again.")

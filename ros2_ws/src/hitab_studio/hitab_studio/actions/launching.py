@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from hitab_client import SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 
 @action("swarm-start")
-async def swarm_start(session: Session, data: Data) -> None:
+async def swarm_start(session: PageState, data: Data) -> None:
     """Start a swarm."""
     name = str(data["values"].get("swarm", ""))
     launcher = session.shared.launcher
@@ -18,13 +18,13 @@ async def swarm_start(session: Session, data: Data) -> None:
 
 
 @action("swarm-about", repeats=True)
-async def swarm_about(session: Session, data: Data) -> None:
+async def swarm_about(session: PageState, data: Data) -> None:
     """Say what the swarm is that is chosen to be started."""
     session.to_start = str(data["value"])
 
 
 @action("swarm-choose")
-async def swarm_choose(session: Session, data: Data) -> None:
+async def swarm_choose(session: PageState, data: Data) -> None:
     """Show another swarm that is up, on all pages."""
     target = session.shared.store.known.target
     chosen = (
@@ -41,7 +41,7 @@ async def swarm_choose(session: Session, data: Data) -> None:
 
 
 @action("swarm-stop")
-async def swarm_stop(session: Session, data: Data) -> None:
+async def swarm_stop(session: PageState, data: Data) -> None:
     """Stop the swarm."""
     target = session.shared.store.known.target
     if target is None or not target.folder:
@@ -51,6 +51,6 @@ async def swarm_stop(session: Session, data: Data) -> None:
 
 
 @action("launch-dismiss")
-async def launch_dismiss(session: Session, data: Data) -> None:
+async def launch_dismiss(session: PageState, data: Data) -> None:
     """Close what a failed start or stop has said."""
     session.shared.launcher.dismiss()

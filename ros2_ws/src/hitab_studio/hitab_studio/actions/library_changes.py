@@ -11,12 +11,12 @@ from hitab_client.cli_remedies import called
 from hitab_client.run_folder import libraries_of
 from hitab_core import BehaviorLibrary, Use, load_domain
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.swarm_link import Connected
 
 
 @action("behavior-rename")
-async def rename(session: Session, data: Data) -> None:
+async def rename(session: PageState, data: Data) -> None:
     """Rename a behavior, also in what uses it."""
     old, new = session.dialog["name"], str(data["values"].get("name", "")).strip()
     await change_library(
@@ -28,7 +28,7 @@ async def rename(session: Session, data: Data) -> None:
 
 
 @action("behavior-delete")
-async def delete(session: Session, data: Data) -> None:
+async def delete(session: PageState, data: Data) -> None:
     """Delete a behavior, also if others use it and the person was warned."""
     name = session.dialog["name"]
     told = bool(users_of(session, name))
@@ -40,7 +40,7 @@ async def delete(session: Session, data: Data) -> None:
     session.behavior = ""
 
 
-def users_of(session: Session, name: str) -> list[str]:
+def users_of(session: PageState, name: str) -> list[str]:
     """Return the behaviors of the agent that use a behavior."""
     return sorted(
         user.name
@@ -50,7 +50,7 @@ def users_of(session: Session, name: str) -> list[str]:
 
 
 async def change_library(
-    session: Session, what: Callable[[BehaviorLibrary], Any], done: str
+    session: PageState, what: Callable[[BehaviorLibrary], Any], done: str
 ) -> None:
     """Change the library of the agent, and have all who use it read it again.
 
@@ -77,7 +77,5 @@ async def change_library(
     read = await session.ask_agent(job)
     session.close_dialog()
     session.tell(done)
-    if refused := [
-        f"{name} goes on with what it had: {why}" for name, why, did in read if not did
-    ]:
+    if refused := [f"{name} keeps its library: {why}" for name, why, did in read if not did]:
         raise SwarmError("; ".join(refused))

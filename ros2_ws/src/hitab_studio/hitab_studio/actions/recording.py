@@ -9,14 +9,14 @@ from typing import TypeVar
 from hitab_client import SwarmError
 from hitab_client.recording import recordings
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.replay import Player, Recording
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
+from hitab_studio.replay import Recording, ReplayPlayer
 
 T = TypeVar("T")
 
 
 @action("record")
-async def record(session: Session, data: Data) -> None:
+async def record(session: PageState, data: Data) -> None:
     """Record the run, or stop recording."""
     link, store = session.shared.link, session.shared.store
     if store.known.recording:
@@ -31,17 +31,17 @@ async def record(session: Session, data: Data) -> None:
 
 
 @action("replay")
-async def replay(session: Session, data: Data) -> None:
+async def replay(session: PageState, data: Data) -> None:
     """Open a recording."""
     path = recordings.recording(str(data["name"]))
-    session.player = Player(await meanwhile_busy(session, lambda: Recording(path)))
+    session.player = ReplayPlayer(await meanwhile_busy(session, lambda: Recording(path)))
     if session.player.recording.missing:
         session.tell(session.player.recording.missing)
     session.show_again()
 
 
 @action("recording-rename")
-async def rename(session: Session, data: Data) -> None:
+async def rename(session: PageState, data: Data) -> None:
     """Give a recording another name."""
     name = session.dialog["name"]
     _not_being_recorded(session, name)
@@ -51,7 +51,7 @@ async def rename(session: Session, data: Data) -> None:
 
 
 @action("recording-delete")
-async def delete(session: Session, data: Data) -> None:
+async def delete(session: PageState, data: Data) -> None:
     """Delete a recording."""
     name = session.dialog["name"]
     _not_being_recorded(session, name)
@@ -60,13 +60,13 @@ async def delete(session: Session, data: Data) -> None:
     session.tell(f"{name} is deleted")
 
 
-def _not_being_recorded(session: Session, name: str) -> None:
+def _not_being_recorded(session: PageState, name: str) -> None:
     if session.shared.store.known.recording.endswith(f"/{name}"):
         raise SwarmError(f"{name} is being recorded: stop that first.")
 
 
 @action("replay-play")
-async def replay_play(session: Session, data: Data) -> None:
+async def replay_play(session: PageState, data: Data) -> None:
     """Play or pause; restart at the end."""
     player = player_of(session)
     if not player.playing and player.at >= player.recording.seconds:
@@ -75,27 +75,27 @@ async def replay_play(session: Session, data: Data) -> None:
 
 
 @action("replay-seek", repeats=True)
-async def replay_seek(session: Session, data: Data) -> None:
+async def replay_seek(session: PageState, data: Data) -> None:
     """Go to a moment."""
     player_of(session).seek(float(data["value"]))
     session.show_moment()
 
 
 @action("replay-speed", repeats=True)
-async def replay_speed(session: Session, data: Data) -> None:
+async def replay_speed(session: PageState, data: Data) -> None:
     """Set the playback speed."""
     player_of(session).speed = float(data["value"])
 
 
 @action("replay-close")
-async def replay_close(session: Session, data: Data) -> None:
+async def replay_close(session: PageState, data: Data) -> None:
     """Go back to the swarm."""
     session.player = None
     session.show_again()
 
 
-async def meanwhile_busy(session: Session, job: Callable[[], T]) -> T:
-    """Do what takes a while in a thread; meanwhile the page says that it is busy."""
+async def meanwhile_busy(session: PageState, job: Callable[[], T]) -> T:
+    """Run a slow function in a thread; the page is marked busy until the function ends."""
     session.busy += 1
     session.touch()
     try:
@@ -104,8 +104,8 @@ async def meanwhile_busy(session: Session, job: Callable[[], T]) -> T:
         session.busy -= 1
 
 
-def player_of(session: Session) -> Player:
-    """Return what plays the recording that is open.
+def player_of(session: PageState) -> ReplayPlayer:
+    """Return the player of the open recording.
 
     Raises:
         SwarmError: if none is.

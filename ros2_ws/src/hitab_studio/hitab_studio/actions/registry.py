@@ -6,12 +6,12 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 Data = Mapping[str, Any]
-Action = Callable[[Session, Data], Awaitable[None]]
+Action = Callable[[PageState, Data], Awaitable[None]]
 
-ACTIONS: dict[str, Action] = {}
+REGISTERED_ACTIONS: dict[str, Action] = {}
 REPEATED: set[str] = set()
 """Actions that fast clicking repeats."""
 
@@ -31,7 +31,7 @@ def action(
     """
 
     def register(function: Action) -> Action:
-        ACTIONS[name] = function
+        REGISTERED_ACTIONS[name] = function
         if repeats:
             REPEATED.add(name)
         if urgent:

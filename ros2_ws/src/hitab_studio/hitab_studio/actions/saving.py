@@ -6,8 +6,8 @@ from typing import Any
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.remedy_words import answered, told
-from hitab_studio.session import Session, nothing_in_training
+from hitab_studio.page_state import PageState, nothing_in_training
+from hitab_studio.ui_remedies import answered, told
 
 
 def _chosen(values: Any) -> dict[str, Any]:
@@ -25,7 +25,7 @@ def _chosen(values: Any) -> dict[str, Any]:
 
 
 @action("save-dialog")
-async def save_dialog(session: Session, data: Data) -> None:
+async def save_dialog(session: PageState, data: Data) -> None:
     """Show what would be saved."""
     training = session.training
     if training is None:
@@ -41,12 +41,12 @@ async def save_dialog(session: Session, data: Data) -> None:
 
 
 @action("save-preview", repeats=True)
-async def save_preview(session: Session, data: Data) -> None:
+async def save_preview(session: PageState, data: Data) -> None:
     """Show the preview for other choices."""
     await _preview(session, data["values"])
 
 
-async def _preview(session: Session, values: Any) -> None:
+async def _preview(session: PageState, values: Any) -> None:
     try:
         preview = await session.request(SwarmClient.behavior, trim=True, **_chosen(values))
     except SwarmError as error:
@@ -56,7 +56,7 @@ async def _preview(session: Session, values: Any) -> None:
 
 
 @action("save")
-async def save(session: Session, data: Data) -> None:
+async def save(session: PageState, data: Data) -> None:
     """Save what was trained, and show it in the library."""
     values = data["values"]
     training = session.dialog.get("training")
@@ -76,7 +76,7 @@ async def save(session: Session, data: Data) -> None:
 
 
 @action("library")
-async def library(session: Session, data: Data) -> None:
+async def library(session: PageState, data: Data) -> None:
     """View a behavior of the library."""
     session.behavior = str(data["name"]) if session.behavior != data["name"] else ""
     session.compare = None
@@ -84,7 +84,7 @@ async def library(session: Session, data: Data) -> None:
 
 
 @action("versions")
-async def versions(session: Session, data: Data) -> None:
+async def versions(session: PageState, data: Data) -> None:
     """Show the differences between two versions."""
     name, agent = session.behavior, session.agent
     newer = int(data.get("newer") or data["values"]["newer"])
@@ -96,7 +96,7 @@ async def versions(session: Session, data: Data) -> None:
 
 
 @action("distribute")
-async def distribute(session: Session, data: Data) -> None:
+async def distribute(session: PageState, data: Data) -> None:
     """Distribute a behavior and show each receiver's answer."""
     values = data["values"]
     behavior = session.dialog["name"]

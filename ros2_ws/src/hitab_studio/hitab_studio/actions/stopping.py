@@ -5,13 +5,13 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_core import some
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 BUTTON = "emergency stop in the studio"
-"""The reason that others are shown."""
+"""The reason shown to other people."""
 
 
-async def stop_robots(session: Session) -> None:
+async def stop_robots(session: PageState) -> None:
     """Have all robots stand still at once, also while a recording is open.
 
     This is no action: pages ask for it in a way that does not need their connection.
@@ -32,7 +32,7 @@ async def stop_robots(session: Session) -> None:
 
 
 @action("release-dialog")
-async def release_dialog(session: Session, data: Data) -> None:
+async def release_dialog(session: PageState, data: Data) -> None:
     """Ask whether the robots may move again."""
     known = session.shared.store.known
     if known.is_stopped:
@@ -41,7 +41,7 @@ async def release_dialog(session: Session, data: Data) -> None:
 
 
 @action("release-robots", urgent=True)
-async def release_robots(session: Session, data: Data) -> None:
+async def release_robots(session: PageState, data: Data) -> None:
     """Let the robots move again."""
     link, who = session.shared.link, session.demonstrator
     link.observer.stop_robots(False, who, "")
@@ -50,7 +50,7 @@ async def release_robots(session: Session, data: Data) -> None:
 
 
 @action("arm")
-async def arm(session: Session, data: Data) -> None:
+async def arm(session: PageState, data: Data) -> None:
     """Let the robot of the agent act again."""
     link, agent = session.shared.link, session.agent
     await link.do(lambda _: link.observer.arm(agent), needs=agent)

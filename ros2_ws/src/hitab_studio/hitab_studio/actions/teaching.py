@@ -16,26 +16,26 @@ from hitab_client import (
 from hitab_core import Use, with_numbers
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action, number_from
-from hitab_studio.lost import TAKEN_SECONDS, Lost
-from hitab_studio.remedy_words import answered
-from hitab_studio.session import (
+from hitab_studio.page_state import (
     CHOOSE_FIRST,
-    NumbersAsked,
-    Session,
-    TargetsAsked,
+    MissingTargets,
+    PageState,
+    ShownNumbers,
     nothing_in_training,
 )
 from hitab_studio.swarm_link import Connected
+from hitab_studio.ui_remedies import answered
+from hitab_studio.unanswered_command import TAKEN_SECONDS, UnansweredCommand
 
 
 @action("command")
-async def command(session: Session, data: Data) -> None:
+async def command(session: PageState, data: Data) -> None:
     """Command a behavior; first ask for targets and numbers, if it takes some."""
     keys = dict(zip("123456789", targets_asked(session), strict=False))
     if (given := keys.get(str(data.get("hotkey")))) is not None:
         await give_target(session, given)  # pressed before the page showed the targets
         return
-    session.showing = session.asked = None
+    session.shown_numbers = session.missing_targets = None
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
     parameters = Use.parse(behavior).arguments
     open_ = [p for p in parameters if p not in session.watched.vocabulary.targets]
@@ -43,37 +43,37 @@ async def command(session: Session, data: Data) -> None:
     if training is not None:
         open_ = [p for p in open_ if p not in training.parameters]
     if open_:
-        session.asked = TargetsAsked(Use.parse(behavior).name, tuple(parameters), seen)
+        session.missing_targets = MissingTargets(Use.parse(behavior).name, tuple(parameters), seen)
         return
     if numbers := session.watched.vocabulary.numbers_of(behavior):
         begin = {n.name: min(max(0.0, n.low), n.high) for n in numbers}
-        session.showing = NumbersAsked(behavior, begin)
+        session.shown_numbers = ShownNumbers(behavior, begin)
         return
     await _commanded(session, behavior, seen)
 
 
 @action("show", repeats=True)
-async def show(session: Session, data: Data) -> None:
+async def show(session: PageState, data: Data) -> None:
     """Command the behavior that is shown with the numbers of its form, or of an arrow."""
-    showing = session.showing
-    if showing is None:
+    shown = session.shown_numbers
+    if shown is None:
         return  # it was closed while the arrow was drawn
-    for name in showing.values:
-        showing.values[name] = number_from(data["values"], name)
-    numbers = session.watched.vocabulary.numbers_of(showing.behavior)
-    given = [showing.values[number.name] for number in numbers]
-    meant = with_numbers(Use.parse(showing.behavior), given, numbers)
+    for name in shown.values:
+        shown.values[name] = number_from(data["values"], name)
+    numbers = session.watched.vocabulary.numbers_of(shown.behavior)
+    given = [shown.values[number.name] for number in numbers]
+    meant = with_numbers(Use.parse(shown.behavior), given, numbers)
     await _commanded(session, str(meant), int(data.get("seen") or 0))
 
 
-async def _commanded(session: Session, behavior: str, seen: int, sequence: int = 0) -> None:
+async def _commanded(session: PageState, behavior: str, seen: int, sequence: int = 0) -> None:
     """Command a behavior, and offer to send the command again if it is lost.
 
     Args:
         session: of the page.
         behavior: with its targets.
         seen: the world's cycle that the page showed when the person pressed the key.
-        sequence: number of a lost command that is sent again; 0: a new one.
+        sequence: number of a lost command that is sent again; 0 for a new one.
     """
     agent, number, sent = session.agent, sequence or time.time_ns() // 1000, False
     taken = False
@@ -109,7 +109,7 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
             raise
         if not learns and known.answers(agent):
             raise
-        session.lost = Lost(agent, behavior, number if learns else 0)
+        session.lost = UnansweredCommand(agent, behavior, number if learns else 0)
     else:
         if not learns:
             session.tell(f"{agent} performs {behavior}")
@@ -118,7 +118,7 @@ async def _commanded(session: Session, behavior: str, seen: int, sequence: int =
 
 
 @action("send-again")
-async def send_again(session: Session, data: Data) -> None:
+async def send_again(session: PageState, data: Data) -> None:
     """Send a lost command again."""
     lost = session.lost
     if lost is None:
@@ -130,12 +130,12 @@ async def send_again(session: Session, data: Data) -> None:
 
 
 @action("leave-lost")
-async def leave_lost(session: Session, data: Data) -> None:
+async def leave_lost(session: PageState, data: Data) -> None:
     """Do not send a lost command again."""
     session.lost = None
 
 
-def targets_meant(session: Session, name: str) -> list[str]:
+def targets_meant(session: PageState, name: str) -> list[str]:
     """Return the targets that a click on a thing may mean: itself, or its kind."""
     targets = session.watched.vocabulary.targets
     if name in targets:
@@ -146,35 +146,35 @@ def targets_meant(session: Session, name: str) -> list[str]:
     return [t for t in targets if words & set(t.split("_"))]
 
 
-def targets_asked(session: Session) -> list[str]:
+def targets_asked(session: PageState) -> list[str]:
     """Return the targets that may be given to what was commanded; none if it needs none."""
-    if session.asked is None:
+    if session.missing_targets is None:
         return []
     training = session.training
     parameters = training.parameters if training is not None and session.is_training else ()
     return [*session.watched.vocabulary.targets, *parameters]
 
 
-async def give_target(session: Session, target: str) -> None:
+async def give_target(session: PageState, target: str) -> None:
     """Bind a requested target; command after the last one."""
-    asked = session.asked
-    if asked is None:
+    missing = session.missing_targets
+    if missing is None:
         return
-    asked.targets = (*asked.targets, target)
-    if len(asked.targets) == len(asked.parameters):
-        session.asked = None
-        meant = str(Use(asked.behavior, asked.targets))
-        await command(session, {"behavior": meant, "seen": asked.seen})
+    missing.targets = (*missing.targets, target)
+    if len(missing.targets) == len(missing.parameters):
+        session.missing_targets = None
+        meant = str(Use(missing.behavior, missing.targets))
+        await command(session, {"behavior": meant, "seen": missing.seen})
 
 
 @action("target")
-async def target(session: Session, data: Data) -> None:
+async def target(session: PageState, data: Data) -> None:
     """Bind a requested target."""
     await give_target(session, str(data["name"]))
 
 
 @action("toggle")
-async def toggle(session: Session, data: Data) -> None:
+async def toggle(session: PageState, data: Data) -> None:
     """Switch between testing what was learned and taking over, without a reset."""
     status = session.status
     if (
@@ -190,19 +190,19 @@ async def toggle(session: Session, data: Data) -> None:
 
 
 @action("restart")
-async def restart(session: Session, data: Data) -> None:
+async def restart(session: PageState, data: Data) -> None:
     """Test from Start."""
     await session.request(SwarmClient.set_mode, "testing", restart=True)
 
 
 @action("idle")
-async def idle(session: Session, data: Data) -> None:
+async def idle(session: PageState, data: Data) -> None:
     """Have the agent perform nothing; a training is kept."""
     await session.request(SwarmClient.perform, "")
 
 
 @action("perform")
-async def perform_behavior(session: Session, data: Data) -> None:
+async def perform_behavior(session: PageState, data: Data) -> None:
     """Perform a behavior of the library from its beginning."""
     behavior = str(data["behavior"])
     await session.request(SwarmClient.perform, behavior)
@@ -210,7 +210,7 @@ async def perform_behavior(session: Session, data: Data) -> None:
 
 
 @action("take")
-async def take(session: Session, data: Data) -> None:
+async def take(session: PageState, data: Data) -> None:
     """Take an agent from another demonstrator and notify that one."""
     before = session.shared.held.get(session.agent, session)
     session.shared.held[session.agent] = session
@@ -221,7 +221,7 @@ async def take(session: Session, data: Data) -> None:
 
 
 @action("release")
-async def release(session: Session, data: Data) -> None:
+async def release(session: PageState, data: Data) -> None:
     """Release an agent."""
     if not session.locked:
         session.shared.held.pop(session.agent, None)
@@ -229,7 +229,7 @@ async def release(session: Session, data: Data) -> None:
 
 
 @action("new")
-async def new(session: Session, data: Data) -> None:
+async def new(session: PageState, data: Data) -> None:
     """Ask what to train."""
     if not session.agent:
         raise SwarmError(CHOOSE_FIRST)
@@ -245,7 +245,7 @@ async def new(session: Session, data: Data) -> None:
 
 
 @action("discard")
-async def discard(session: Session, data: Data) -> None:
+async def discard(session: PageState, data: Data) -> None:
     """Give up the training; ask first if examples would be lost."""
     status = session.status
     if status is None or not session.is_training:
@@ -262,17 +262,17 @@ async def discard(session: Session, data: Data) -> None:
 
 
 @action("discard-now")
-async def discard_now(session: Session, data: Data) -> None:
+async def discard_now(session: PageState, data: Data) -> None:
     """Give up the training and its examples."""
     answer = await session.request(SwarmClient.discard)
     session.dialog = {}
-    session.lost = session.asked = session.showing = None
+    session.lost = session.missing_targets = session.shown_numbers = None
     session.tell(answered(answer))
 
 
 @action("new-name", repeats=True)
-async def new_name(session: Session, data: Data) -> None:
-    """Say it if a behavior of this name is saved already."""
+async def new_name(session: PageState, data: Data) -> None:
+    """Warn if a behavior of this name is saved already."""
     if session.dialog.get("kind") != "new":
         return  # it was closed before the last key was heard of
     session.dialog["typed"] = name = str(data["value"]).strip()
@@ -281,14 +281,14 @@ async def new_name(session: Session, data: Data) -> None:
 
 
 @action("new-parameter", repeats=True)
-async def new_parameter(session: Session, data: Data) -> None:
+async def new_parameter(session: PageState, data: Data) -> None:
     """Also offer features and behaviors of a parameter."""
     if session.dialog.get("kind") == "new":
         session.dialog["parameter"] = str(data["value"]).strip()
 
 
 @action("begin")
-async def begin(session: Session, data: Data) -> None:
+async def begin(session: PageState, data: Data) -> None:
     """Begin a training."""
     values: Mapping[str, Any] = data["values"]
     name = str(values.get("name", "")).strip()

@@ -5,13 +5,13 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
+from hitab_studio.page_state import PageState
 from hitab_studio.people import checked
-from hitab_studio.session import Session
 from hitab_studio.swarm_link import Connected
 
 
 @action("name-set")
-async def name_set(session: Session, data: Data) -> None:
+async def name_set(session: PageState, data: Data) -> None:
     """Have the page be used by whom its person says; the browser keeps the name."""
     session.become(checked(str(data["values"].get("demonstrator", ""))))
     session.send({"t": "demonstrator", "name": session.demonstrator})
@@ -19,7 +19,7 @@ async def name_set(session: Session, data: Data) -> None:
 
 
 @action("earlier", repeats=True)
-async def due_earlier(session: Session, data: Data) -> None:
+async def due_earlier(session: PageState, data: Data) -> None:
     """Have the last command be due a little earlier than it is at present."""
     session.unseen.check(session.agent, "earlier")
 
@@ -30,7 +30,7 @@ async def due_earlier(session: Session, data: Data) -> None:
 
 
 @action("retime", repeats=True)
-async def retime(session: Session, data: Data) -> None:
+async def retime(session: PageState, data: Data) -> None:
     """Have a command be due at another time before it was given."""
     number, text = int(data["number"]), str(data["value"]).strip()
     try:

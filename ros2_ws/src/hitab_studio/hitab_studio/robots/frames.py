@@ -14,14 +14,14 @@ Matrix = NDArray[np.float64]
 FRAMES_MAX = 2000
 """Frames that are kept, whatever anybody publishes."""
 
-FARTHEST = 1e5
+PLACE_MAX = 1e5
 """m; what is farther away cannot be shown."""
 
 
 def matrix(place: Any, turn: Any) -> Matrix | None:
     """Return a motion of a point and a quaternion; None if they are none, as zeros are no turn."""
     length = math.hypot(turn.x, turn.y, turn.z, turn.w)
-    if not 0.5 < length < 2.0 or not all(abs(n) < FARTHEST for n in (place.x, place.y, place.z)):
+    if not 0.5 < length < 2.0 or not all(abs(n) < PLACE_MAX for n in (place.x, place.y, place.z)):
         return None
     x, y, z, w = (part / length for part in (turn.x, turn.y, turn.z, turn.w))
     return np.array(
@@ -35,7 +35,7 @@ def matrix(place: Any, turn: Any) -> Matrix | None:
 
 
 def in_plane(motion: Matrix) -> tuple[float, float, float]:
-    """Return what a motion is in the plane: x and y, m, and by how much it turns, rad."""
+    """Return a motion's part in the plane: x and y, m, and by how much it turns, rad."""
     x, y = motion[:2, 3].tolist()
     return x, y, math.atan2(motion[1, 0], motion[0, 0])
 
@@ -69,7 +69,7 @@ class Frames:
         return ways
 
     def way(self, to: str, from_: str) -> Matrix | None:
-        """Return the motion that takes points of a frame to another one; None: none is known."""
+        """Return the motion that takes points of a frame to another one; None if none is known."""
         up = self._ways_up(to.lstrip("/"))
         for frame, motion in self._ways_up(from_.lstrip("/")).items():
             if frame in up:

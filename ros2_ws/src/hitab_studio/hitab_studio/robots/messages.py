@@ -1,7 +1,7 @@
-"""What the messages of a robot say, checked: odometry, scans, maps and pictures.
+"""Checked contents of a robot's messages: odometry, scans, maps and pictures.
 
-All functions raise `Refused` if a message makes no sense. What pages draw of maps and pictures are
-binary frames, which begin with their kind:
+All functions raise `Refused` if a message makes no sense. Maps and pictures go to pages as binary
+frames, which begin with their kind:
 
     uint32  SCANS, float32 x, y of each point, in the frame in which all is drawn
     uint32  MAP, float32 x, y, yaw of its origin and width of a cell, then a PNG
@@ -31,8 +31,8 @@ PICTURE_SIDE = 4096
 """Pixels; a small file may claim more than a browser can hold."""
 
 MAP_CELLS = 16_777_216
-BYTES_MAX = MAP_CELLS + 10_000
-"""Of a message; what is larger is refused."""
+ROBOT_MESSAGE_BYTES_MAX = MAP_CELLS + 10_000
+"""Size of a message; larger ones are refused."""
 
 POINTS_MAX = 2000
 """Points of a scan that are shown; of more, each so-many-th."""
@@ -44,7 +44,7 @@ FAST = 1
 """How much a map is compressed: it goes over a fast connection, and others wait."""
 
 OCCUPIED = 255
-UNKNOWN = 36
+UNKNOWN_OPACITY = 36
 """Opacities of cells; free ones have none."""
 
 
@@ -88,7 +88,7 @@ def _pose(pose: Any, of: str) -> Matrix:
 
 
 def odometry_of(message: Odometry) -> Placed:
-    """Return what a `nav_msgs/Odometry` says."""
+    """Return the pose in a `nav_msgs/Odometry`."""
     pose = _pose(message.pose.pose, "the robot")
     return Placed(message.header.frame_id, message.child_frame_id, pose)
 
@@ -111,7 +111,7 @@ def scan_of(message: LaserScan) -> Scanned:
 
 
 def map_of(message: OccupancyGrid) -> Grid:
-    """Return what a `nav_msgs/OccupancyGrid` says."""
+    """Return the grid in a `nav_msgs/OccupancyGrid`."""
     info = message.info
     width, height = info.width, info.height
     if not 0.0 < info.resolution < 1000.0:
@@ -119,7 +119,7 @@ def map_of(message: OccupancyGrid) -> Grid:
     if not 0 < width * height <= MAP_CELLS:
         raise Refused(f"has {width} x {height} cells; up to {MAP_CELLS} can be shown")
     if len(message.data) != width * height:
-        raise Refused(f"says that it has {width} x {height} cells, and has {len(message.data)}")
+        raise Refused(f"announces {width} x {height} cells and has {len(message.data)}")
     origin = _pose(info.origin, "its origin")
     w, h = width * info.resolution, height * info.resolution
     corners = applied(origin, np.array([(x, y) for x in (0.0, w) for y in (0.0, h)]))
@@ -134,7 +134,7 @@ def _png(cells: NDArray[np.uint8]) -> bytes:
     Its first row is the farthest in y. The page gives it the color of its theme.
     """
     # A palette of opacities alone: what is read of the map need not be calculated with.
-    opacity = np.full(256, UNKNOWN, np.uint8)
+    opacity = np.full(256, UNKNOWN_OPACITY, np.uint8)
     opacity[:101] = np.round(np.linspace(0, OCCUPIED, 101))
     image = Image.fromarray(np.ascontiguousarray(cells[::-1]))
     image.putpalette(bytes(3 * 256))

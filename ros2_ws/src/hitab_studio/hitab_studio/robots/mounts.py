@@ -18,16 +18,16 @@ from rclpy.parameter import parameter_value_to_python
 from hitab_client import RosLink
 from hitab_studio.robots.frames import Matrix, matrix
 
-FIELDS = ("x", "y", "yaw", "upside_down")
-AGAIN_SECONDS = 5.0
-"""Until an agent that has not answered is asked again."""
+MOUNT_FIELDS = ("x", "y", "yaw", "upside_down")
+MOUNT_RETRY_SECONDS = 5.0
+"""Time until an agent that has not answered is asked again."""
 
 
 class Mounts:
-    """Asks one agent's node, without ever waiting for an answer.
+    """Asks an agent's node for mounts, without ever waiting for an answer.
 
     Attributes:
-        of: where each scanner sits, by its topic; None: the agent does not know.
+        of: where each scanner sits, by its topic; None if the agent does not know.
     """
 
     def __init__(self, link: RosLink, node: str, scans: Sequence[str]) -> None:
@@ -42,15 +42,15 @@ class Mounts:
         unknown = [topic for topic in self._scans if topic not in self.of]
         if not unknown or time.monotonic() < self._next or not self._client.service_is_ready():
             return
-        self._next = time.monotonic() + AGAIN_SECONDS
+        self._next = time.monotonic() + MOUNT_RETRY_SECONDS
         for topic in unknown:
-            names = [f"{topic.rpartition('/')[2]}.{field}" for field in FIELDS]
+            names = [f"{topic.rpartition('/')[2]}.{field}" for field in MOUNT_FIELDS]
             future = self._client.call_async(GetParameters.Request(names=names))
             future.add_done_callback(partial(self._take, topic))
 
     def _take(self, topic: str, future: Any) -> None:
         values = [parameter_value_to_python(value) for value in future.result().values]
-        if len(values) < len(FIELDS):
+        if len(values) < len(MOUNT_FIELDS):
             self.of[topic] = None
             return
         x, y, yaw, upside_down = values

@@ -12,27 +12,27 @@ from hitab_client import RosLink, SwarmError
 from hitab_client.recording import message_class
 from hitab_ros import qos
 from hitab_studio.robots.messages import (
-    BYTES_MAX,
+    ROBOT_MESSAGE_BYTES_MAX,
     Refused,
     map_of,
     odometry_of,
     picture_of,
     scan_of,
 )
-from hitab_studio.robots.topics import CAMERA, MAP, ODOMETRY, SCAN
+from hitab_studio.robots.topics import CAMERA, MAP, ODOM_TYPE, SCAN
 
-SILENT_SECONDS = 2.0
-"""After that, nobody knows where a robot is, and what it has scanned is not drawn any more."""
+ROBOT_SILENT_SECONDS = 2.0
+"""Silence after which the robot's place is unknown, and its scan is not drawn any more."""
 
-READERS = {ODOMETRY: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
+READERS = {ODOM_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
 
 
 class Reading:
     """Keeps the newest message of a topic.
 
     Attributes:
-        value: what it says; None: nothing, or it was refused.
-        trouble: why it was refused; "": it was not.
+        value: of the last message; None if there is none, or it was refused.
+        trouble: why it was refused; "" if it was not.
     """
 
     def __init__(self, link: RosLink, topic: str, kind: str) -> None:
@@ -68,7 +68,7 @@ class Reading:
             self.value, self.trouble = None, str(error)
 
     def _message(self, data: bytes) -> Any:
-        if len(data) > BYTES_MAX:
+        if len(data) > ROBOT_MESSAGE_BYTES_MAX:
             raise Refused(f"sends {len(data) / 1e6:.0f} MB in one message, too many to show")
         try:
             return deserialize_message(data, self._class)
@@ -78,13 +78,13 @@ class Reading:
 
     @property
     def age(self) -> float | None:
-        """How long ago the last message came, s; None: none came."""
+        """How long ago the last message came, s; None if none came."""
         return None if self._heard is None else time.monotonic() - self._heard
 
     @property
     def is_silent(self) -> bool:
-        """Whether what it said last does not hold any more."""
-        return self.age is None or self.age > SILENT_SECONDS
+        """Whether the last message is too old."""
+        return self.age is None or self.age > ROBOT_SILENT_SECONDS
 
     def close(self) -> None:
         """Stop listening."""

@@ -1,8 +1,8 @@
 """Which topics belong to which robot, by the graph of ROS.
 
-What an agent's node subscribes to, its robot has: this holds whatever was remapped, and whichever
-link it is. What no agent listens to, such as a camera, is found by its type in the namespaces of
-the agent and of its odometry; of the only robot, anywhere.
+Topics that an agent's node subscribes to belong to its robot, whatever was remapped, and with any
+link. Topics without an agent, such as a camera's, are found by their type in the namespaces of the
+agent and of its odometry; those of a single robot, anywhere.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from typing import Any
 
 from hitab_core import natural
 
-ODOMETRY = "nav_msgs/msg/Odometry"
+ODOM_TYPE = "nav_msgs/msg/Odometry"
 SCAN = "sensor_msgs/msg/LaserScan"
 MAP = "nav_msgs/msg/OccupancyGrid"
 CAMERA = "sensor_msgs/msg/CompressedImage"
-COMMAND = "hitab_msgs/msg/Command"
-"""To what only agents subscribe."""
+COMMAND_TYPE = "hitab_msgs/msg/Command"
+"""Type of a topic to which only agents subscribe."""
 
 NOT_LISTED = frozenset(
     f"sensor_msgs/msg/{name}"
@@ -35,7 +35,7 @@ Graph = Iterable[tuple[str, Sequence[str]]]
 
 @dataclass(frozen=True)
 class Options:
-    """What a person has chosen, where there are several; "" and none: the first.
+    """A person's choices, where there are several; "" and none: the first.
 
     Attributes:
         map: topic of the map.
@@ -52,9 +52,9 @@ class RobotTopics:
     """The topics of one robot.
 
     Attributes:
-        node: full name of its agent's node; "": it has gone.
+        node: full name of its agent's node; "" if it has gone.
         sensors: topics of its sensors, with their types; without its camera.
-        odometry, camera: topics; "": none.
+        odometry, camera: topics; "" if none.
     """
 
     node: str = ""
@@ -64,13 +64,13 @@ class RobotTopics:
 
     @property
     def scans(self) -> list[str]:
-        """Topics of its laser scanners."""
+        """Topics of the robot's laser scanners."""
         return [topic for topic, kind in self.sensors.items() if kind == SCAN]
 
 
 def is_sensor(kind: str) -> bool:
     """Whether messages of a type come from a robot's sensor."""
-    return kind == ODOMETRY or (kind.startswith("sensor_msgs/msg/") and kind not in NOT_LISTED)
+    return kind == ODOM_TYPE or (kind.startswith("sensor_msgs/msg/") and kind not in NOT_LISTED)
 
 
 def _of_type(graph: Graph, kind: str) -> list[str]:
@@ -86,7 +86,7 @@ def robots_topics(
         node: by which the graph is seen.
         agents: names of agents that are there.
         prefix: namespace of the swarm.
-        options: what a person has chosen.
+        options: a person's choices.
     """
     graph = node.get_topic_names_and_types()
     agents = sorted(agents, key=natural)[:ROBOTS_MAX]
@@ -101,7 +101,7 @@ def robots_topics(
             subscribed = node.get_subscriber_names_and_types_by_node(name, space)
         except RuntimeError:  # it has gone meanwhile
             continue
-        if any(COMMAND in kinds for _, kinds in subscribed):
+        if any(COMMAND_TYPE in kinds for _, kinds in subscribed):
             nodes[agent] = f"{space}/{name}"
         heard[agent] |= {t: kind for t, kinds in subscribed for kind in filter(is_sensor, kinds)}
     return {
@@ -127,13 +127,13 @@ def _robot(
         near = [topic for topic in topics if topic.startswith(tuple(places))]
         return list(heard or near or (topics if alone else ()))
 
-    odometry = next(iter(sorted(of(ODOMETRY), key=lambda topic: not topic.endswith("/odom"))), "")
+    odometry = next(iter(sorted(of(ODOM_TYPE), key=lambda topic: not topic.endswith("/odom"))), "")
     places += [f"{odometry.rpartition('/')[0]}/"] if odometry.count("/") > 1 else []
     cameras = _of_type(graph, CAMERA)
     if options.cameras:
         cameras = [t for t in cameras if any(f"/{t}".endswith(f"/{c}") for c in options.cameras)]
     camera = next(iter(of(CAMERA, cameras)), "")
-    sensors |= dict.fromkeys(of(SCAN), SCAN) | ({odometry: ODOMETRY} if odometry else {})
+    sensors |= dict.fromkeys(of(SCAN), SCAN) | ({odometry: ODOM_TYPE} if odometry else {})
     return RobotTopics(node, sensors, odometry, camera)
 
 

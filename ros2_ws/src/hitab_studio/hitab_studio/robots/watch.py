@@ -27,10 +27,10 @@ from hitab_studio.robots.topics import (
     map_topic,
     robots_topics,
 )
-from hitab_studio.scene import Look, Scene
+from hitab_studio.scene import Appearance, Scene
 
-LOOK_SECONDS = 0.1
-"""Between two looks: no page shows more."""
+WATCH_PERIOD_SECONDS = 0.1
+"""Period of the watch: no page shows more."""
 
 MAP_FRAME = "map"  # as in REP 105
 TF_QUEUE = 200
@@ -41,7 +41,7 @@ RADIUS = 0.2
 STEP = 5.0
 """m; the ground grows by so much at a time, lest the page move all the time."""
 
-LEAST = 2.0
+GROUND_MARGIN = 2.0
 """m; from a robot to the edge of the ground."""
 
 Place = tuple[float, float, float]
@@ -49,7 +49,7 @@ Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Sensor:
+class SensorStatus:
     """A sensor for people: its topic and type, the age of its last message, and what is wrong."""
 
     topic: str
@@ -60,20 +60,22 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Robots:
-    """What is known of the robots at one moment.
+    """The known state of the robots at one moment.
 
     Attributes:
-        scene: where they are; None: of none that is known.
+        scene: where they are; None if no place is known.
         lost: names of robots whose odometry is silent: they were there.
         sensors: of each robot, by the name of its agent; with its camera and the map.
-        notes: what has to be known to read what is drawn of each.
-        layers: what pages draw beside the scene, each as it is sent: "scans", "map", and
+        notes: remarks about the drawing of each.
+        layers: drawings beside the scene, each as it is sent: "scans", "map", and
             "camera robot_1" for each camera.
     """
 
     scene: Scene | None = None
     lost: frozenset[str] = frozenset()
-    sensors: Mapping[str, tuple[Sensor, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    sensors: Mapping[str, tuple[SensorStatus, ...]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
     layers: Mapping[str, bytes] = field(default_factory=lambda: MappingProxyType({}))
 
@@ -83,7 +85,7 @@ class RobotWatch:
 
     Args:
         link: the node to use.
-        options: what a person has chosen.
+        options: a person's choices.
     """
 
     def __init__(self, link: RosLink, options: Options) -> None:
@@ -101,7 +103,7 @@ class RobotWatch:
     def find(self, agents: Collection[str], prefix: str) -> None:
         """Find the topics that there are now.
 
-        A robot whose agent has ended has those that it had: one may look where it stands.
+        A robot whose agent has ended keeps its topics: its place is still of interest.
         """
         node = self._link.node
         for agent, topics in robots_topics(node, agents, prefix, self._options).items():
@@ -110,7 +112,7 @@ class RobotWatch:
         self._map_topic = map_topic(node.get_topic_names_and_types(), self._options)
 
     def look(self, agents: Collection[str], *, viewed: bool) -> Robots:
-        """Return what is known now.
+        """Return the known state of the robots.
 
         Args:
             agents: those whose cameras pages show.
@@ -120,7 +122,7 @@ class RobotWatch:
         if not viewed:
             self.close()
         elif now >= self._next_look:
-            self._next_look = now + LOOK_SECONDS
+            self._next_look = now + WATCH_PERIOD_SECONDS
             self._listen(agents)
             self._known = self._look()
         return self._known
@@ -216,13 +218,13 @@ class RobotWatch:
             return way @ placed.pose, placed.child
         if len(self._topics) > 1 or self._value(self._map_topic) is not None:
             notes.append(
-                f"Nobody says by tf where {placed.frame or 'the frame of its odometry'} lies in "
+                f"No tf says where {placed.frame or 'the frame of its odometry'} lies in "
                 f"{fixed}: it is drawn as if both were the same."
             )
         return placed.pose, placed.child
 
     def _clouds(self, agent: str, pose: Matrix, base: str, notes: list[str]) -> list[Matrix]:
-        """Return what a robot's scanners see, in the frame in which all is drawn."""
+        """Return the scans of a robot, in the frame of the drawing."""
         found = []
         for topic in self._topics[agent].scans:
             reading = self._readings[topic]
@@ -235,25 +237,25 @@ class RobotWatch:
             if mount is None:
                 mount = np.eye(4)
                 notes.append(
-                    f"Nobody says where {scan.frame or 'the scanner'} sits on the robot: {topic} "
+                    f"No tf says where {scan.frame or 'the scanner'} sits on the robot: {topic} "
                     "is drawn as if it sat in the middle and faced ahead."
                 )
             found.append(applied(pose @ mount, scan.points))
         return found
 
-    def _sensors(self, agent: str) -> tuple[Sensor, ...]:
+    def _sensors(self, agent: str) -> tuple[SensorStatus, ...]:
         robot = self._topics[agent]
         found = []
         for topic, kind in {**robot.sensors, robot.camera: CAMERA, self._map_topic: MAP}.items():
             reading = self._readings.get(topic)
             if reading is not None:
                 age = "no message yet" if reading.age is None else f"{reading.age:.1f} s ago"
-                found.append(Sensor(topic, kind, age, reading.trouble))
+                found.append(SensorStatus(topic, kind, age, reading.trouble))
         return tuple(found)
 
 
 def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scene | None:
-    """Return the field with the robots; None: nobody knows where any is.
+    """Return the field with the robots; None if no robot's place is known.
 
     It has no cycles, so that no command is taken to mean a moment of a world.
 
@@ -266,7 +268,7 @@ def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scen
     names = sorted(places, key=natural)
     rows = np.array([(*places[name], 0.0, 0.0) for name in names], dtype=np.float64)
     rows.setflags(write=False)
-    drawn = np.concatenate([rows[:, :2] - LEAST, rows[:, :2] + LEAST, *around])
+    drawn = np.concatenate([rows[:, :2] - GROUND_MARGIN, rows[:, :2] + GROUND_MARGIN, *around])
     low, high = np.floor(drawn.min(0) / STEP) * STEP, np.ceil(drawn.max(0) / STEP) * STEP
     return Scene(
         size=tuple((high - low).tolist()),
@@ -274,7 +276,7 @@ def robot_scene(places: Mapping[str, Place], around: Collection[Matrix]) -> Scen
         kinds=("robot",) * len(names),
         radii=(RADIUS,) * len(names),
         places=rows,
-        looks=MappingProxyType({"robot": Look()}),
+        looks=MappingProxyType({"robot": Appearance()}),
         center=tuple(((low + high) / 2).tolist()),
         real=True,
     )

@@ -8,7 +8,7 @@
 //   data-hotkey="k"    pressing the key clicks the element (keys.js)
 //   data-off="why"     it does nothing at present, and says why; the server knows whether it still does nothing
 //
-// The server says what it has heard. What was sent into a connection that had broken is sent again,
+// The server confirms requests. What was sent into a connection that had broken is sent again,
 // with all that came after it.
 let nth = 0;
 let unheard = [];

@@ -1,4 +1,4 @@
-"""What the page shows: each panel has a function for its content and a template."""
+"""Views of the page: each panel has a function for its content and a template."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from jinja2.utils import markupsafe
 from hitab_client.cli_remedies import called
 from hitab_core import quantity, unbroken
 from hitab_studio import unavailable
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.views import agents, dialog, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure, measured
 from hitab_studio.views.swarm import since
 
 Context = dict[str, Any]
-PANELS: dict[str, Callable[[Session], Context]] = {
+PANELS: dict[str, Callable[[PageState], Context]] = {
     "top": top.context,
     "emergency": top.emergency,
     "agents": agents.context,
@@ -78,7 +78,7 @@ _environment.filters |= {
 _environment.globals |= {"off": unavailable.off, "unavailable": unavailable, "called": called}
 
 
-def render(panel: str, session: Session) -> str:
+def render(panel: str, session: PageState) -> str:
     """Return the HTML of a panel."""
     common = {
         "session": session,

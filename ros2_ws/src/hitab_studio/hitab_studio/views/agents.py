@@ -6,20 +6,20 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from hitab_studio.absence import absence
+from hitab_studio.page_state import PageState
 from hitab_studio.scene import state_shown
-from hitab_studio.session import Session
 
-MOST = 80
+ROWS_MAX = 80
 """Rows that are shown; more are found by typing."""
 
-FEW = 40
+UNFOLDED_MAX = 40
 """Agents that are shown unfolded."""
 
-DEEPEST = 8
+AGENT_LEVELS_MAX = 8
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the list shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the list's template."""
     known, player = session.shared.store.known, session.player
     statuses = known.statuses if player is None else player.recording.statuses(player.at)
     wanted = session.filter.lower()
@@ -36,22 +36,22 @@ def context(session: Session) -> dict[str, Any]:
         "rows": [
             {"name": name, "depth": depth, "below": below, "is_open": is_open}
             | _row(session, statuses.get(name), name)
-            for name, depth, below, is_open in shown[:MOST]
+            for name, depth, below, is_open in shown[:ROWS_MAX]
         ],
         "count": len(shown if wanted else session.agents),
-        "more": max(0, len(shown) - MOST),
+        "more": max(0, len(shown) - ROWS_MAX),
     }
 
 
 def unfolded(
     agents: Iterable[str], groups: Mapping[str, Any], folds: Mapping[str, bool], viewed: str
 ) -> Iterator[tuple[str, int, int, bool]]:
-    """Yield what is visible: each name with its depth, how many are below it, and if it is open.
+    """Yield the visible rows: each name with its depth, how many are below it, and if it is open.
 
     Args:
-        agents: their names.
+        agents: names of the agents.
         groups: the last `CommanderStatus` of each commander.
-        folds: what a person has opened (true) or closed, by name.
+        folds: opened (true) and closed commanders, by name.
         viewed: the viewed one, which is always visible unless a person has closed what holds it.
     """
     names = list(agents)
@@ -59,16 +59,16 @@ def unfolded(
     below: dict[str, set[str]] = {}
 
     def all_below(name: str, depth: int = 0) -> set[str]:
-        if name not in below and depth < DEEPEST:
+        if name not in below and depth < AGENT_LEVELS_MAX:
             subs = subordinates.get(name, ())
             below[name] = {*subs}.union(*(all_below(sub, depth + 1) for sub in subs))
         return below.get(name, set())
 
     def visible(name: str, depth: int) -> Iterator[tuple[str, int, int, bool]]:
         inside = all_below(name)
-        is_open = bool(inside) and folds.get(name, len(names) <= FEW or viewed in inside)
+        is_open = bool(inside) and folds.get(name, len(names) <= UNFOLDED_MAX or viewed in inside)
         yield name, depth, len(inside), is_open
-        if is_open and depth < DEEPEST:
+        if is_open and depth < AGENT_LEVELS_MAX:
             for sub in subordinates[name]:
                 yield from visible(sub, depth + 1)
 
@@ -81,8 +81,8 @@ def unfolded(
 def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, list[str]]:
     """Return the subordinates of each commander, also of those that were not heard yet.
 
-    A commander names its subordinates and its own commander, so a link between two of them is
-    known as soon as one of them was heard.
+    A commander names its subordinates and its own commander, so a link is known as soon as either
+    end was heard.
     """
     there = {*groups, *agents}
     found = {name: [sub.name for sub in group.subordinates] for name, group in groups.items()}
@@ -92,8 +92,8 @@ def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, li
     return found
 
 
-def _row(session: Session, status: Any, name: str) -> dict[str, Any]:
-    """Return what an agent does; of a commander, its order and how many obey it."""
+def _row(session: PageState, status: Any, name: str) -> dict[str, Any]:
+    """Return the row of an agent; of a commander, its order and how many obey it."""
     store, live = session.shared.store, session.player is None
     holder = session.shared.held.get(name) if live else None
     state = state_shown(status) if status is not None else ""

@@ -10,8 +10,8 @@ from hitab_core import FLAGS, FeatureKind, Use, shown_unit
 from hitab_studio.actions.library_changes import users_of
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
+from hitab_studio.page_state import PageState
 from hitab_studio.people import LONGEST_NAME
-from hitab_studio.session import Session
 from hitab_studio.views import generations
 from hitab_studio.views.numbers import counted, measure
 from hitab_studio.views.questions import WHEN_UNSURE
@@ -20,14 +20,14 @@ from hitab_studio.views.strip import words
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
 
 NAME_FORMAT = "A name is made of letters, digits and _, and begins with a letter, as ApproachBall."
-"""Of behaviors and parameters, as their fields in the dialogs check it."""
+"""Format of behavior and parameter names, as checked by fields of dialogs."""
 
 Feature = tuple[str, str, str, str]
-"""A feature with its targets, what it is, its kind with its unit, and its present value."""
+"""A feature with its targets, its description, its kind with its unit, and its present value."""
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the dialog shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the dialog's template."""
     dialog = session.dialog
     kind = dialog.get("kind", "")
     found: dict[str, Any] = {"kind": kind, "name_format": NAME_FORMAT}
@@ -81,7 +81,7 @@ def context(session: Session) -> dict[str, Any]:
     return found
 
 
-def _saved(session: Session) -> tuple[str, str]:
+def _saved(session: PageState) -> tuple[str, str]:
     """Return the typed name and the examples it has, if a behavior of this name is saved."""
     name = session.dialog.get("typed", "")
     if session.dialog["resume"] or name not in session.watched.vocabulary.trained:
@@ -90,7 +90,7 @@ def _saved(session: Session) -> tuple[str, str]:
     return (name, counted(behavior.examples) if behavior is not None else "")
 
 
-def _features(session: Session, arguments: Sequence[str]) -> list[Feature]:
+def _features(session: PageState, arguments: Sequence[str]) -> list[Feature]:
     """Return the features to choose from, with these targets and parameters."""
     words = session.watched.vocabulary
     return [
@@ -99,7 +99,7 @@ def _features(session: Session, arguments: Sequence[str]) -> list[Feature]:
     ]
 
 
-def _graph(session: Session) -> Graph | None:
+def _graph(session: PageState) -> Graph | None:
     """Return the drawing of what would be learned from the chosen features."""
     preview = session.dialog["preview"]
     if preview is None or preview.automaton is None:
@@ -107,7 +107,7 @@ def _graph(session: Session) -> Graph | None:
     return graph(preview.automaton, [*session.watched.behaviors])
 
 
-def _feature(session: Session, text: str, use: Use) -> Feature:
+def _feature(session: PageState, text: str, use: Use) -> Feature:
     """Return a feature of the vocabulary with targets, as the dialog offers it."""
     watched = session.watched
     vocabulary, name, label = watched.vocabulary, use.name, str(use)

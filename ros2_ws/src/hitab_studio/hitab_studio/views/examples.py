@@ -8,12 +8,12 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import BoundedNumber, Example, Use, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
-from hitab_studio.session import Session, Table
+from hitab_studio.page_state import ExamplesTable, PageState
 from hitab_studio.views.numbers import measure
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the tab shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the tab's template."""
     training, table = session.training, session.table
     if training is None:
         return {"lines": [], "columns": [], "total": 0}
@@ -48,7 +48,7 @@ def context(session: Session) -> dict[str, Any]:
 
 
 def _decided(training: Learned, example: Example) -> str:
-    """Return what is decided now in the situation of an example, if that differs from it."""
+    """Return the present decision in an example's situation, if it differs from the example."""
     decided = most_probable(training.decides(example.state, example.features))
     return decided if decided != example.next_state and example.is_learned else ""
 
@@ -76,7 +76,7 @@ def overruled_by(numbers: list[int]) -> str:
     return f"overruled by {by}: this was only assumed, so nothing is learned from it"
 
 
-def _shown(example: Example, table: Table, against: Mapping[int, Any]) -> bool:
+def _shown(example: Example, table: ExamplesTable, against: Mapping[int, Any]) -> bool:
     if table.kind == "contradicting":
         right = example.number in against
     else:
@@ -84,7 +84,7 @@ def _shown(example: Example, table: Table, against: Mapping[int, Any]) -> bool:
     return right and table.text.lower() in f"{example.state} {example.next_state}".lower()
 
 
-def _key(example: Example, training: Learned, table: Table) -> tuple[Any, int]:
+def _key(example: Example, training: Learned, table: ExamplesTable) -> tuple[Any, int]:
     columns = {"state": example.state, "next": example.next_state, "ago": example.ago}
     columns |= dict(zip(training.features, example.features, strict=True))
     return columns.get(table.sort, 0), example.number

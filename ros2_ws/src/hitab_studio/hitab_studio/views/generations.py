@@ -8,11 +8,11 @@ from hitab_client import SwarmError
 from hitab_client.bootstrapping import Generations
 from hitab_studio import unavailable
 from hitab_studio.generations import known_generations
-from hitab_studio.remedy_words import told
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
+from hitab_studio.ui_remedies import told
 
 
-def context(session: Session) -> dict[str, Any]:
+def context(session: PageState) -> dict[str, Any]:
     """Return what the dialog shows."""
     agent, behavior = session.dialog["agent"], session.dialog["behavior"]
     training, known, problem = session.training, Generations(), ""

@@ -1,4 +1,4 @@
-"""What was learned: the hierarchy of automata, one of them drawn, a state's tree, and why."""
+"""The learned behavior: the hierarchy of automata, one of them drawn, a state's tree, and why."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Use, with_numbers
 from hitab_studio.graph import graph
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
 
-SHOWN = 8
+TRANSITIONS_SHOWN_MAX = 8
 """Changes of state that are listed."""
 
-DEEPEST = 6
+LEVELS_MAX = 6
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the tab shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the tab's template."""
     levels = _levels(session)
     chosen = (level for level in levels if level["name"] == session.level)
     shown = next(chosen, levels[0] if levels else {"name": "", "label": "", "state": ""})
@@ -41,20 +41,20 @@ def context(session: Session) -> dict[str, Any]:
         "rows": tree_rows(tree, names, dict(zip(names, values, strict=False))) if tree else [],
         "live": bool(values),
         "numbers": _numbers(behavior, state, values),
-        "changes": events[:SHOWN],
+        "changes": events[:TRANSITIONS_SHOWN_MAX],
         "because": lambda event: _because(session, event),
         "label": _label,
     }
 
 
-def _behavior(session: Session, name: str) -> Learned | None:
+def _behavior(session: PageState, name: str) -> Learned | None:
     training = session.training
     if training is not None and training.name == name and session.is_training:
         return training
     return session.watched.behaviors.get(name)
 
 
-def _levels(session: Session) -> list[dict[str, Any]]:
+def _levels(session: PageState) -> list[dict[str, Any]]:
     """Return the hierarchy below what the agent performs, active or not, outermost first.
 
     Each automaton has the label of the path of active states, such as ``GoTo(ball)``.
@@ -69,7 +69,7 @@ def _levels(session: Session) -> list[dict[str, Any]]:
     def visit(label: str, depth: int, *, active: bool) -> None:
         name = Use.parse(label).name
         behavior = _behavior(session, name)
-        if name in found or behavior is None or not behavior.is_automaton or depth > DEEPEST:
+        if name in found or behavior is None or not behavior.is_automaton or depth > LEVELS_MAX:
             return
         state = path[depth] if active and depth < len(path) else ""
         found[name] = {"name": name, "label": label, "depth": depth, "state": state}
@@ -82,7 +82,7 @@ def _levels(session: Session) -> list[dict[str, Any]]:
     return list(found.values())
 
 
-def _values(session: Session, label: str, behavior: Learned | None) -> list[float]:
+def _values(session: PageState, label: str, behavior: Learned | None) -> list[float]:
     """Return the values that the automaton's features have now, if it is active."""
     if behavior is None or session.player is not None:
         return []
@@ -107,7 +107,7 @@ def _numbers(behavior: Learned | None, state: str, values: list[float]) -> str:
     return f"Now {here}: as in {'example' if len(like) == 1 else 'examples'} {', '.join(like)}"
 
 
-def _events(session: Session) -> list[Any]:
+def _events(session: PageState) -> list[Any]:
     """Return the last `TransitionEvent`s of the agent, the newest first."""
     if session.player is not None:
         return session.player.recording.events(session.player.at, session.agent)
@@ -119,7 +119,7 @@ def _label(event: Any) -> str:
     return event.automaton[-1] if event.automaton else ""
 
 
-def _because(session: Session, event: Any) -> str:
+def _because(session: PageState, event: Any) -> str:
     """Say why a state changed."""
     seen = ", ".join(
         f"{feature} = {measured(session, feature, value)}"

@@ -1,4 +1,4 @@
-"""What the agent has learned so far, with its versions."""
+"""The learned behaviors of the agent, with their versions."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from typing import Any
 
 from hitab_core import automaton_as_text
 from hitab_studio.generations import have_generations
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the tab shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the tab's template."""
     watched = session.watched
     behavior = watched.behaviors.get(session.behavior)
     text = ""

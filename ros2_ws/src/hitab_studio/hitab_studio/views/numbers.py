@@ -16,9 +16,9 @@ from hitab_core import (
     shown_unit,
     shown_value,
 )
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
-MANY = 100.0
+ONE_DECIMAL_FROM = 100.0
 """Numbers from here on are written with one decimal less."""
 
 
@@ -36,7 +36,7 @@ def measure(value: float, kind: str = "", unit: str = "") -> str:
         return "yes" if value else "no"
     if kind == FeatureKind.CATEGORICAL:
         return str(int(value))
-    digits = 2 if abs(value) < MANY else 1
+    digits = 2 if abs(value) < ONE_DECIMAL_FROM else 1
     if unit == RADIANS:
         digits = 1
     value, unit = shown_value(as_direction(value, unit, kind), unit), shown_unit(unit)
@@ -45,7 +45,7 @@ def measure(value: float, kind: str = "", unit: str = "") -> str:
     return f"{text} {unit}" if unit else text
 
 
-def measured(session: Session, feature: str, value: float) -> str:
+def measured(session: PageState, feature: str, value: float) -> str:
     """Return the value of a feature of the agent for people, with its unit."""
     words, name = session.watched.vocabulary, Use.parse(feature).name
     kind = FeatureKind.BOOLEAN if name in FLAGS else words.kinds.get(name, "")

@@ -10,7 +10,7 @@ from hitab_ros.names import WORLD
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_asked, targets_meant
 from hitab_studio.launching import NONE, unknown
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.views import sensors
 from hitab_studio.views.perceived import plotted
 from hitab_studio.views.strip import strip
@@ -24,8 +24,8 @@ MODE_WORDS = {
 }
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the overlay shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the overlay's template."""
     status = session.status
     live = session.player is None
     mode = status.mode if status is not None else ""
@@ -65,14 +65,14 @@ def context(session: Session) -> dict[str, Any]:
     }
 
 
-def _lost_off(session: Session) -> str:
+def _lost_off(session: PageState) -> str:
     """Return why a lost command cannot be sent again now."""
     lost = session.lost
     absent = absence(session.shared.store.known, lost.agent) if lost is not None else None
     return f"{lost.agent} {absent.what}: wait until it answers." if lost and absent else ""
 
 
-def _stuck(session: Session) -> str:
+def _stuck(session: PageState) -> str:
     """Say why nothing happens while what was learned is tested, if nothing does."""
     status, training = session.status, session.training
     if status is None or status.mode != "testing" or training is None or session.player:
@@ -87,11 +87,11 @@ def _stuck(session: Session) -> str:
                 "Restart, or take over (T) and show what comes next."
             )
     if world is not None and world.mode == "paused":
-        return "The world is paused: press Space, and it does what it has learned."
+        return "The world is paused: press Space, and it performs what was learned."
     return ""
 
 
-def _legend(session: Session) -> list[tuple[str, str]]:
+def _legend(session: PageState) -> list[tuple[str, str]]:
     """Return the states that are active at the moment, with their colors."""
     palette = session.shared.store.palette
     player = session.player
@@ -102,7 +102,7 @@ def _legend(session: Session) -> list[tuple[str, str]]:
     return [(s, palette.color(s)) for s in palette.states if s in active][:8]
 
 
-def empty(session: Session) -> tuple[str, str, str]:
+def empty(session: PageState) -> tuple[str, str, str]:
     """Return a title, an explanation and what to type, for when there is no field to show."""
     known, launch = session.shared.store.known, session.shared.launcher.launch
     target, finds = known.target, "This page finds it by itself."
@@ -140,27 +140,27 @@ def empty(session: Session) -> tuple[str, str, str]:
     return ("No swarm is up", f"Start one {here}. {finds}", f"hitab up {_proposed(session)}")
 
 
-def _to_start(session: Session) -> dict[str, Any]:
+def _to_start(session: PageState) -> dict[str, Any]:
     """Return the swarms to choose from, and the one that is chosen to be started."""
     swarms = NONE if session.shared.launcher.is_busy else startable(session)
     name = _proposed(session)
     return {"startable": swarms, "to_start": name if name in swarms else next(iter(swarms), "")}
 
 
-def _proposed(session: Session) -> str:
+def _proposed(session: PageState) -> str:
     """Return the swarm that is proposed to be started: the chosen one, else keepaway."""
     return session.to_start or "keepaway"
 
 
-def startable(session: Session) -> Mapping[str, str]:
-    """Return the swarms that may be started now, each with what it is: none if one is up."""
+def startable(session: PageState) -> Mapping[str, str]:
+    """Return the swarms that may be started now, each with a description; none while one is up."""
     known = session.shared.store.known
     target = known.target
     up = target is not None and (target.choices or (target.swarm and not target.problem))
     return NONE if up or known.shown or known.statuses else session.shared.launcher.startable
 
 
-def _buttons(session: Session) -> list[dict[str, Any]]:
+def _buttons(session: PageState) -> list[dict[str, Any]]:
     """Return the behaviors that may be commanded: those chosen for the training, else all."""
     status, watched = session.status, session.watched
     vocabulary, training = watched.vocabulary, session.training
@@ -195,9 +195,9 @@ def _buttons(session: Session) -> list[dict[str, Any]]:
 
 def _shown_numbers(session: Session) -> tuple[BoundedNumber, ...]:
     """Return the numbers of the behavior that is being shown."""
-    if session.showing is None:
+    if session.shown_numbers is None:
         return ()
-    return session.watched.vocabulary.numbers_of(session.showing.behavior)
+    return session.watched.vocabulary.numbers_of(session.shown_numbers.behavior)
 
 
 def _arrow(session: Session) -> BoundedNumber | None:
@@ -205,7 +205,7 @@ def _arrow(session: Session) -> BoundedNumber | None:
 
     With a target, a direction may be relative to that.
     """
-    if session.showing is None or Use.parse(session.showing.behavior).arguments:
+    if session.shown_numbers is None or Use.parse(session.shown_numbers.behavior).arguments:
         return None
     return next((n for n in _shown_numbers(session) if n.circular), None)
 
@@ -217,7 +217,7 @@ def _kind(name: str, trained: frozenset[str]) -> str:
     return "trained" if bare in trained else "basic"
 
 
-def _targets(session: Session) -> list[tuple[str, bool]]:
+def _targets(session: PageState) -> list[tuple[str, bool]]:
     """Return the targets that may be given, with whether what is chosen in the field means it."""
     meant = {t for name in session.chosen for t in targets_meant(session, name)}
     return [(t, t in meant) for t in targets_asked(session)]

@@ -1,16 +1,16 @@
-"""What the agent perceives now, with its last values."""
+"""The agent's percept, with the last values of features."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 from hitab_core import OWN_NAMES, Use
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 Readings = Mapping[tuple[str, str], tuple[float, ...]]
 
 
-def perceived(session: Session) -> Readings:
+def perceived(session: PageState) -> Readings:
     """Return the features of the automata that are active; of none: all that the agent has.
 
     As in `hitab perceive`, a feature is left out that has one target twice, and what tells of an
@@ -28,8 +28,8 @@ def _is_of_the_body(feature: str) -> bool:
     return use.name not in OWN_NAMES and len(set(use.arguments)) == len(use.arguments)
 
 
-def plotted(session: Session) -> Readings:
-    """Return what is drawn over time in place of the field, if nothing has a place there."""
+def plotted(session: PageState) -> Readings:
+    """Return the features drawn over time in place of an empty field."""
     scene = session.shared.store.known.shown
     has_places = session.player is not None or (scene is not None and scene.names)
     return {} if has_places else perceived(session)

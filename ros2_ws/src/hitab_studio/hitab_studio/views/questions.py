@@ -1,10 +1,10 @@
-"""What an agent asks about its examples, each question with its answers."""
+"""The agent's questions about its examples, each with its answers."""
 
 from __future__ import annotations
 
 from hitab_msgs.msg import Question
 
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 WHEN_UNSURE = {
     "go_on": ("go on", "it decides all the same"),
@@ -18,7 +18,7 @@ TITLES = {
 }
 
 
-def when_unsure(session: Session) -> str:
-    """Return what the agent does when it is unsure, for people."""
+def when_unsure(session: PageState) -> str:
+    """Return the agent's choice for unsure decisions, for people."""
     status = session.status
     return WHEN_UNSURE.get(status.when_unsure if status is not None else "", ("go on", ""))[0]

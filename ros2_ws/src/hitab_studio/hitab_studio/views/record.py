@@ -6,21 +6,21 @@ import time
 from typing import Any
 
 from hitab_client.recording.recordings import recordings, recordings_folder
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
-MOST = 30
+RECORDINGS_MAX = 30
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the tab shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the tab's template."""
     known = session.shared.store.known
     done = [r for r in recordings() if not known.recording.endswith(f"/{r.path.name}")]
     return {
         "folder": str(recordings_folder()),
         "files": [
             (r.path.name, time.strftime("%d %b %H:%M", time.localtime(r.when)), r.size)
-            for r in done[:MOST]
+            for r in done[:RECORDINGS_MAX]
         ],
-        "more": max(0, len(done) - MOST),
+        "more": max(0, len(done) - RECORDINGS_MAX),
         "shown": session.player.recording.path.name if session.player is not None else "",
     }

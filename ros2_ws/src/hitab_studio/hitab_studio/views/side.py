@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_studio.absence import absence
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.views import examples, learned, library, record, swarm, teach
 
 TABS = {
@@ -26,8 +26,8 @@ IN_REPLAY = ("learned", "record")
 """Tabs that show a recording; the others are about the swarm as it is now."""
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the panel shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the panel's template."""
     training = session.training
     live = session.agent and session.player is None
     absent = absence(session.shared.store.known, session.agent) if live else None

@@ -1,4 +1,4 @@
-"""What an agent did in a recording: what can be asked, and the strip under the time bar."""
+"""The strip of an agent in a recording: what can be asked, and the strip under the time bar."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import Any
 from hitab_core import Domain, Use
 from hitab_core.labeling import UNSURE
 from hitab_studio.learned import uses
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 
-def strip(session: Session) -> dict[str, Any] | None:
+def strip(session: PageState) -> dict[str, Any] | None:
     """Return the strip of the agent; None if there is none."""
     player = session.player
     labels = player.labels if player is not None else None

@@ -1,4 +1,4 @@
-"""What the agents do, and the swarms that are up."""
+"""The activities of agents, and the swarms that are up."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Any
 
 from hitab_core import natural, some
 from hitab_studio.absence import NOT_HEARD, absence
-from hitab_studio.known import Known
+from hitab_studio.page_state import PageState
 from hitab_studio.scene import state_shown
-from hitab_studio.session import Session
-from hitab_studio.swarm_finder import Target
+from hitab_studio.swarm_finder import SwarmTarget
+from hitab_studio.swarm_state import SwarmState
 
 DAY = 24 * 3600
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the tab shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the tab's template."""
     store = session.shared.store
     statuses = store.known.statuses.values()
     states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)
@@ -38,7 +38,7 @@ def context(session: Session) -> dict[str, Any]:
     }
 
 
-def absent(known: Known) -> dict[str, list[str]]:
+def absent(known: SwarmState) -> dict[str, list[str]]:
     """Return the agents that do not answer, by how; without those that may still come."""
     found: dict[str, list[str]] = {}
     for name in known.agents:
@@ -48,7 +48,7 @@ def absent(known: Known) -> dict[str, list[str]]:
     return found
 
 
-def choices(session: Session) -> Sequence[Target]:
+def choices(session: PageState) -> Sequence[SwarmTarget]:
     """Return the swarms that may be shown instead of the present one, by name, oldest first."""
     target = session.shared.store.known.target
     if target is None or session.player is not None:
@@ -63,7 +63,7 @@ def since(moment: float) -> str:
     return time.strftime("%H:%M:%S" if recent else "%d %b, %H:%M", time.localtime(moment))
 
 
-def _stoppable(session: Session) -> str:
+def _stoppable(session: PageState) -> str:
     """Return the swarm that may be stopped here; "" if there is none."""
     target, launcher = session.shared.store.known.target, session.shared.launcher
     if target is None or target.problem or not target.folder or launcher.is_busy:

@@ -1,4 +1,4 @@
-"""What was just recorded, and what the agent perceives."""
+"""The last recorded example, and the agent's percept."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from typing import Any
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio.learned import superseding
-from hitab_studio.remedy_words import in_studio
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
+from hitab_studio.ui_remedies import in_studio
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
 from hitab_studio.views.perceived import perceived
 from hitab_studio.views.questions import TITLES, when_unsure
 
-SHOWN = 6
+EDITS_MAX = 6
 """Edits of the history that are shown on either side of now."""
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the tab shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the tab's template."""
     watched = session.watched
     training = session.training
     examples = training.examples if training is not None else ()
@@ -31,8 +31,8 @@ def context(session: Session) -> dict[str, Any]:
         "abouts": watched.vocabulary.feature_descriptions,
         "values_of": lambda example: _values(session, example),
         "trained": sorted(session.watched.vocabulary.trained),
-        "last_edits": [(text, False) for text in (training.done if training else ())[-SHOWN:]]
-        + [(text, True) for text in (training.undone if training else ())[:SHOWN]],
+        "last_edits": [(text, False) for text in (training.done if training else ())[-EDITS_MAX:]]
+        + [(text, True) for text in (training.undone if training else ())[:EDITS_MAX]],
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
         "given_up": _given_up(session),
@@ -47,7 +47,7 @@ def context(session: Session) -> dict[str, Any]:
     }
 
 
-def _given_up(session: Session) -> int:
+def _given_up(session: PageState) -> int:
     """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
     training = session.training
     if training is None or training.cost is None:
@@ -55,8 +55,8 @@ def _given_up(session: Session) -> int:
     return max(0, training.cost.wasted - sum(not e.is_learned for e in training.examples))
 
 
-def _values(session: Session, example: Example) -> list[tuple[str, str]]:
-    """Return what the agent perceived: names of features, and values for people."""
+def _values(session: PageState, example: Example) -> list[tuple[str, str]]:
+    """Return the agent's percept in an example: names of features, and values for people."""
     training = session.training
     if training is None:
         return []

@@ -8,15 +8,15 @@ from typing import Any
 from hitab_ros import names
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 from hitab_studio.views.overlay import empty
 from hitab_studio.views.swarm import absent
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
 
-def context(session: Session) -> dict[str, Any]:
-    """Return what the bar shows."""
+def context(session: PageState) -> dict[str, Any]:
+    """Return the variables of the bar's template."""
     store = session.shared.store
     known = store.known
     world = known.world
@@ -44,8 +44,8 @@ def context(session: Session) -> dict[str, Any]:
     }
 
 
-def emergency(session: Session) -> dict[str, Any]:
-    """Return what the button of the emergency stop and the band below the header show."""
+def emergency(session: PageState) -> dict[str, Any]:
+    """Return the variables of the emergency stop's button and of the band below the header."""
     known = session.shared.store.known
     return {
         "stop": known.emergency.who,

@@ -1,6 +1,6 @@
 """A page shows each message once, says how often it came, and lets it be closed."""
 
-from hitab_studio.messages import MOST, SECONDS, Messages
+from hitab_studio.notices import NOTICE_SECONDS, NOTICES_MAX, Notices
 
 
 class Clock:
@@ -12,11 +12,11 @@ class Clock:
 
 def test_a_message_goes_after_its_time_from_when_it_was_last_said():
     clock = Clock()
-    messages = Messages(clock)
+    messages = Notices(clock)
     messages.say("no", "bad")
-    clock.now = SECONDS["bad"] - 1
+    clock.now = NOTICE_SECONDS["bad"] - 1
     messages.say("no", "bad")
-    clock.now += SECONDS["bad"] - 1
+    clock.now += NOTICE_SECONDS["bad"] - 1
     assert not messages.drop_old()
     clock.now += 2
     assert messages.drop_old()
@@ -24,9 +24,9 @@ def test_a_message_goes_after_its_time_from_when_it_was_last_said():
 
 
 def test_a_message_can_be_closed_and_old_ones_make_room():
-    messages = Messages(Clock())
-    for i in range(MOST + 2):
+    messages = Notices(Clock())
+    for i in range(NOTICES_MAX + 2):
         messages.say(f"message {i}")
-    assert [m.text for m in messages.shown] == [f"message {i}" for i in range(2, MOST + 2)]
+    assert [m.text for m in messages.shown] == [f"message {i}" for i in range(2, NOTICES_MAX + 2)]
     messages.close(messages.shown[1].number)
-    assert len(messages.shown) == MOST - 1
+    assert len(messages.shown) == NOTICES_MAX - 1

@@ -1,12 +1,12 @@
-"""Tells a process that hangs from one that this machine holds up."""
+"""Tells a process that hangs from one that is starved of CPU or disk."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 
-def is_held_up(pid: int) -> bool:
-    """Whether a process would go on if it only got a processor, or its disk."""
+def waits_for_cpu_or_disk(pid: int) -> bool:
+    """Whether a process waits for a CPU or its disk, instead of hanging."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][:1]
     except OSError:

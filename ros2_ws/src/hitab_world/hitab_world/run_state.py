@@ -1,4 +1,4 @@
-"""The course of a world: how it is run, its agents and its episodes."""
+"""The run state of a world: how it is run, its agents and its episodes."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from hitab_world.lockstep import RoundAnswers
 from hitab_world.world import World
 
 
-class Course:
-    """The state shared by the parts that run, publish, save and change a world.
+class RunState:
+    """The state of a run, shared by the parts that play, publish, save and change a world.
 
     Attributes:
         world: the world.

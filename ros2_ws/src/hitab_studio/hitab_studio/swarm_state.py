@@ -1,4 +1,4 @@
-"""What is known of the swarm. It is replaced, never changed, so that pages see what is new."""
+"""The known state of the swarm, which is replaced, never changed, so that pages see changes."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from typing import Any
 from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
-from hitab_studio.agent_watch import Watched
-from hitab_studio.learned import NOTHING
+from hitab_studio.agent_watch import AgentState
+from hitab_studio.learned import NO_ITEMS
 from hitab_studio.remembered_scenes import Key
 from hitab_studio.robots.watch import Robots
-from hitab_studio.scene import SILENT, Scene, state_shown
-from hitab_studio.swarm_finder import Target
+from hitab_studio.scene import SILENT_MODE, Scene, state_shown
+from hitab_studio.swarm_finder import SwarmTarget
 
 JOINING_SECONDS = 15.0
 """Agents that were not heard yet may come as long as others do, and for this long afterwards."""
 
 
 @dataclass(frozen=True)
-class Known:
-    """All that is known of a swarm at one moment.
+class SwarmState:
+    """The known state of a swarm at one moment.
 
     Attributes:
         target: the swarm to connect to; None before the first search.
@@ -40,28 +40,28 @@ class Known:
             none: the time of the last sign, s, on the monotonic clock.
         why: why processes of these do not answer, as far as the swarm's supervisor knows it.
         groups: the last `CommanderStatus` of each commander, by name.
-        watched: more about the viewed agents, by name.
-        moments: in which examples were recorded.
+        watched: states of the viewed agents, by name.
+        moments: scenes of the recorded examples.
         elsewhere: identities of swarms that were started elsewhere; while there is none from here.
         emergency: the emergency stops that are known.
         stopped_at: when the first of them was heard, by the wall clock, s.
         recording: the file of the run being recorded; "" if none is.
-        recorded: its number of messages.
-        robots: what is known of real robots; None: there is a world, or nothing was heard yet.
+        recorded: number of recorded messages.
+        robots: state of real robots; None if there is a world, or nothing was heard yet.
     """
 
-    target: Target | None = None
+    target: SwarmTarget | None = None
     revision: int = 0
     world: Any = None
     scene: Scene | None = None
-    statuses: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
+    statuses: Mapping[str, Any] = field(default_factory=lambda: NO_ITEMS)
     joined: float = -math.inf
-    gone: Mapping[str, float] = field(default_factory=lambda: NOTHING)
-    silent: Mapping[str, float] = field(default_factory=lambda: NOTHING)
-    why: Mapping[str, Silence] = field(default_factory=lambda: NOTHING)
-    groups: Mapping[str, Any] = field(default_factory=lambda: NOTHING)
-    watched: Mapping[str, Watched] = field(default_factory=lambda: NOTHING)
-    moments: Mapping[Key, Scene] = field(default_factory=lambda: NOTHING)
+    gone: Mapping[str, float] = field(default_factory=lambda: NO_ITEMS)
+    silent: Mapping[str, float] = field(default_factory=lambda: NO_ITEMS)
+    why: Mapping[str, Silence] = field(default_factory=lambda: NO_ITEMS)
+    groups: Mapping[str, Any] = field(default_factory=lambda: NO_ITEMS)
+    watched: Mapping[str, AgentState] = field(default_factory=lambda: NO_ITEMS)
+    moments: Mapping[Key, Scene] = field(default_factory=lambda: NO_ITEMS)
     elsewhere: tuple[str, ...] = ()
     emergency: KnownStops = field(default_factory=KnownStops)
     stopped_at: float = 0.0
@@ -114,12 +114,12 @@ class Known:
     def doing(self) -> dict[str, tuple[str, str]]:
         """Return the mode and the active state of each agent.
 
-        It is `SILENT` if it does not answer, or if nobody says where its robot is now.
+        It is `SILENT_MODE` if it does not answer, or if its robot's place is unknown.
         """
         lost = self.robots.lost if self.robots is not None else ()
         return {
             name: (s.mode, state_shown(s))
             if self.answers(name) and name not in lost
-            else (SILENT, "")
+            else (SILENT_MODE, "")
             for name, s in self.statuses.items()
         }

@@ -1,16 +1,16 @@
-"""What all pages share."""
+"""Data that all pages share."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from hitab_studio.known import Known
 from hitab_studio.scene import Palette
+from hitab_studio.swarm_state import SwarmState
 
 
 @dataclass
-class Store:
-    """What is known of the swarm, and what else pages share.
+class SwarmStore:
+    """The state of the swarm, and other data that pages share.
 
     Attributes:
         known: of the swarm.
@@ -20,7 +20,7 @@ class Store:
         snapshots: names of the world's snapshots.
     """
 
-    known: Known = field(default_factory=Known)
+    known: SwarmState = field(default_factory=SwarmState)
     version: int = 0
     palette: Palette = field(default_factory=Palette)
     placements: list[dict[str, dict[str, float]]] = field(default_factory=list)
@@ -30,7 +30,7 @@ class Store:
         """Say that something has changed."""
         self.version += 1
 
-    def take(self, known: Known) -> None:
+    def take(self, known: SwarmState) -> None:
         """Know this from now on; of another swarm, or another start of it, forget the rest."""
         before, self.known = self.known, known
         if known.target != before.target:

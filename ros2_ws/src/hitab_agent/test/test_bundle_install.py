@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from hitab_msgs import msg, srv
 
-from hitab_agent import intake
+from hitab_agent import bundle_install
 from hitab_agent.agent_node import AgentNode
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import HostResources
 from hitab_agent.slices import Slices
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
@@ -75,7 +75,7 @@ class Host:
 
     def __post_init__(self) -> None:
         self.desk = self.process.node
-        self.shared = Shared(self.desk, self.size)
+        self.shared = HostResources(self.desk, self.size)
         self.nodes = [self._node(number) for number in range(self.size)]
         self.agents = [node.agent for node in self.nodes]
         self._sent = 0
@@ -328,7 +328,7 @@ def test_a_disk_that_does_not_take_it_leaves_memory_and_libraries_as_they_were(
         raise OSError(5, "Input/output error")
 
     with monkeypatch.context() as patch:
-        patch.setattr(intake, "sync_trees", failing)
+        patch.setattr(bundle_install, "sync_trees", failing)
         host.send(taught(tmp_path / "teacher", "Low", "Right"))
         for ack in host.answers().values():
             assert not ack.success

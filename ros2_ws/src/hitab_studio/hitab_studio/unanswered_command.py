@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hitab_client import is_answered
-from hitab_studio.known import Known
+from hitab_studio.swarm_state import SwarmState
 
 TAKEN_SECONDS = 2.0
-"""How long to wait for the agent's acknowledgement before a command is said to be lost."""
+"""Time without an acknowledgement after which a command is reported as lost."""
 
 
 @dataclass(frozen=True)
-class Lost:
-    """A behavior that was asked of an agent, which has not acknowledged it.
+class UnansweredCommand:
+    """A command that its agent has not acknowledged.
 
     Attributes:
-        agent: that was asked.
+        agent: receiver of the command.
         behavior: with its targets.
-        sequence: number of the command, the same when it is sent again; 0: it was asked to
+        sequence: number of the command, the same when it is sent again; 0 if it was asked to
             perform, without a number.
     """
 
@@ -26,8 +26,8 @@ class Lost:
     behavior: str
     sequence: int
 
-    def is_taken(self, known: Known) -> bool:
-        """Whether the agent's status shows that it has taken the command after all."""
+    def is_taken(self, known: SwarmState) -> bool:
+        """Whether the agent's status shows the command as taken after all."""
         status = known.statuses.get(self.agent)
         if status is None or not known.answers(self.agent):
             return False

@@ -1,4 +1,4 @@
-"""What the agents of one process share."""
+"""Resources that the agents of one process share."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ REPORTS_PERIOD_S = 0.01
 """How long a report waits for others of the same host."""
 
 
-class Shared:
-    """Timers, publishers and whatever else a process needs once, however many agents it runs.
+class HostResources:
+    """Timers, publishers and links that a process needs once, however many agents it runs.
 
     Attributes:
         nodes: of the agents that have joined.
@@ -43,19 +43,19 @@ class Shared:
         outbox: sends reports to commanders.
         distributions: sends and receives behaviors.
         diagnostics: publishes what is wrong with the agents.
-        on_demand: offers services when a client asks; None: each agent offers its own at once.
+        on_demand: offers services when a client asks; None if each agent offers its own at once.
         links: of all agents of a host to their worlds, by the world's name.
         domains: the loaded domains, by name.
         told: faults of libraries that are in the log.
     """
 
     def __init__(self, node: GuardedNode, agents: int = 0, swarm: str = "") -> None:
-        """Make it.
+        """Make the resources.
 
         Args:
             node: of the only agent, or of a host, in its own namespace.
-            agents: number of agents of a host; 0: the process is none.
-            swarm: identity of their swarm; empty: none.
+            agents: number of agents of a host; 0 if the process is none.
+            swarm: identity of their swarm; empty if none.
         """
         self.nodes: list[AgentBase] = []
         self.host = node if agents else None

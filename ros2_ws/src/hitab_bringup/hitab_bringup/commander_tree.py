@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from hitab_bringup.swarm_description import AgentDescription, CommanderDescription
 from hitab_bringup.swarm_lines import CommanderLine
-from hitab_bringup.swarm_words import Words
+from hitab_bringup.swarm_vocabulary import SwarmVocabulary
 from hitab_commander import CommanderKind, OrderMap
 from hitab_core import Use, has, unknown
 from hitab_core.orders import ALL_OTHERS
@@ -21,7 +21,7 @@ Complain = Callable[[str, str, str], None]
 """Called with the name of a line, a key in it, or "", and what is wrong."""
 
 
-class CommandTree:
+class CommanderTree:
     """Builds the commanders, and complains about anything that is not a tree.
 
     Args:
@@ -29,7 +29,7 @@ class CommandTree:
         lines: of commanders.
         kinds: of commanders, by name.
         make: makes one of the commanders of a line, given the line's key and its name.
-        words: what members can be ordered to perform.
+        words: the behaviors that members can be ordered to perform.
         complain: about a line.
 
     Attributes:
@@ -42,7 +42,7 @@ class CommandTree:
         lines: Mapping[str, CommanderLine],
         kinds: Mapping[str, CommanderKind],
         make: Callable[[str, str], CommanderDescription],
-        words: Words,
+        words: SwarmVocabulary,
         complain: Complain,
     ) -> None:
         self.superiors: dict[str, str] = {}
@@ -75,7 +75,7 @@ class CommandTree:
         return [replace(m, superior=self.superiors.get(m.name, "")) for m in members]
 
     def _members(self, key: str) -> list[AgentDescription] | None:
-        """Return the members that a name refers to, making commanders first; None: unknown."""
+        """Return the members that a name refers to, making commanders first; None if unknown."""
         if key in self._groups or key not in self._lines:
             return self._groups.get(key)
         if key in self._open:
@@ -163,7 +163,7 @@ class CommandTree:
         return sorted(shared)
 
     def _wrong(self, order: OrderMap, member: AgentDescription) -> Iterator[str]:
-        """Yield what is wrong with an order for a member, in words that similar ones share."""
+        """Yield the faults of an order for a member, in words that similar ones share."""
         if not order.covers(member.role):
             yield f'has no behavior for role "{member.role}"; add it, or `others:`'
             return

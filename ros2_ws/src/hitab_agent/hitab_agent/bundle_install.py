@@ -1,4 +1,4 @@
-"""Taking in a distribution for all agents of a process at once.
+"""Installs a distribution for all agents of a process at once.
 
 It is verified, read and learned once per domain, written once per library, and synced to disk for
 all libraries together, so that a thousand folders take as long as one. Then each agent swaps its
@@ -47,7 +47,7 @@ they are now, empty if it was refused, and why it was refused or what went wrong
 
 
 @dataclass(eq=False)
-class _Shelf:
+class _LibraryInstall:
     """A library with the agents that use it, and the state of its change."""
 
     library: BehaviorLibrary
@@ -69,8 +69,8 @@ class _Shelf:
         return self.edition
 
 
-class Intake:
-    """One distribution, taken in by its receivers in a process."""
+class BundleInstall:
+    """The installation of a distribution by its receivers in a process."""
 
     def __init__(
         self,
@@ -85,7 +85,7 @@ class Intake:
         Args:
             sequence: of the distribution.
             bundle: the behaviors.
-            start: what the receivers should perform then; None: what they perform now.
+            start: behavior of the receivers afterwards; None for their present one.
             receivers: the nodes of the agents that take it in.
             taken_in: called with the outcome for each.
         """
@@ -95,10 +95,10 @@ class Intake:
         self._taken_in = taken_in
         self._digests: dict[LoadedLibrary, str] = {}
         self._read_files: list[object] = []
-        shelves: dict[BehaviorLibrary, _Shelf] = {}
+        shelves: dict[BehaviorLibrary, _LibraryInstall] = {}
         for receiver in receivers:
             library = receiver.agent.library
-            shelves.setdefault(library, _Shelf(library)).receivers.append(receiver)
+            shelves.setdefault(library, _LibraryInstall(library)).receivers.append(receiver)
         self._shelves = list(shelves.values())
 
     def job(self) -> Job:
@@ -123,7 +123,7 @@ class Intake:
             reading = in_background(partial(read_bundle, self._bundle, editions))
             yield reading
             try:
-                self._read_files.append(reading.result())  # kept, so that it is read only once
+                self._read_files.append(reading.result())  # kept: a second receiver reads no file
             except Exception as error:
                 for shelf in shelves:
                     shelf.refuse_all(error)
@@ -146,7 +146,7 @@ class Intake:
                 shelf.refuse_all(error)
             yield None
 
-    def _announce(self, shelf: _Shelf) -> None:
+    def _announce(self, shelf: _LibraryInstall) -> None:
         library = shelf.library
         with library.change(patience=0.0, sync=False) as change:
             edition = plan_bundle(change, self._bundle)
@@ -177,7 +177,7 @@ class Intake:
                     shelf.refuse_all(error)
                     shelf.library.load(strict=False)
 
-    def _swap(self, shelf: _Shelf, receiver: Any) -> None:
+    def _swap(self, shelf: _LibraryInstall, receiver: Any) -> None:
         agent = receiver.agent
         digest, why = "", shelf.refused.get(receiver, "")
         if not why:
@@ -197,7 +197,7 @@ class Intake:
             self._digests[edition] = digest_in(edition, names)
         return self._digests[edition]
 
-    def _noted(self) -> list[_Shelf]:
+    def _noted(self) -> list[_LibraryInstall]:
         return [shelf for shelf in self._shelves if shelf.note]
 
 

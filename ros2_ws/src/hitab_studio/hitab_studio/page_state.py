@@ -1,4 +1,4 @@
-"""What one browser shows and does."""
+"""The state of a page in a browser, and of all pages together."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from hitab_core import natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
-from hitab_studio.agent_watch import Watched
+from hitab_studio.agent_watch import AgentState
+from hitab_studio.field_frame import EMPTY, FieldFrame
 from hitab_studio.generations import GenerationMaker
 from hitab_studio.launching import NONE, Launcher
-from hitab_studio.lost import Lost
-from hitab_studio.messages import Messages
+from hitab_studio.notices import Notices
 from hitab_studio.people import told_apart
-from hitab_studio.present import EMPTY, Present
-from hitab_studio.replay import Player
+from hitab_studio.replay import ReplayPlayer
 from hitab_studio.scene import frame, roster, said_message
-from hitab_studio.store import Store
 from hitab_studio.swarm_link import Connected, SwarmLink
+from hitab_studio.swarm_store import SwarmStore
+from hitab_studio.unanswered_command import UnansweredCommand
 
 T = TypeVar("T")
 
-NOTHING = Watched()
+NO_AGENT = AgentState()
 CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
 REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
 
 
 @dataclass
-class TargetsAsked:
-    """A behavior that was commanded and still needs targets, to be clicked in the field.
+class MissingTargets:
+    """A commanded behavior that still needs targets, to be clicked in the field.
 
     Attributes:
         seen: the world's cycle that the page showed when it was commanded.
@@ -50,15 +50,15 @@ class TargetsAsked:
 
 
 @dataclass
-class NumbersAsked:
-    """A behavior, with its targets, and the numbers that it is shown with, by name."""
+class ShownNumbers:
+    """A behavior with its targets, and its numbers by name."""
 
     behavior: str
     values: dict[str, float]
 
 
 @dataclass
-class Table:
+class ExamplesTable:
     """How the table of examples is shown; `hidden` features have no column."""
 
     automaton: str = ""
@@ -70,13 +70,13 @@ class Table:
     hidden: set[str] = field(default_factory=set)
 
 
-class Shared:
-    """What all pages share, including each other.
+class StudioState:
+    """The state that all pages share, including the list of pages.
 
     Attributes:
         link: to the swarm.
-        store: what is known.
-        held: by agent, the page that holds it: nobody else may command it.
+        store: the state of the swarm.
+        held: by agent, the page that holds it: no other page may command it.
         keys: which key commands which behavior.
         launcher: starts and stops swarms.
         generations: makes generations of what a team performs.
@@ -86,20 +86,20 @@ class Shared:
 
     def __init__(self, link: SwarmLink, startable: Mapping[str, str] = NONE) -> None:
         self.link = link
-        self.store = Store()
+        self.store = SwarmStore()
         self.launcher = Launcher(startable, self.store.touch)
         self.generations = GenerationMaker(link, self.store.touch)
-        self.held: dict[str, Session] = {}
+        self.held: dict[str, PageState] = {}
         self.keys = behavior_keys.Keys(behavior_keys.file())
-        self.present = Present(self.store.palette)
-        self.sessions: dict[str, Session] = {}
+        self.present = FieldFrame(self.store.palette)
+        self.sessions: dict[str, PageState] = {}
 
 
-class Session:
-    """One page in one browser.
+class PageState:
+    """The state of one page in one browser.
 
     Attributes:
-        shared: what it shares with the other pages.
+        shared: the state of all pages.
         browser: identity of the browser, whose pages are the same person's; at first the page's.
         demonstrator: name of the person who commands; the reaction time is kept under it.
         name: the same, told apart from people of this name at other pages.
@@ -107,20 +107,21 @@ class Session:
         agent: the one among them, or in the list, that is viewed and commanded.
         level: the viewed automaton, if not the outermost one.
         state: the state whose tree is viewed, if not the active one.
-        to_start: the swarm that is chosen to be started; empty: none was chosen yet.
-        folds: what was opened (true) or closed in the list of agents, by name.
-        showing: the behavior with numbers that is being shown, if one is.
-        lost: the last command, if the agent has not taken it.
-        unseen: outcomes of commands that the person cannot have seen yet.
-        dialog: the open dialog, with all that is needed to show it.
+        to_start: the swarm that is chosen to be started; empty if none was chosen yet.
+        folds: opened (true) and closed commanders in the list of agents, by name.
+        shown_numbers: the behavior whose form of numbers is open, if one is.
+        missing_targets: the commanded behavior that still needs targets, if one does.
+        lost: the last command, if the agent has not acknowledged it.
+        unseen: outcomes of commands that the page has not shown yet.
+        dialog: the open dialog, with the values of its template.
         player: the open recording, if there is one.
-        messages: what was done, and what went wrong.
+        messages: notices of successes and failures.
         connected: whether the browser is connected.
-        leave: closes the page, after the request that is being handled.
-        sent: the frame that the browser has.
+        leave: closes the page after the present request.
+        sent: the browser's present frame.
     """
 
-    def __init__(self, shared: Shared, key: str, demonstrator: str) -> None:
+    def __init__(self, shared: StudioState, key: str, demonstrator: str) -> None:
         self.shared = shared
         self.id = self.browser = key
         self.demonstrator = self.name = ""
@@ -132,19 +133,19 @@ class Session:
         self.filter = ""
         self.to_start = ""
         self.folds: dict[str, bool] = {}
-        self.asked: TargetsAsked | None = None
-        self.showing: NumbersAsked | None = None
-        self.lost: Lost | None = None
+        self.missing_targets: MissingTargets | None = None
+        self.shown_numbers: ShownNumbers | None = None
+        self.lost: UnansweredCommand | None = None
         self.unseen = UnseenOutcomes()
-        self.table = Table()
+        self.table = ExamplesTable()
         self.dialog: dict[str, Any] = {}
         self.behavior = ""
         self.compare: tuple[str, Learned] | None = None
-        self.player: Player | None = None
+        self.player: ReplayPlayer | None = None
         self.connected = False
         self.leave: Callable[[], None] = lambda: None
         self.sent = b""
-        self.messages = Messages()
+        self.messages = Notices()
         self.version = 0
         self.busy = 0
         self.outgoing: deque[str] = deque(maxlen=50)
@@ -164,11 +165,11 @@ class Session:
         self.name = told_apart(self.demonstrator, others)
         self.shared.store.touch()
 
-    def is_same(self, page: Session) -> bool:
+    def is_same(self, page: PageState) -> bool:
         """Whether another page is the same person's."""
         return page.browser == self.browser
 
-    # -- what it looks at -------------------------------------------------------------------
+    # -- selection --------------------------------------------------------------------------
 
     @property
     def status(self) -> Any:
@@ -178,18 +179,18 @@ class Session:
         return self.shared.store.known.statuses.get(self.agent)
 
     @property
-    def watched(self) -> Watched:
-        """What else is known of the agent."""
-        return self.shared.store.known.watched.get(self.agent, NOTHING)
+    def watched(self) -> AgentState:
+        """The details of the viewed agent."""
+        return self.shared.store.known.watched.get(self.agent, NO_AGENT)
 
     @property
     def training(self) -> Training | None:
-        """What the agent is being trained, as it has published it last."""
+        """The viewed agent's training, as published last."""
         return self.shared.link.training(self.agent)
 
     @property
     def agents(self) -> Sequence[str]:
-        """The agents that it shows: of the swarm, or of a recording."""
+        """The page's agents: of the swarm, or of a recording."""
         if self.player is not None:
             return sorted(self.player.recording.statuses(self.player.at), key=natural)
         return self.shared.store.known.agents
@@ -215,9 +216,9 @@ class Session:
         if agent != self.agent:
             self.agent = agent
             self.level = self.state = self.behavior = ""
-            self.asked = self.showing = None
+            self.missing_targets = self.shown_numbers = None
             self.compare = None
-            self.table = Table()
+            self.table = ExamplesTable()
         self.shared.link.viewing.focus[self.id] = agent
         self.touch()
 
@@ -246,7 +247,7 @@ class Session:
         return frame(recording.scene(at), recording.doing(at), self.shared.store.palette)
 
     def layers(self) -> dict[str, bytes]:
-        """Return what else of real robots the page should show now."""
+        """Return the layers of real robots that the page should show now."""
         robots = self.shared.store.known.robots
         if robots is None or self.player is not None:
             return {}
@@ -288,11 +289,11 @@ class Session:
     # -- doing ------------------------------------------------------------------------------
 
     async def ask(self, job: Callable[[Connected], T], agent: str = "", *, needs: str = "") -> T:
-        """Have the link do something; meanwhile the page says that it is busy.
+        """Have the link do something; the page is marked busy until the end.
 
         Args:
             job: does it; with an agent, after all else that anybody asked of it.
-            agent: whom it concerns, if one alone.
+            agent: the concerned agent, if it is one alone.
             needs: an agent or the world without which it cannot be done, if not that agent.
 
         Raises:
@@ -392,10 +393,10 @@ class Session:
         self.news.set()
 
 
-def nothing_in_training(session: Session) -> str:
+def nothing_in_training(session: PageState) -> str:
     """Return why what concerns a training cannot be done without one."""
     if not session.agent:
         return CHOOSE_FIRST
-    if session.is_training:  # its status arrives before what it trains
+    if session.is_training:  # its status arrives before its training
         return f"What {session.agent} trains is not known yet: try again in a moment."
     return f"{session.agent} is not training anything: begin a training."

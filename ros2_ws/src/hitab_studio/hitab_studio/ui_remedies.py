@@ -36,10 +36,10 @@ def in_studio(remedy: Remedy) -> str:
 
 
 def told(error: HitabError) -> str:
-    """Return what is wrong, and what to do on the page."""
+    """Return an error with its remedy on the page."""
     return "; ".join((error.problem, *map(in_studio, error.remedies)))
 
 
 def answered(answer: Any) -> str:
-    """Return what a service has done, and what can be done next on the page."""
+    """Return a service's answer with the next step on the page."""
     return "; ".join((answer.message, *map(in_studio, remedies_of(answer.remedies))))

@@ -1,6 +1,6 @@
 """Ready words for robots: basic behaviors, features and targets of a `RobotBody`. No ROS here.
 
-A value is named as the sensor and what it reads, such as ``odom.x`` or ``scan.ahead.range``.
+A value is named after its sensor and its quantity, such as ``odom.x`` or ``scan.ahead.range``.
 Features are required unless said otherwise: a robot whose sensor is silent must not drive on.
 """
 
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hitab_core import BasicBehavior, Feature, FeatureKind, Target, VocabularyError
-from hitab_robots.robot import MEMORY_S, RobotBody
+from hitab_robots.robot import MOTION_MEMORY_S, RobotBody
 
 Point = tuple[float, float]
 
@@ -23,7 +23,7 @@ SLOW_M = 0.3
 """Within this distance of its target, m, a robot drives more slowly."""
 
 ARRIVED_M = 0.02
-"""Nearer to its target than this, m, a robot stands still: where it faces then means nothing."""
+"""Distance to the target, m, below which a robot stands still: its direction would be noise."""
 
 
 def motion(
@@ -36,7 +36,7 @@ def motion(
         ahead: m/s.
         turn: rad/s, counter-clockwise.
         left: m/s, of robots that can move sideways.
-        description: for people; empty: the velocity in words.
+        description: for people; empty for the velocity in words.
 
     Examples:
         >>> from hitab_robots import Robot
@@ -59,7 +59,7 @@ def motion(
 
 
 def _moving(ahead: float, turn: float, left: float) -> str:
-    """Return what a velocity is, in words."""
+    """Return a velocity in words."""
     parts = ((ahead, "m/s ahead"), (left, "m/s to the left"), (turn, "rad/s to the left"))
     return ", ".join(f"{value:g} {unit}" for value, unit in parts if value) or "stands still"
 
@@ -156,7 +156,7 @@ def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Fea
 
 @dataclass(frozen=True)
 class ValueOf:
-    """Reads one of the robot's values, by its name."""
+    """Reads a value of the robot, by its name."""
 
     name: str
 
@@ -263,8 +263,8 @@ def facing(
 def near(name: str = "Near", within: float = 0.2, *, required: bool = True) -> Feature:
     """Return whether the robot's center is near a target.
 
-    A command on a `distance_to` that comes when the robot has stopped at its target holds up to
-    that distance only, which it may not reach again; this feature is yes or no.
+    A command on a `distance_to`, given when the robot has stopped at its target, holds up to that
+    distance only, which the robot may not reach again; this feature is yes or no.
 
     Args:
         name: a word.
@@ -305,14 +305,14 @@ def stuck(name: str = "Stuck", seconds: float = 2.0, fraction: float = 0.2) -> F
     Args:
         name: a word.
         seconds: how long it must have been told to move.
-        fraction: of the way, or of the turn, that it was told; who moves less is stuck.
+        fraction: of the commanded way or turn; a robot that moves less is stuck.
 
     Raises:
         VocabularyError: if that is longer than a body remembers.
     """
-    if not 0.0 < seconds <= MEMORY_S:
+    if not 0.0 < seconds <= MOTION_MEMORY_S:
         raise VocabularyError(
-            f'feature "{name}" looks back {seconds:g} s; it must be up to {MEMORY_S:g} s'
+            f'feature "{name}" looks back {seconds:g} s; it must be up to {MOTION_MEMORY_S:g} s'
         )
 
     def read(body: RobotBody) -> float:

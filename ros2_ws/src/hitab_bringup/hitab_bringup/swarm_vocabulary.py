@@ -22,7 +22,7 @@ Repertoire = Mapping[str, tuple[str, ...]]
 """The parameters of behaviors, by name."""
 
 
-class Words:
+class SwarmVocabulary:
     """The behaviors that members of a swarm can perform.
 
     Args:
@@ -35,7 +35,7 @@ class Words:
         self._repertoires: dict[tuple[str, ...], Repertoire] = {}
 
     def wrong_domain(self, name: str) -> str:
-        """Return what is wrong with the name of a domain; "" if nothing is."""
+        """Return the fault of a domain's name; "" if nothing is."""
         if not name:
             return f"`domain:` is missing {has(self._domains)}"
         if name in self._domains:
@@ -84,7 +84,7 @@ class Words:
         return self._repertoires[key]
 
     def _own(self, member: AgentDescription) -> dict[str, tuple[str, ...]]:
-        """Return the behaviors that nobody has to train."""
+        """Return the behaviors that need no training."""
         if isinstance(member, CommanderDescription):
             orders = member.kind.orders
             return {o.name: (o.parameter,) if o.parameter else () for o in orders}

@@ -7,8 +7,8 @@ import pytest
 
 from hitab_core.errors import HitabError
 from hitab_ros.spinning import make_node, spinner
-from hitab_world.figures import declare_figures
 from hitab_world.parameters import Parameters
+from hitab_world.ros_parameters import declare_parameters
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def node_given():
 
 def test_several_dataclasses_give_the_figures_of_one_world(node_given):
     node = node_given("host:=there", "leaves:=7")
-    assert declare_figures(node, Place, PuddleParameters) == [
+    assert declare_parameters(node, Place, PuddleParameters) == [
         Place("there"),
         PuddleParameters(leaves=7),
     ]
@@ -62,4 +62,4 @@ def test_several_dataclasses_give_the_figures_of_one_world(node_given):
 )
 def test_what_cannot_be_is_refused_by_name(node_given, figure, told):
     with pytest.raises(HitabError, match=told):
-        declare_figures(node_given(figure), PuddleParameters)
+        declare_parameters(node_given(figure), PuddleParameters)

@@ -15,7 +15,7 @@ EMPTY = json.dumps(
 """The roster of a field with nothing in it."""
 
 
-class Present:
+class FieldFrame:
     """The last moment of the swarm, in the form sent to pages.
 
     Attributes:

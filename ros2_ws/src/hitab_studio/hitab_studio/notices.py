@@ -1,4 +1,4 @@
-"""The short messages of a page: what was done, and what went wrong."""
+"""Notices: short messages on a page about successes and failures."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
-"""How long a message stays if nobody closes it."""
+NOTICE_SECONDS = {"good": 5.0, "note": 10.0, "bad": 30.0}
+"""How long a message stays unless a person closes it."""
 
-MOST = 3
+NOTICES_MAX = 3
 """Messages that are shown at once; an older one makes room."""
 
 
 @dataclass
-class Message:
+class Notice:
     """A short message.
 
     Attributes:
-        number: its own, for the page.
+        number: identity of the notice on the page.
         kind: good (it was done), note (nothing was done, or by others) or bad (it failed).
         times: how often it was said since it was first shown.
         until: when it goes, on the monotonic clock, s.
@@ -31,28 +31,28 @@ class Message:
     until: float
 
 
-class Messages:
-    """What a page shows at present, oldest first; the same text is there once.
+class Notices:
+    """The notices of a page, oldest first; the same text is there once.
 
     Args:
         clock: the time, s.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self.shown: list[Message] = []
+        self.shown: list[Notice] = []
         self._clock = clock
         self._numbers = 0
 
     def say(self, text: str, kind: str = "good") -> None:
         """Show a message, or count it if it is shown already."""
-        until = self._clock() + SECONDS[kind]
+        until = self._clock() + NOTICE_SECONDS[kind]
         for message in self.shown:
             if message.text == text and message.kind == kind:
                 message.times += 1
                 message.until = until
                 return
         self._numbers += 1
-        self.shown = [*self.shown[1 - MOST :], Message(self._numbers, kind, text, 1, until)]
+        self.shown = [*self.shown[1 - NOTICES_MAX :], Notice(self._numbers, kind, text, 1, until)]
 
     def close(self, number: int) -> None:
         """Remove a message."""

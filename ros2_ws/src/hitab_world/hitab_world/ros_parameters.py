@@ -12,10 +12,10 @@ from rclpy.node import Node
 
 from hitab_core import HitabError, has
 
-GROUP = "parameters"
+PARAMETER_GROUP = "parameters"
 
 
-class GivenFigures:
+class GivenParameters:
     """Stands in for the node with whose parameters a world is made, where ROS is not started.
 
     Args:
@@ -23,14 +23,14 @@ class GivenFigures:
     """
 
     def __init__(self, figures: Mapping[str, Any]) -> None:
-        self._parameter_overrides = {f"{GROUP}.{name}": v for name, v in figures.items()}
+        self._parameter_overrides = {f"{PARAMETER_GROUP}.{name}": v for name, v in figures.items()}
 
     def declare_parameter(self, name: str, default: Any, *described: Any) -> Any:
-        """Return what has the value that is given, or else the default, as ``value``."""
+        """Return an object with the given value, or else the default, as ``value``."""
         return SimpleNamespace(value=self._parameter_overrides.get(name, default))
 
 
-def declare_figures(node: Node, *kinds: type[Any]) -> Any:
+def declare_parameters(node: Node, *kinds: type[Any]) -> Any:
     """Return the figures that a node's parameters give, such as ``-p parameters.width:=30.0``.
 
     Args:
@@ -42,14 +42,17 @@ def declare_figures(node: Node, *kinds: type[Any]) -> Any:
         HitabError: for an invalid or unknown figure.
     """
     values = [
-        {figure.name: declare(node, f"{GROUP}.{figure.name}", figure) for figure in fields(kind)}
+        {
+            figure.name: declare(node, f"{PARAMETER_GROUP}.{figure.name}", figure)
+            for figure in fields(kind)
+        }
         for kind in kinds
     ]
     known = {name for one in values for name in one}
     # rclpy ignores overrides of undeclared parameters; a misspelt one would go unnoticed.
     for override in getattr(node, "_parameter_overrides", {}):
         group, _, name = override.partition(".")
-        if group == GROUP and name not in known:
+        if group == PARAMETER_GROUP and name not in known:
             raise HitabError(f'this world has no parameter "{name}" {has(known, name)}')
     made = [kind(**one) for kind, one in zip(kinds, values, strict=True)]
     return made if len(made) > 1 else made[0]

@@ -1,4 +1,4 @@
-"""Whether those who direct an agent are in reach: its commander, else a person at a console."""
+"""Watches whether an agent's commander is in reach or, without one, a person's console."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from hitab_msgs import msg
 from hitab_agent.agent_base import AgentBase
 from hitab_ros import names, qos
 
-LOOK_S = 0.5
-"""Between two looks, s."""
+SILENCE_PERIOD_S = 0.5
+"""Period of the check, s."""
 
 
-class Reach:
+class ReachWatch:
     """Listens to the signs of life of an agent's commander; without one, to people's consoles.
 
     A console or a commander that was never there cannot be lost.
 
     Attributes:
-        why: why nobody who directs it is in reach; empty: somebody is.
+        why: why no commander or console is in reach; empty if one is.
     """
 
     def __init__(self, node: AgentBase) -> None:
@@ -27,20 +27,20 @@ class Reach:
         self.why = ""
         self._node = node
         self._commander = node.settings.commander
-        # Not by a clock: this process may be held up itself.
+        # Counted in turns, not by a clock: this process may be starved itself.
         self._unheard_s = -math.inf
         topic = names.in_swarm(node, names.ALIVE if self._commander else names.OPERATORS)
         node.create_subscription(msg.Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
-        node.shared.ticker.every(LOOK_S, self._look, node.guard)
+        node.shared.ticker.every(SILENCE_PERIOD_S, self._look, node.guard)
 
     def _hear(self, sign: msg.Alive) -> None:
         if sign.process == self._commander or not self._commander:
             self._unheard_s = 0.0
 
     def _look(self) -> None:
-        self._unheard_s += LOOK_S
+        self._unheard_s += SILENCE_PERIOD_S
         after = self._node.settings.out_of_reach_after
-        who = self._commander or "whoever operates it"
+        who = self._commander or "the operator"
         lost = f"{who} is out of reach: silent for {after:g} s"
         self.why = lost if self._unheard_s > after else ""
         if self._node.stop is None:  # otherwise this is one of its causes

@@ -1,4 +1,4 @@
-"""What is learned from which features, what hinders an agent, and how it is shown."""
+"""Prints the features of a training, and the obstacles to an agent's command."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def as_text(learned: Learned) -> str:
 
 
 def tell_faults(status: Any) -> None:
-    """Say what hinders an agent from what it was just told to do, such as an emergency stop.
+    """Say what hinders an agent from its last command, such as an emergency stop.
 
     Args:
         status: of the agent.
