@@ -10,7 +10,7 @@ from typing import Any
 
 from hitab_core import Automaton, Domain, Repertoire, Target, Use
 from hitab_core.running import Change, FeatureCache, RunContext, RunningAutomaton
-from hitab_export.hierarchy_form import OWN, Hierarchy, Test
+from hitab_export.hierarchy_form import INTERNAL, Hierarchy, TestForm
 
 Percept = Mapping[str, float]
 Step = tuple[Percept, float, bool]

@@ -116,7 +116,7 @@ class BundleInstall:
 
     def _read(self) -> Job:
         """Verify and learn the bundle, once per domain."""
-        groups: dict[LibraryReader, list[_Shelf]] = {}
+        groups: dict[LibraryReader, list[_LibraryInstall]] = {}
         for shelf in self._shelves:
             groups.setdefault(shelf.library.reader, []).append(shelf)
         for editions, shelves in groups.items():

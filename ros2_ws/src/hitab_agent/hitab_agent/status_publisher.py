@@ -9,8 +9,8 @@ from typing import NamedTuple
 from builtin_interfaces.msg import Time
 from hitab_msgs import msg
 
-from hitab_agent.settings import AgentSettings
-from hitab_agent.shared import Shared
+from hitab_agent.host_resources import HostResources
+from hitab_agent.settings import AgentParameters
 from hitab_agent.superior_link import SuperiorLink
 from hitab_agent.transition_log import TransitionLog
 from hitab_core import Agent, Mode
@@ -46,8 +46,8 @@ class StatusPublisher:
         self,
         node: GuardedNode,
         agent: Agent,
-        settings: AgentSettings,
-        shared: Shared,
+        settings: AgentParameters,
+        shared: HostResources,
         transitions: TransitionLog,
         prepare: Callable[[], None],
     ) -> None:

@@ -152,7 +152,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     count(loaded_library, "read_behavior", "readings")
     count(TransitionTree, "fit", "trees")
     count(loaded_library, "Repertoire", "repertoires")
-    count(intake, "sync_trees", "syncs")
+    count(bundle_install, "sync_trees", "syncs")
     count(os, "fsync", "fsyncs")
     return counts
 

@@ -238,7 +238,7 @@ def _answering(
                 progress(total - len(names), total, ", ".join(names[:3]))
             if names and time.monotonic() >= next_look:
                 _refuse_failed(swarm.file, starting)
-                next_look = time.monotonic() + LOOK_SECONDS
+                next_look = time.monotonic() + PROCESS_PERIOD_SECONDS
             return not names
 
         running = len({member.process for member in swarm.members})

@@ -87,13 +87,13 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
     # In a namespace its name, and so its run folder's, is longer.
     runs = (run_dir,) if run_dir is not None else state_home().glob(f"{name}*")
     kept = (file for run in runs for file in run.glob(f"libraries/*/*{BEHAVIOR_SUFFIX}"))
-    words = Words(frozenset(file.name.removesuffix(BEHAVIOR_SUFFIX) for file in kept))
+    words = SwarmVocabulary(frozenset(file.name.removesuffix(BEHAVIOR_SUFFIX) for file in kept))
     return _Reader(file, Complaints(document), path, words).swarm(name)
 
 
 def parameter_places(path: Path, name: str) -> list[str]:
     """Return the lines of a swarm file, as ``file:line``, that set a parameter of its nodes."""
-    if path.suffix == FILE:  # a world alone
+    if path.suffix == PYTHON_SUFFIX:  # a world alone
         return []
     document = open_yaml(path, error=DescriptionError)
     end = ("parameters", *name.removeprefix("parameters.").split("."))

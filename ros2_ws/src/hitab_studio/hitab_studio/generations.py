@@ -73,7 +73,11 @@ class GenerationMaker:
         )
 
     def begin(
-        self, making: Making, step: Callable[[Bootstrapping], Any], known: Known, **options: Any
+        self,
+        making: Making,
+        step: Callable[[Bootstrapping], Any],
+        known: SwarmState,
+        **options: Any,
     ) -> None:
         """Have a step of bootstrapping done; pages see how far it is.
 
@@ -96,7 +100,7 @@ class GenerationMaker:
         self,
         making: Making,
         step: Callable[[Bootstrapping], Any],
-        known: Known,
+        known: SwarmState,
         options: dict[str, Any],
     ) -> None:
         loop = asyncio.get_running_loop()

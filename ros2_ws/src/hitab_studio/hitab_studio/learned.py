@@ -41,7 +41,7 @@ class Vocabulary:
     behavior_descriptions: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
     trained: frozenset[str] = frozenset()
     one_shot: frozenset[str] = frozenset()
-    numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=lambda: NOTHING)
+    numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=lambda: NO_ITEMS)
     features: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)
     kinds: Mapping[str, str] = field(default_factory=lambda: NO_ITEMS)

@@ -86,7 +86,7 @@ class Finder:
         self._kept = ""
         if self._swarm is None or is_namespace(self._swarm):
             space = (self._swarm or "").rstrip("/")
-            return Target(own or 0, identity=STARTED_BY_HAND, namespace=space)
+            return SwarmTarget(own or 0, identity=STARTED_BY_HAND, namespace=space)
         if is_identity(self._swarm):
             return SwarmTarget(own or 0, self._swarm, identity=self._swarm)
         return SwarmTarget(own or 0, self._swarm, problem=f'Swarm "{self._swarm}" is not up.')

@@ -25,7 +25,7 @@ def test_a_short_silence_of_the_agent_does_not_end_it_with_nothing_in_training()
 
     async def make() -> None:
         maker = GenerationMaker(link, lambda: None)  # type: ignore[arg-type]
-        maker.begin(making, lambda steps: steps, Known(world=object()), who="anna")  # type: ignore
+        maker.begin(making, lambda steps: steps, SwarmState(world=object()), who="anna")  # type: ignore
         while maker.why_busy:
             await asyncio.sleep(0)
 

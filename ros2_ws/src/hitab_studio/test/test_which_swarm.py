@@ -51,7 +51,7 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
 def test_a_studio_that_was_suspended_until_it_was_forgotten_connects_anew():
     async def reconnected() -> bool:
         with domain_ids.reserved() as number:
-            target = Target(number, identity=STARTED_BY_HAND)
+            target = SwarmTarget(number, identity=STARTED_BY_HAND)
             link = SwarmLink(lambda: target, lambda _: None, lambda text, **_: None)
             link.start()
             try:
@@ -76,7 +76,7 @@ def test_a_swarm_that_is_not_up_is_a_problem_and_not_whatever_is_there(tmp_path)
 
 
 def test_without_a_swarm_from_here_nodes_that_no_command_has_started_are_meant():
-    assert Finder()() == Target(0, identity=STARTED_BY_HAND)
+    assert Finder()() == SwarmTarget(0, identity=STARTED_BY_HAND)
 
 
 def test_a_swarm_that_was_started_elsewhere_is_meant_if_its_identity_is_given():
@@ -84,7 +84,7 @@ def test_a_swarm_that_was_started_elsewhere_is_meant_if_its_identity_is_given():
 
 
 def test_nodes_that_no_command_has_started_are_meant_in_the_namespace_that_is_given():
-    assert Finder("/red")() == Target(0, identity=STARTED_BY_HAND, namespace="/red")
+    assert Finder("/red")() == SwarmTarget(0, identity=STARTED_BY_HAND, namespace="/red")
 
 
 @pytest.fixture
@@ -114,7 +114,7 @@ def test_a_studio_stays_with_its_swarm_whatever_else_starts(ups):
     ups("blue", "red")
     assert find().swarm == "red"
     ups()
-    assert find() == Target(0, identity=STARTED_BY_HAND)
+    assert find() == SwarmTarget(0, identity=STARTED_BY_HAND)
     ups("blue")
     assert find().swarm == "blue"
 
@@ -134,7 +134,7 @@ def test_among_several_swarms_the_one_that_was_chosen_is_remembered(ups, tmp_pat
 def test_swarms_in_other_domains_are_not_offered_if_a_domain_is_given(ups, monkeypatch):
     ups("blue", "red")
     monkeypatch.setenv("ROS_DOMAIN_ID", "8")
-    assert Finder()() == Target(8, identity=STARTED_BY_HAND)
+    assert Finder()() == SwarmTarget(8, identity=STARTED_BY_HAND)
 
 
 def in_a_studio(
@@ -161,7 +161,7 @@ async def until(true: Callable[[], Any], what: str) -> None:
 
 
 @pytest.fixture
-def nodes(stand_in) -> Target:
+def nodes(stand_in) -> SwarmTarget:
     return replace(stand_in.target, swarm="", agents=(), start=0, identity=STARTED_BY_HAND)
 
 
@@ -202,7 +202,7 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
     stand_in, nodes
 ):
     stand_in.belong_to("")
-    choice = Target(0, "red", ("keeper_1",), folder="/red")
+    choice = SwarmTarget(0, "red", ("keeper_1",), folder="/red")
     targets = [replace(nodes, identity=STARTED_BY_HAND)]
     chosen = []
 

@@ -109,19 +109,19 @@ class WorldServices:
         self._run_state.control.step(cycles)
 
     def _need_release(self) -> None:
-        if held := self._course.control.held:
+        if held := self._run_state.control.held:
             raise HitabError(held, Fix.GO())
 
     def _play(self, request: srv.Play.Request, response: srv.Play.Response) -> str:
         run_state = self._run_state
         self._need_release()
         self._look()
-        if missing := course.round_answers.missing:
-            raise HitabError(f"nobody answers for {', '.join(missing)}", Fix.STATUS())
-        course.control.episodes_left = request.episodes
-        course.begin_run(request.seed)
-        response.run = course.control.run
-        course.control.resume()
+        if missing := run_state.round_answers.missing:
+            raise HitabError(f"no node answers for {', '.join(missing)}", Fix.STATUS())
+        run_state.control.episodes_left = request.episodes
+        run_state.begin_run(request.seed)
+        response.run = run_state.control.run
+        run_state.control.resume()
         self._topics.report_error("")
         self._topics.publish_status()
         count = quantity(request.episodes, "episode") if request.episodes else "endlessly"
@@ -150,7 +150,7 @@ class WorldServices:
             case actions.SAVE:
                 if name not in kept and len(kept) >= SNAPSHOTS_MAX:
                     raise HitabError(f"there are {len(kept)} snapshots", Fix.DELETE_SNAPSHOT())
-                memory.save(name, self._course.world.snapshot())
+                memory.save(name, self._run_state.world.snapshot())
                 done = f'saved "{name}"'
             case actions.RESTORE:
                 self._run_state.world.restore(kept[name])

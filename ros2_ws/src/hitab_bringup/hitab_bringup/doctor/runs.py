@@ -45,7 +45,7 @@ def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
     pids = some([f"{state['name']} {state['pid']}" for state in running], PROCESSES_NAMED_MAX)
     where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
     told = f"{record.swarm} is up {where}: {pids}"
-    told += f"; {', '.join(lost[:SHOWN])} does not run" if lost else ""
+    told += f"; {', '.join(lost[:PROCESSES_NAMED_MAX])} does not run" if lost else ""
     yield judged("swarm", told, not lost, as_command(Fix.LOGS(node=lost[0] if lost else "")))
     for state in running:
         if is_suspended(state["pid"]):
@@ -94,7 +94,7 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
         statuses = dict(agents.statuses)
     mute = [name for name in record.agents if name not in statuses]
     if mute:
-        told = f"{some(mute)} of {record.swarm} did not answer within {ASK_SECONDS:g} s"
+        told = f"{some(mute)} of {record.swarm} did not answer within {DOCTOR_TIMEOUT_SECONDS:g} s"
         yield Finding("agents", told, WARNING, as_command(Fix.LOGS(node=mute[0])))
     found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
     yield from (Finding("agents", fault, WARNING, as_command(Fix.STATUS())) for fault in found)

@@ -9,7 +9,7 @@ from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.generations import Making
-from hitab_studio.session import Session
+from hitab_studio.page_state import PageState
 
 MOST_EPISODES = 1000
 LONGEST_NOTE = 200
@@ -43,13 +43,13 @@ async def generation_back(session: PageState, data: Data) -> None:
 
 
 @action("generation-stop")
-async def generation_stop(session: Session, data: Data) -> None:
+async def generation_stop(session: PageState, data: Data) -> None:
     """Stop what is under way at the next episode; the training goes on."""
     if (making := session.shared.generations.making) is not None:
         making.is_to_end = True
 
 
-def _begin(session: Session, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
+def _begin(session: PageState, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
     known, agent = session.shared.store.known, session.dialog["agent"]
     text = str(data["values"].get("episodes", "")).strip()
     if not text.isdigit() or int(text) > MOST_EPISODES:

@@ -193,14 +193,14 @@ def _buttons(session: PageState) -> list[dict[str, Any]]:
     ]
 
 
-def _shown_numbers(session: Session) -> tuple[BoundedNumber, ...]:
+def _shown_numbers(session: PageState) -> tuple[BoundedNumber, ...]:
     """Return the numbers of the behavior that is being shown."""
     if session.shown_numbers is None:
         return ()
     return session.watched.vocabulary.numbers_of(session.shown_numbers.behavior)
 
 
-def _arrow(session: Session) -> BoundedNumber | None:
+def _arrow(session: PageState) -> BoundedNumber | None:
     """Return the number that an arrow from the agent gives: its direction from where it faces.
 
     With a target, a direction may be relative to that.
