@@ -373,18 +373,18 @@ def test_a_question_stays_until_it_is_answered_whatever_is_met_meanwhile(shown: 
 
 def test_each_answer_says_which_decisions_it_changes_in_all_states(cart: Driven) -> None:
     twice(cart)
-    (question,) = cart.session.asked.known()
+    (question,) = cart.session.questions.known()
     assert [choice.effect for choice in question.choices] == [
         "deletes examples 3, 4",
         "deletes examples 7, 8",
     ], "what follows takes long to find"
-    (question, *_) = cart.session.asked.find()
+    (question, *_) = cart.session.questions.find()
     assert [choice.effect for choice in question.choices] == [
         "deletes examples 3, 4; in Right with Position = 5: Stop instead of Left or Stop; "
         "in Left with Position = 5: Right instead of stay",
         "deletes examples 7, 8; in Right with Position = 5: Left instead of Left or Stop",
     ]
-    assert cart.session.asked.known()[0] == question
+    assert cart.session.questions.known()[0] == question
 
 
 def test_an_answer_says_what_it_changes_elsewhere_in_what_was_met(shown: Driven) -> None:
