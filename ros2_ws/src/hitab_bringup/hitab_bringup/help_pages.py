@@ -1,8 +1,7 @@
 """How the help of all verbs looks, whichever package has declared them.
 
 A docstring is written in lines of its file. Here its paragraphs become one line each, which the
-terminal wraps at its own width, and so does each example. Its "Args:" are the help of arguments
-and options.
+terminal wraps at its own width. Its "Args:" are the help of arguments and options.
 """
 
 from __future__ import annotations
@@ -13,13 +12,14 @@ from collections.abc import Iterator
 from typing import Any
 
 import typer
-from typer.core import TyperCommand, TyperGroup
-from typer.models import CommandInfo, DefaultPlaceholder
+from typer.core import TyperCommand
+from typer.models import CommandInfo
 
 _ARGS = re.compile(r"^Args:\n((?: +.*\n?)+)\n?", re.MULTILINE)
 _ARG = re.compile(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
 _BELOW_ZERO = re.compile(r"-\.?[0-9]")
-_EXAMPLE = re.compile(r"\n(?= +hitab )")
+_BREAK = re.compile(r"(?<!\n)\n(?=\S)")
+"""Between two lines of a paragraph; examples are indented, and stay on lines of their own."""
 
 
 class HelpfulCommand(TyperCommand):
@@ -41,32 +41,13 @@ class HelpfulCommand(TyperCommand):
         return rest
 
 
-class HelpfulGroup(TyperGroup):
-    """Verbs that show their help if none of them is named: a question, not a mistake."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Return the verb and its arguments."""
-        if not args and not ctx.resilient_parsing:
-            args = ["--help"]
-        rest: list[str] = super().parse_args(ctx, args)
-        return rest
-
-
 def make_helpful(app: typer.Typer) -> None:
     """Give all verbs of a command, also those in its groups, readable help pages."""
     for _, command in verbs(app):
         if command.help is None:  # groups outlive the command, and are not done twice
-            doc = _EXAMPLE.sub("\n\n", _ARGS.sub("", inspect.getdoc(command.callback) or ""))
-            command.help = "\n\n".join(
-                part if part.startswith(" ") else " ".join(part.split())
-                for part in doc.split("\n\n")
-            )
-        if command.cls in (None, TyperCommand):
-            command.cls = HelpfulCommand
-    for group in app.registered_groups:
-        inner = group.typer_instance
-        if inner is not None and isinstance(inner.info.cls, DefaultPlaceholder):
-            inner.info.cls = HelpfulGroup
+            doc = inspect.getdoc(command.callback) or ""
+            command.help = _BREAK.sub(" ", _ARGS.sub("", doc))
+        command.cls = HelpfulCommand
 
 
 def verbs(

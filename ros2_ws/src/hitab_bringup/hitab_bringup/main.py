@@ -14,8 +14,9 @@ from importlib.metadata import entry_points
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
-from hitab_bringup.help_pages import HelpfulGroup, make_helpful
+from hitab_bringup.help_pages import make_helpful
 from hitab_client import console, interruptions
 from hitab_client.cli_remedies import called
 from hitab_client.ros_environment import refuse_problems
@@ -24,7 +25,7 @@ from hitab_core import HitabError, installed_version
 VERBS = "hitab.verbs"
 
 
-class HitabGroup(HelpfulGroup):
+class HitabGroup(TyperGroup):
     """Prints errors that a user can fix in one line, and exits with code 130 on Ctrl-C."""
 
     def invoke(self, ctx: Any) -> Any:
@@ -117,6 +118,7 @@ def make_app(wanted: str = "") -> typer.Typer:
     app = typer.Typer(
         name="hitab",
         cls=HitabGroup,
+        no_args_is_help=True,
         epilog="Begin with `hitab demo`. `hitab VERB --help` describes a verb.",
         rich_markup_mode="rich",
         pretty_exceptions_enable=False,
@@ -148,7 +150,7 @@ def _verb(module: str, name: str) -> Any:
 def _add_groups_and_others(app: typer.Typer) -> None:
     app.command("begin", hidden=True)(_verb("training", "train"))
     for name, panel in GROUPS.items():
-        app.add_typer(_verb(name, "app"), name=name, rich_help_panel=panel)
+        app.add_typer(_verb(name, "app"), name=name, rich_help_panel=panel, no_args_is_help=True)
     for point in sorted(entry_points(group=VERBS), key=lambda point: point.name):
         point.load().register(app)
 

@@ -16,9 +16,9 @@ def app():
     return make_app()
 
 
-def output_of(app, *words):
+def output_of(app, *words, code=0):
     result = CliRunner().invoke(app, list(words), env={"COLUMNS": "80", "TERM": "dumb"})
-    assert result.exit_code == 0, words
+    assert result.exit_code == code, words
     return result.stdout
 
 
@@ -45,6 +45,11 @@ def test_the_help_lists_at_most_forty_verbs_and_a_group_is_one(app):
     assert 20 < sum(not command.hidden for command in shown.values()) <= 40
 
 
-def test_without_a_verb_the_help_is_what_was_asked_for(app):
+def test_without_a_verb_the_help_is_shown_as_a_mistake_of_usage(app):
     for path in ((), ("library",)):
-        assert "Usage: hitab" in output_of(app, *path)
+        assert "Usage: hitab" in output_of(app, *path, code=2)
+
+
+def test_each_example_stays_on_a_line_of_its_own(app):
+    page = [line.strip() for line in output_of(app, "examples", "delete", "--help").splitlines()]
+    assert page[page.index("Example:") + 1] == "hitab examples delete keeper_1 3 4"

@@ -8,8 +8,8 @@ from difflib import get_close_matches
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
-from hitab_bringup.help_pages import HelpfulGroup
 from hitab_bringup.verbs.connection import connection
 from hitab_bringup.verbs.printing import as_text, plain
 from hitab_client import as_direction, console
@@ -25,7 +25,7 @@ MINUTES_FROM_S = 120.0
 COUNT_FIELDS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 
 
-class ExamplesGroup(HelpfulGroup):
+class ExamplesGroup(TyperGroup):
     """Takes an agent's name without a command as a request to list its examples."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
