@@ -4,6 +4,8 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 SOURCES = Path(__file__).parents[1] / "ros2_ws" / "src"
 
 FLOORS = (
@@ -38,6 +40,36 @@ CORE_FLOORS = (
 OPTIONAL = (SOURCES.parents[1] / "requirements/optional.txt").read_text().split()
 
 PACKAGES = [name for floor in FLOORS for name in floor]
+
+BUDGET = {
+    "foraging_world": 900,
+    "half_field_world": 450,
+    "hitab_agent": 2600,
+    "hitab_bringup": 5150,
+    "hitab_class": 200,
+    "hitab_client": 4600,
+    "hitab_commander": 1000,
+    "hitab_core": 9350,
+    "hitab_export": 900,
+    "hitab_gamepad": 400,
+    "hitab_rcssserver": 1200,
+    "hitab_robots": 1350,
+    "hitab_ros": 1350,
+    "hitab_studio": 4750,
+    "hitab_world": 1850,
+    "keepaway_world": 1350,
+    "tests": 28950,
+}
+"""Maximum lines of code by package, and of all tests: lower it when code goes."""
+
+HOMONYMS = {
+    *("Active", "AgentSettings", "Connection", "Field", "Game", "Leaf", "Line", "Look", "Member"),
+    *("Messages", "Moment", "Panel", "Part", "Perceived", "Player", "Reach", "Saved", "Sensor"),
+    *("Shared", "Table", "Target", "Test", "Thing", "Words"),
+}
+"""Names that several public classes have today: remove them from here, and add none."""
+
+DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
 
 def modules(package: str) -> dict[str, Path]:
@@ -83,6 +115,56 @@ def packages_used(package: str) -> set[str]:
     """Return what a package imports of the others."""
     used = {m.partition(".")[0] for path in modules(package).values() for m, _ in imports(path)}
     return used & set(PACKAGES) - {package}
+
+
+def lines_of_code(path: Path) -> int:
+    """Return the number of lines without docstrings, comments, blank lines and imports."""
+    text = path.read_text()
+    left_out: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
+            node = node.body[0]
+        elif not isinstance(node, ast.Import | ast.ImportFrom):
+            continue
+        left_out.update(range(node.lineno, (node.end_lineno or 0) + 1))
+    lines = enumerate(map(str.strip, text.split("\n")), 1)
+    return sum(bool(x) and x[0] != "#" and number not in left_out for number, x in lines)
+
+
+def counted_files() -> Iterator[tuple[str, Path]]:
+    """Yield the Python files of the repository, each with its line of `BUDGET`."""
+    root = SOURCES.parents[1]
+    for folder in ("ros2_ws/src", "tests", "research/tests", "examples"):
+        for path in (root / folder).rglob("*.py"):
+            parts = path.relative_to(root).parts
+            if {"test", "tests"} & {*parts}:
+                yield "tests", path
+            elif folder == "ros2_ws/src":
+                yield parts[2], path
+
+
+@pytest.mark.parametrize("name", BUDGET)
+def test_no_package_grows_unseen(name):
+    lines = sum(lines_of_code(path) for owner, path in counted_files() if owner == name)
+    assert lines <= BUDGET[name], (
+        f"{name} has {lines} lines of code, {lines - BUDGET[name]} more than its budget: make it "
+        f"smaller, or raise BUDGET in {Path(__file__).name} and say why in the commit"
+    )
+
+
+def test_every_package_has_a_budget_of_lines():
+    assert {owner for owner, _ in counted_files()} == {*BUDGET}
+
+
+def test_no_two_public_classes_have_one_name():
+    places: dict[str, list[str]] = {}
+    for module, path in all_modules().items():
+        for node in ast.parse(path.read_text()).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                places.setdefault(node.name, []).append(module)
+    several = {name: found for name, found in places.items() if len(found) > 1}
+    assert {name: found for name, found in several.items() if name not in HOMONYMS} == {}
+    assert several.keys() >= HOMONYMS, "these are unique now: remove them from HOMONYMS"
 
 
 def test_packages_import_only_from_lower_floors():
