@@ -43,12 +43,16 @@ swarm: robots
 namespace: lab
 domain: own_robot:DOMAIN
 hosts: 1
-remap: {report: "/desk/{agent}"}
 agents:
-  robot: {count: 2, parameters: {speed: 0.5, name: "{agent}"}, use_sim_time: true}
+  robot:
+    count: 2
+    remap: {report: "/desk/{agent}"}
+    parameters: {speed: 0.5, name: "{agent}"}
+    use_sim_time: true
   last: {host: last, remap: {report: told}}
 processes:
-  relay: {module: own_relay, for: robot, parameters: {speed: 2.0}}
+  relay_1: {module: own_relay, namespace: robot_1, parameters: {speed: 2.0}}
+  relay_2: {module: own_relay, namespace: robot_2, parameters: {speed: 2.0}}
 """
 OWN_ROBOT = """
 import json
@@ -234,5 +238,5 @@ def test_a_robots_topics_parameters_and_relay_are_as_its_swarm_file_says(
     ended = told[relays[1]]["pid"]
     os.kill(ended, signal.SIGKILL)
     assert link.spin_until(lambda: told[relays[1]]["pid"] != ended, SECONDS)
-    logs = hitab("logs", "robot_2_relay")
+    logs = hitab("logs", "relay_2")
     assert logs.returncode == 0, logs.stderr

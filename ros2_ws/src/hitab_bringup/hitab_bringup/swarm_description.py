@@ -23,7 +23,7 @@
     use_sim_time: true             # the same
     parameters: {max_speed: 0.5}   # of all agents' nodes, links included; or of one agent
     processes:
-      relay: {module: my_robot.relay, for: scout}      # scout_1_relay in the namespace scout_1 ...
+      relay: {module: my_robot.relay, namespace: keeper_1}
 
 Settings above ``agents`` apply to all agents, so that an agent lists only its differences.
 `hitab_bringup.swarm_lines` has all keys. An agent has no namespace but its name: whoever

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -49,7 +49,7 @@ PYTHON_SUFFIX = ".py"
 
 NODES = {"remap", SIM_TIME}
 MEMBERS = {*NODES, "library", "start_from", "behavior", "seed", "parameters", "domain"}
-ROS_WORDS = {*NODES, "namespace", "parameters", "agents"}
+ROS_WORDS = {*NODES, "namespace", "parameters"}
 """Keys with which a process is a node of ROS; another program takes no ROS arguments."""
 
 L = TypeVar("L", bound=Nodes)
@@ -176,7 +176,7 @@ class _Reader:
         if file.hosts is not None and not self._complaints:
             agents, commanders = in_hosts(agents, commanders, file.hosts)
         self._owners |= {m.process: m.name for m in (*agents, *commanders)}
-        processes = self._processes(groups)
+        processes = tuple(self._processes())
         self._complaints.raise_any()
         return SwarmDescription(
             name,
@@ -185,7 +185,7 @@ class _Reader:
             world,
             tuple(commanders),
             f"/{file.namespace.strip('/')}" if file.namespace else "",
-            tuple(processes),
+            processes,
         )
 
     def _tell(self, line: str, key: str, text: str, section: str = "commanders") -> None:
@@ -338,39 +338,17 @@ class _Reader:
 
     # -- further processes ------------------------------------------------------------------
 
-    def _processes(self, groups: Mapping[str, Sequence[AgentDescription]]) -> list[Process]:
-        found = []
+    def _processes(self) -> Iterator[Process]:
         for key, line in self._file.processes.items():
-            made = self._process_line(key, line, groups)
-            self._claim("processes", key, [process.name for process in made])
-            found += made
-        return found
-
-    def _process_line(
-        self, key: str, line: ProcessLine, groups: Mapping[str, Sequence[AgentDescription]]
-    ) -> list[Process]:
-        if line.agents is not None and line.agents not in groups:
-            known = has(groups, line.agents)
-            text = f'`for:` there is no line "{line.agents}" under `agents:` {known}'
-            self._tell(key, "for", text, "processes")
-            return []
-        is_node = bool(line.module) or bool(ROS_WORDS & line.model_fields_set)
-        own = _under(self._file, line, NODES) if is_node else line
-        command = (*line.command, *line.arguments)
-        if line.agents is None:
-            ros = {**_ros(own), "is_node": is_node}
-            return [Process(key, line.module, command, line.namespace, **ros)]
-        space = line.namespace or AGENT_MARK
-        return [
-            Process(
-                f"{a.name}_{key}",
-                line.module,
-                command,
-                space.replace(AGENT_MARK, a.name),
-                **_ros(own, a.name),
-            )
-            for a in groups[line.agents]
-        ]
+            self._claim("processes", key, [key])
+            is_node = bool(line.module) or bool(ROS_WORDS & line.model_fields_set)
+            ros = _ros(_under(self._file, line, NODES) if is_node else line)
+            if AGENT_MARK in f"{ros}":
+                text = (
+                    f'"{AGENT_MARK}" stands for an agent: have it in the lines of `agents:` alone'
+                )
+                self._tell(key, "", text, "processes")
+            yield Process(key, line.module, line.command, line.namespace, **ros, is_node=is_node)
 
 
 def _with_libraries(

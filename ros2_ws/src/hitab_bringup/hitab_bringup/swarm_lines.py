@@ -10,12 +10,10 @@
       Squad: {orders: ...}              # see hitab_commander.kind_reader
       Company: company.yaml             # or a file that describes the kind
     processes:
-      relay: {module: hitab_robots.velocity_relay, for: robot, parameters: {cmd_vel_timeout: 0.5}}
+      relay: {module: hitab_robots.velocity_relay, namespace: robot_1}
       lidar: {command: ros2 run ldlidar node, namespace: robot_1, remap: {scan: front/scan}}
-      clock: {command: [my_clock, "10"]}
 
-Processes are started, restarted and stopped with the agents, and each has a log. ``for`` names a
-line of `agents:` and starts one for each of its agents, in the agent's namespace.
+Processes are started, restarted and stopped with the agents, and each has a log.
 """
 
 from __future__ import annotations
@@ -99,37 +97,30 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def _leaves(value: Any) -> dict[str, Any]:
-    """Return the parameters in a value, by what they add to its name."""
+def _parameter(value: Any) -> Any:
+    """Return a parameter's value as nodes take it; lists become tuples."""
     if isinstance(value, dict):
-        inner = ((name, _leaves(part)) for name, part in value.items())
-        return {f".{name}{rest}": v for name, leaves in inner for rest, v in leaves.items()}
+        raise ValueError("has values inside; write each with its whole name, such as scan.yaw")
     if isinstance(value, bool | int | float | str):
-        return {"": value}
+        return value
     kinds = {type(item) for item in value or ()}
     if kinds == {int, float}:  # ROS has no lists of both
-        return {"": tuple(map(float, value))}
+        return tuple(map(float, value))
     if len(kinds) != 1 or not kinds <= {bool, int, float, str}:
         raise ValueError(
             "must be a number, a text, true, false, or a list of equal kinds of these; leave it "
             "out to have the node's own default"
         )
-    return {"": tuple(value)}
-
-
-def _flat(found: dict[str, dict[str, Any]]) -> dict[str, Any]:
-    return {f"{name}{rest}": v for name, leaves in found.items() for rest, v in leaves.items()}
+    return tuple(value)
 
 
 def _words(value: Any) -> tuple[str, ...]:
-    if isinstance(value, list) and all(isinstance(word, str) for word in value):
-        return tuple(value)
     if not isinstance(value, str):
-        raise ValueError(f"must be a text or a list of texts, not {kind_of(value)}")
+        raise ValueError(f"must be a text, as in a terminal, not {kind_of(value)}")
     try:
         return tuple(shlex.split(value))
     except ValueError as error:
-        raise ValueError(f"{error}; write it as a list of words") from None
+        raise ValueError(f"{error}; quote it as in a terminal") from None
 
 
 def module_exists(module: str) -> bool:
@@ -162,15 +153,14 @@ def _not_empty(value: Any) -> Any:
     return value
 
 
-Leaves = Annotated[dict[str, Any], PlainValidator(_leaves)]
+Value = Annotated[Any, PlainValidator(_parameter)]
 Name = Annotated[str, AfterValidator(_name)]
 AgentKey = Annotated[Name, AfterValidator(_free)]
 RosName = Annotated[str, AfterValidator(_ros_name)]
 Namespace = Annotated[str, AfterValidator(_namespace)]
 Seed = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=1)]
-FLAT = AfterValidator(_flat)
-Parameters = Annotated[dict[Annotated[str, _own(OWN_LINES, SET)], Leaves], NONE_IS_EMPTY, FLAT]
+Parameters = Annotated[dict[Annotated[str, _own(OWN_LINES, SET)], Value], NONE_IS_EMPTY]
 
 
 class Renamed(Record):
@@ -192,9 +182,8 @@ class WorldLine(Renamed):
         Field(default_factory=dict)
     )
     node_parameters: Annotated[
-        dict[Annotated[str, _own(("pace", "factor", "seed", "paused", SIM_TIME), SET)], Leaves],
+        dict[Annotated[str, _own(("pace", "factor", "seed", "paused", SIM_TIME), SET)], Value],
         NONE_IS_EMPTY,
-        FLAT,
     ] = Field(default_factory=dict)
 
 
@@ -243,18 +232,15 @@ class CommanderLine(MemberSettings):
 
 
 class ProcessLine(Nodes):
-    """One further process, or one for each agent of a line."""
+    """A further process."""
 
     module: Annotated[str, AfterValidator(_installed)] = ""
     command: Annotated[tuple[str, ...], PlainValidator(_words), AfterValidator(_program)] = ()
-    arguments: Texts = ()
     namespace: Namespace = ""
     parameters: Annotated[
-        dict[Annotated[str, _own((SIM_TIME, "namespace"), ("swarm",))], Leaves],
+        dict[Annotated[str, _own((SIM_TIME, "namespace"), ("swarm",))], Value],
         NONE_IS_EMPTY,
-        FLAT,
     ] = Field(default_factory=dict)
-    agents: str | None = Field(default=None, alias="for")
 
     @model_validator(mode="after")
     def _runs_one(self) -> Self:

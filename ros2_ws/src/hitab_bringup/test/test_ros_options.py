@@ -63,7 +63,7 @@ def test_agents_that_share_a_process_have_the_swarms_namespace_around_theirs(tmp
 def test_what_is_nearer_counts_and_the_rest_is_kept():
     there = found(
         "domain: keepaway\nuse_sim_time: true\nremap: {/clock: /time, tf: /tf}\n"
-        "parameters: {rate: 10, scan: {yaw: 1.5, names: [a, b]}}\n"
+        "parameters: {rate: 10, scan.yaw: 1.5, scan.names: [a, b]}\n"
         "world: {kind: keepaway, node_parameters: {state_rate: 5.0}}\n"
         "agents:\n  b: {}\n"
         "  a: {remap: {tf: /a/tf}, parameters: {rate: 20}, use_sim_time: false}\n"
@@ -80,25 +80,23 @@ def test_what_is_nearer_counts_and_the_rest_is_kept():
     assert "rate" not in world.parameters
 
 
-def test_a_process_can_run_for_each_agent_of_a_line_in_its_namespace():
+def test_a_process_runs_in_a_namespace_of_the_swarm_or_is_no_node_of_ros():
     there = found(
         "domain: keepaway\nnamespace: left\nuse_sim_time: true\n"
         "agents:\n  robot: {count: 2}\n"
         "processes:\n"
-        "  relay: {module: json.tool, for: robot, parameters: {base: '{agent}_base'}, "
-        "remap: {cmd_vel: '/{agent}/base'}}\n"
-        "  driver: {command: sh -c 'exec true', namespace: robot_1, arguments: [x]}\n"
-        "  field: {command: [sh, -c, exit]}\n"
+        "  relay: {module: json.tool, namespace: robot_2, parameters: {base: 2}, "
+        "remap: {cmd_vel: /robot_2/base}}\n"
+        "  driver: {command: sh -c 'exec true' x, namespace: robot_1}\n"
+        "  field: {command: sh -c exit}\n"
         "  lidar: {command: sh, namespace: /front}\n"
     )
-    assert list(there) == [
-        "robot_1", "robot_2", "robot_1_relay", "robot_2_relay", "driver", "field", "lidar",
-    ]  # fmt: skip
-    relay = there["robot_2_relay"]
+    assert list(there) == ["robot_1", "robot_2", "relay", "driver", "field", "lidar"]
+    relay = there["relay"]
     assert rules(relay) == [
         "__ns:=/left/robot_2", "/clock:=/left/clock", "cmd_vel:=/robot_2/base",
     ]  # fmt: skip
-    assert relay.parameters == {"base": "robot_2_base", "use_sim_time": True}
+    assert relay.parameters == {"base": 2, "use_sim_time": True}
     assert relay.command[1:3] == ["-m", "json.tool"]
     driver = there["driver"].command
     assert driver[:5] == ["sh", "-c", "exec true", "x", "--ros-args"]
@@ -131,8 +129,8 @@ def test_the_companion_of_a_link_runs_beside_each_agent_that_has_the_link(monkey
     }  # fmt: skip
     # One that the description starts by itself takes its place.
     monkeypatch.setattr(Point, "value", "json.tool")
-    own = "processes: {own: {module: json.tool, for: a, parameters: {speed: 9.0}}}\n"
-    assert list(found(text + own)) == ["a", "b", "a_own", "b_tool"]
+    own = "processes: {own: {module: json.tool, namespace: a, parameters: {speed: 9.0}}}\n"
+    assert list(found(text + own)) == ["a", "b", "own", "b_tool"]
 
 
 def test_what_is_not_finite_reaches_a_node_as_a_number():
@@ -147,7 +145,8 @@ def test_what_is_not_finite_reaches_a_node_as_a_number():
         (f"namespace: a-b\n{AGENTS}", '1: `namespace:` "a-b" is not a name in ROS, such as'),
         (f"remap: {{__ns: /x}}\n{AGENTS}", "1: `__ns:` cannot be remapped, since the swarm "),
         (f"parameters: {{seed: 1}}\n{AGENTS}", "1: `seed:` has a line of its own; move it out"),
-        (f"parameters: {{x: {{y: [1, a]}}}}\n{AGENTS}", "1: `x:` must be a number, a text, true"),
+        (f"parameters: {{x: [1, a]}}\n{AGENTS}", "1: `x:` must be a number, a text, true"),
+        (f"parameters: {{x: {{y: 1}}}}\n{AGENTS}", "1: `x:` has values inside; write each with"),
         (
             f"world: {{kind: keepaway, use_sim_time: true}}\n{AGENTS}",
             "1: `use_sim_time:` is not known here",
@@ -161,8 +160,8 @@ def test_what_is_not_finite_reaches_a_node_as_a_number():
             '3: `command:` there is no program "no_such_program" on the PATH; install it',
         ),
         (
-            f"{AGENTS}processes: {{x: {{module: json, for: c}}}}\n",
-            '3: `for:` there is no line "c" under `agents:` (known: a, b)',
+            f"{AGENTS}processes: {{x: {{module: json, remap: {{y: '{{agent}}'}}}}}}\n",
+            '3: "{agent}" stands for an agent: have it in the lines of `agents:` alone',
         ),
         (
             f"{AGENTS}processes: {{a: {{module: json}}}}\n",
