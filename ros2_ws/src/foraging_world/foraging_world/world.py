@@ -19,6 +19,7 @@ from hitab_world import (
     Action,
     Entity,
     EpisodeResult,
+    EpisodicWorld,
     Look,
     Measure,
     Placement,
@@ -40,7 +41,7 @@ TIME, CLEARED = "time", "cleared"
 MEASURES = (Measure("boxes"), Measure("small"), Measure("large"), Measure("pullers"))
 
 
-class ForagingWorld:
+class ForagingWorld(EpisodicWorld):
     """A swarm that forages; see `hitab_world.world.World` for its methods.
 
     `foraging_world.percept` describes the layout of percepts, `foraging_world.action` that of
@@ -63,12 +64,7 @@ class ForagingWorld:
     def __init__(self, parameters: ForagingParameters | None = None, seed: int = 0) -> None:
         self.parameters = p = parameters or ForagingParameters()
         self.size = (p.width, p.height)
-        self.seed = seed
-        self.episode = 0
-        self.cycle = 0
-        self.episode_cycle = 0
-        self.ended = ""
-        self.refused: Mapping[str, str] = {}
+        super().__init__(seed)
         self._field = Field(p)
         self.agents = tuple(_names(p, self._field))
         self._index = {name: i for i, name in enumerate(self.agents)}
@@ -82,12 +78,7 @@ class ForagingWorld:
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
         """Begin an episode: the given one, or the next one; of the given run, or of this one."""
-        if seed is not None:
-            self.seed = int(seed)
-        self.episode = self.episode + 1 if episode is None else int(episode)
-        self.episode_cycle = 0
-        self.ended = ""
-        self.refused = {}
+        self.begin_episode(episode, seed)
         self._field.begin(world_seed(self.seed, self.episode))
         self._perceived = None
 
@@ -122,10 +113,7 @@ class ForagingWorld:
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
         """Play one cycle; return "time" or "cleared" if the episode ended with it, else None."""
-        if self.ended:
-            raise WorldError(
-                f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
-            )
+        self.refuse_after_end()
         commands, self.refused = action.parse_all(actions, self._index)
         self._field.step(commands, self.cycle_seconds)
         self._perceived = None

@@ -23,7 +23,17 @@ from hitab_rcssserver.link import Link
 from hitab_rcssserver.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
 from hitab_rcssserver.server_settings import SEE, ServerSettings
 from hitab_rcssserver.trainer import Trainer
-from hitab_world import LOOK, RESTART, Action, Entity, EpisodeResult, Placement, Sensed, WorldError
+from hitab_world import (
+    LOOK,
+    RESTART,
+    Action,
+    Entity,
+    EpisodeResult,
+    EpisodicWorld,
+    Placement,
+    Sensed,
+    WorldError,
+)
 from hitab_world.ros_parameters import GivenParameters
 from keepaway_world.action import orders_of
 from keepaway_world.arranging import Place, entities_of, placed, places_of
@@ -48,7 +58,7 @@ def patience_of(node: Node | GivenParameters) -> float:
     return SERVER_START_S if isinstance(node, GivenParameters) else 0.0
 
 
-class RcssWorld:
+class RcssWorld(EpisodicWorld):
     """A game on an rcssserver, keepaway by default; see `hitab_world.world.LiveWorld`.
 
     Percepts and actions are those of `keepaway_world.world.KeepawayWorld`. The server plays
@@ -78,12 +88,7 @@ class RcssWorld:
         self.name, self.looks, self.measures = rules.name, rules.looks, rules.measures
         self.server = server
         self.parameters = parameters
-        self.seed = seed
-        self.episode = 0
-        self.cycle = 0
-        self.episode_cycle = 0
-        self.ended = ""
-        self.refused: Mapping[str, str] = {}
+        super().__init__(seed)
         self.waiting = sentences.CONNECTING.format(self.server.where)
         self._ours, self._rules = parameters, rules
         self._patience = patience
@@ -125,12 +130,9 @@ class RcssWorld:
                 f"an rcssserver cannot repeat or skip to episode {episode}; "
                 f"the next one is {following}"
             )
-        self.episode = following if episode is None else episode
-        self.refused = {}
         fresh = (bool(self.ended) or self._game.fresh) and not self._rules.stops
-        self.ended = ""
+        self.begin_episode(episode, seed)
         self._result = None
-        self.episode_cycle = 0
         self._held = {}
         if self._link is not None and not self.waiting and not fresh:
             if self._trainer is None:
@@ -197,10 +199,7 @@ class RcssWorld:
         """
         if self.waiting:
             raise WorldError(self.waiting)
-        if self.ended:
-            raise WorldError(
-                f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
-            )
+        self.refuse_after_end()
         refused: dict[str, str] = {}
         self.refused = refused
         self._held = {}

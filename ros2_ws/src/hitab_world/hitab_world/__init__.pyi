@@ -5,6 +5,7 @@ from . import parameters as parameters
 from . import ros_parameters as ros_parameters
 from . import snapshots as snapshots
 from . import testing as testing
+from .episodic_world import EpisodicWorld as EpisodicWorld
 from .gymnasium_world import GymnasiumWorld as GymnasiumWorld
 from .simulation import Simulation as Simulation
 from .simulation import SimulationWorld as SimulationWorld

@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 
 from hitab_core import HitabError, has, load_file, some, world_seed
 from hitab_world import snapshots
+from hitab_world.episodic_world import EpisodicWorld
 from hitab_world.parameters import NOT_NEGATIVE, Limit, Parameters
 from hitab_world.world import (
     Action,
@@ -137,7 +138,7 @@ class SimulationParameters(Parameters):
     agents: int = 0
 
 
-class SimulationWorld:
+class SimulationWorld(EpisodicWorld):
     """Makes a simulation a `hitab_world.world.World`.
 
     A snapshot holds the actions and placements of the episode so far; to restore it, they are
@@ -156,10 +157,7 @@ class SimulationWorld:
         self.size = kind.size
         self.looks = kind.looks
         self.measures = kind.measures
-        self.seed = seed
-        self.episode = self.cycle = self.episode_cycle = 0
-        self.ended = ""
-        self.refused: Mapping[str, str] = {}
+        super().__init__(seed)
         self._begin()
 
     def _begin(self) -> None:
@@ -259,9 +257,7 @@ class SimulationWorld:
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
         """Begin an episode: the given one, or the next one; of the given run, or of this one."""
-        self.seed = self.seed if seed is None else int(seed)
-        self.episode = self.episode + 1 if episode is None else int(episode)
-        self.episode_cycle, self.ended, self.refused = 0, "", {}
+        self.begin_episode(episode, seed)
         self._begin()
 
     def percept(self, agent: str) -> Sensed:
@@ -276,8 +272,7 @@ class SimulationWorld:
         Raises:
             WorldError: naming the line of the file that raised; then nothing has changed.
         """
-        if self.ended:
-            raise WorldError(f'the episode has ended ("{self.ended}"); reset() begins the next')
+        self.refuse_after_end()
         done: dict[str, list[float]] = {name: [] for name in self.agents}
         refused = {}
         for name, action in actions.items():

@@ -12,6 +12,7 @@ from hitab_world import (
     Action,
     Entity,
     EpisodeResult,
+    EpisodicWorld,
     Placement,
     Sensed,
     WorldError,
@@ -30,7 +31,7 @@ from keepaway_world.rules import KEEPAWAY_RULES, Rules
 SNAPSHOT_VERSION = 2
 
 
-class KeepawayWorld:
+class KeepawayWorld(EpisodicWorld):
     """A game on a field, keepaway by default; see `hitab_world.world.World` for the interface.
 
     `keepaway_world.percept` and `keepaway_world.action` define the layout of the keepers' percepts
@@ -54,12 +55,7 @@ class KeepawayWorld:
         self.name, self.looks, self.measures = rules.name, rules.looks, rules.measures
         self.parameters = parameters
         self.size = (parameters.width, parameters.height)
-        self.seed = seed
-        self.episode = 0
-        self.cycle = 0
-        self.episode_cycle = 0
-        self.ended = ""
-        self.refused: Mapping[str, str] = {}
+        super().__init__(seed)
         self._random = Random()
         self._physics = Physics(parameters, self._random, rules.names)
         self._referee = rules.referee(self._physics)
@@ -74,12 +70,7 @@ class KeepawayWorld:
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
         """Begin the given episode, or the next one, of the given run, or of this one."""
-        if seed is not None:
-            self.seed = int(seed)
-        self.episode = self.episode + 1 if episode is None else int(episode)
-        self.episode_cycle = 0
-        self.ended = ""
-        self.refused = {}
+        self.begin_episode(episode, seed)
         self._said.clear()
         self._heard.clear()
         self._random.seed(world_seed(self.seed, self.episode))
@@ -105,10 +96,7 @@ class KeepawayWorld:
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
         """Play one cycle; return why the episode ended with it, such as "out", else None."""
-        if self.ended:
-            raise WorldError(
-                f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
-            )
+        self.refuse_after_end()
         takers = self._team.decide()  # from the state at the beginning of the cycle
         said, self.refused = self._perform(actions)
         for taker, order in zip(self._physics.takers, takers, strict=True):

@@ -1,0 +1,42 @@
+"""What every simulated world counts in the same way: its run, episodes and cycles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from hitab_world.world import WorldError
+
+
+class EpisodicWorld:
+    """A base class for worlds, see `hitab_world.world.World`, that counts episodes and cycles.
+
+    Args:
+        seed: of the run. Episode i draws from a generator seeded with the two, so that it can be
+            replayed by itself.
+    """
+
+    def __init__(self, seed: int) -> None:
+        self.seed = seed
+        self.episode = self.cycle = self.episode_cycle = 0
+        self.ended = ""
+        self.refused: Mapping[str, str] = {}
+
+    def begin_episode(self, episode: int | None, seed: int | None) -> None:
+        """Count a new episode: the given one, or the next one; of the given run, or of this."""
+        if seed is not None:
+            self.seed = int(seed)
+        self.episode = self.episode + 1 if episode is None else int(episode)
+        self.episode_cycle = 0
+        self.ended = ""
+        self.refused = {}
+
+    def refuse_after_end(self) -> None:
+        """Raise unless another cycle can be played.
+
+        Raises:
+            WorldError: if the episode has ended.
+        """
+        if self.ended:
+            raise WorldError(
+                f'episode {self.episode} has ended ("{self.ended}"); reset() begins the next one'
+            )
