@@ -78,7 +78,7 @@ class AgentNode(AgentBase):
         self.settings = settings = AgentParameters.declare(self)
         self.agent_name = names.own_name(self)
         self.shared = shared or HostResources(self)
-        self.ticker = self.shared.ticker
+        self.scheduler = self.shared.scheduler
         domain = self.load_domain(settings.domain)
         if uses_actions(domain):
             actions.check_actions(domain)
@@ -104,7 +104,7 @@ class AgentNode(AgentBase):
             self.transition_log,
             self._prepare_status,
         )
-        self.training = TrainingTopic(self, self.agent, self.ticker)
+        self.training = TrainingTopic(self, self.agent, self.scheduler)
         self._sensed = False
         self._unsettled = True
         self._link: Any = None
@@ -172,7 +172,7 @@ class AgentNode(AgentBase):
             subordinate = Subordinate(self.agent, settings.role)
             self.superior = self.status.superior = SuperiorLink(self, subordinate)
             self.stop_changed()
-            self.ticker.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
+            self.scheduler.every(HEARTBEAT_S, self.superior.heartbeat, self.guard)
         if settings.when_out_of_reach == "halt":
             self._reach = ReachWatch(self)
         training, performed = self.agent.session, self.memory.performed
@@ -208,7 +208,7 @@ class AgentNode(AgentBase):
         if action_behaviors(self.agent.domain):
             limits = actions.Limits(settings.action_timeout, settings.action_patience)
             self.actions = actions.ActionClients(
-                self, self.agent, self.ticker, limits, self.memory
+                self, self.agent, self.scheduler, limits, self.memory
             )
         if settings.offer_actions:
             self._offered = actions.OfferedAction(

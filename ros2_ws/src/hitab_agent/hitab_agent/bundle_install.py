@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hitab_agent.slices import Job, in_background
+from hitab_agent.scheduler import Job, in_background
 from hitab_core import BehaviorLibrary, FolderInUseError, HitabError, Use
 from hitab_core.library import (
     Bundle,

@@ -15,7 +15,7 @@ from hitab_msgs import msg, srv
 
 from hitab_agent.agent_base import AgentBase
 from hitab_agent.bundle_install import BundleInstall
-from hitab_agent.slices import Slices
+from hitab_agent.scheduler import JobQueue
 from hitab_core import Use, VocabularyError, quantity
 from hitab_core.library import Bundle, make_bundle
 from hitab_ros import GuardedNode, names, qos
@@ -39,7 +39,7 @@ class Distributions:
             msg.DistributionAck, names.in_swarm(node, names.DISTRIBUTION_ACK), qos.ROLL_CALL
         )
         self._nodes = nodes
-        self._slices = Slices(node)
+        self._jobs = JobQueue(node)
         node.create_subscription(msg.Distribution, distribution, self._on_distribution, qos.EVENTS)
 
     def _on_distribution(self, sent: msg.Distribution) -> None:
@@ -52,9 +52,7 @@ class Distributions:
         if meant:
             bundle = Bundle(tuple((f.name, f.text) for f in sent.files), sent.digest)
             start = Use(sent.behavior, tuple(sent.arguments)) if sent.start else None
-            self._slices.do(
-                BundleInstall(sent.sequence, bundle, start, meant, self._taken_in).job()
-            )
+            self._jobs.do(BundleInstall(sent.sequence, bundle, start, meant, self._taken_in).job())
 
     def _taken_in(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
         """Publish the outcome of a distribution; a failure affects this agent only."""

@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hitab_agent.agent_base import AgentBase
-from hitab_agent.deferred import Deferred
 from hitab_agent.distribution import Distributions
 from hitab_agent.order_subscriptions import OrderSubscriptions
 from hitab_agent.report_outbox import ReportOutbox
+from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_agent.services_on_demand import ServicesOnDemand
-from hitab_agent.ticker import Ticker
 from hitab_core import BehaviorLibrary, Domain, load_domain
 from hitab_core.library import LibraryReader
 from hitab_ros import GuardedNode, names
@@ -37,7 +36,7 @@ class HostResources:
     Attributes:
         nodes: of the agents that have joined.
         host: the node of the host, if the process is one.
-        ticker: calls at fixed rates.
+        scheduler: calls at fixed rates.
         statuses: publishes changed statuses a little later.
         orders: receives the orders of commanders.
         outbox: sends reports to commanders.
@@ -59,10 +58,10 @@ class HostResources:
         """
         self.nodes: list[AgentBase] = []
         self.host = node if agents else None
-        self.ticker = Ticker(node)
-        self.statuses = Deferred(node, STATUS_PERIOD_S, STATUSES_AT_ONCE)
+        self.scheduler = Scheduler(node)
+        self.statuses = JobQueue(node, STATUS_PERIOD_S, STATUSES_AT_ONCE)
         self.orders = OrderSubscriptions(node)
-        self.outbox = ReportOutbox(node, Deferred(node, REPORTS_PERIOD_S) if agents else None)
+        self.outbox = ReportOutbox(node, JobQueue(node, REPORTS_PERIOD_S) if agents else None)
         self.distributions = Distributions(node, self.nodes)
         self.diagnostics = Diagnostics(node, lambda: [one.diagnose() for one in self.nodes])
         self.on_demand: ServicesOnDemand | None = None
@@ -79,7 +78,7 @@ class HostResources:
     def offer_on_demand(self, node: GuardedNode, agents: int = 1) -> None:
         """Have the agents, so many in number, create their services when a client asks."""
         if self.on_demand is None:
-            self.on_demand = ServicesOnDemand(node, self.ticker, agents)
+            self.on_demand = ServicesOnDemand(node, self.scheduler, agents)
 
     def _tell_all(self) -> None:
         """Have all agents show the current faults of their host."""

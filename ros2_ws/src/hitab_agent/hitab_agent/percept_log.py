@@ -25,7 +25,7 @@ class PerceptLog:
         self._receivers: Receivers | None = None
         self._last: msg.Percept | None = None
         if node.shared.host is None:
-            node.shared.ticker.every(SUBSCRIBER_PERIOD_S, self._look, node.guard)
+            node.shared.scheduler.every(SUBSCRIBER_PERIOD_S, self._look, node.guard)
 
     def tell(self, percept: msg.Percept) -> None:
         """Publish a percept that the agent is about to take in."""

@@ -31,7 +31,7 @@ class ReachWatch:
         self._unheard_s = -math.inf
         topic = names.in_swarm(node, names.ALIVE if self._commander else names.OPERATORS)
         node.create_subscription(msg.Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
-        node.shared.ticker.every(SILENCE_PERIOD_S, self._look, node.guard)
+        node.shared.scheduler.every(SILENCE_PERIOD_S, self._look, node.guard)
 
     def _hear(self, sign: msg.Alive) -> None:
         if sign.process == self._commander or not self._commander:

@@ -8,7 +8,7 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_agent.deferred import Deferred
+from hitab_agent.scheduler import JobQueue
 from hitab_core.orders import Report
 from hitab_ros import GuardedNode, qos
 from hitab_ros.conversions import report_message
@@ -22,7 +22,7 @@ class ReportOutbox:
     their outcome is reported.
     """
 
-    def __init__(self, node: GuardedNode, later: Deferred | None = None) -> None:
+    def __init__(self, node: GuardedNode, later: JobQueue | None = None) -> None:
         """Create the outbox without publishers.
 
         Args:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from hitab_agent.ticker import Ticker
+from hitab_agent.scheduler import Scheduler
 from hitab_ros import GuardedNode
 
 DEMAND_PERIOD_S = 0.25
@@ -20,17 +20,17 @@ LOOK_AT_PER_S = 500.0  # agents: looking takes time in proportion to their numbe
 class ServicesOnDemand:
     """Has the nodes of a process offer their services when the first client appears."""
 
-    def __init__(self, host: GuardedNode, ticker: Ticker, agents: int) -> None:
+    def __init__(self, host: GuardedNode, scheduler: Scheduler, agents: int) -> None:
         """Begin to look for clients.
 
         Args:
             host: the node to look with.
-            ticker: of the process.
+            scheduler: of the process.
             agents: how many nodes there will be.
         """
         self._host = host
         self._offers: dict[str, Callable[[], None]] = {}
-        ticker.every(max(DEMAND_PERIOD_S, agents / LOOK_AT_PER_S), self.look)
+        scheduler.every(max(DEMAND_PERIOD_S, agents / LOOK_AT_PER_S), self.look)
 
     def add(self, node: GuardedNode, offer: Callable[[], None]) -> None:
         """Call ``offer`` once a client asks for a service of a node, or in its namespace."""

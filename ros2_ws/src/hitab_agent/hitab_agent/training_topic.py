@@ -9,8 +9,7 @@ from typing import Any
 from hitab_msgs import msg
 
 from hitab_agent.automaton_message import question_message, training_message
-from hitab_agent.slices import Job, Slices
-from hitab_agent.ticker import Ticker
+from hitab_agent.scheduler import Job, JobQueue, Scheduler
 from hitab_core import Agent
 from hitab_core.training import TrainingSession
 from hitab_ros import GuardedNode, names, qos
@@ -36,20 +35,20 @@ class TrainingTopic:
         searched: called whenever questions have been looked for.
     """
 
-    def __init__(self, node: GuardedNode, agent: Agent, ticker: Ticker) -> None:
+    def __init__(self, node: GuardedNode, agent: Agent, scheduler: Scheduler) -> None:
         """Know of no training yet.
 
         Args:
             node: of the agent.
             agent: the agent.
-            ticker: of its process.
+            scheduler: of its process.
         """
         self.revision = 0
         self.searched: Callable[[], None] = lambda: None
         self._node = node
         self._agent = agent
-        self._ticker = ticker
-        self._slices: Slices | None = None
+        self._scheduler = scheduler
+        self._jobs: JobQueue | None = None
         self._publisher: Any = None
         self._last = time.time_ns() // 1000
         self._seen: tuple[Any, ...] = (None,)
@@ -66,8 +65,8 @@ class TrainingTopic:
             self._publisher = self._node.create_publisher(
                 msg.Training, names.TRAINING, qos.LATCHED
             )
-            self._slices = Slices(self._node)
-            self._ticker.every(TRAINING_PERIOD_S, self.look, self._node.guard)
+            self._jobs = JobQueue(self._node)
+            self._scheduler.every(TRAINING_PERIOD_S, self.look, self._node.guard)
 
     def notice(self) -> int:
         """Notice what has changed, and who decides; return the revision."""
@@ -127,14 +126,14 @@ class TrainingTopic:
         """Begin to look for questions once there are no changes for a while."""
         if (
             session is not None
-            and self._slices is not None
+            and self._jobs is not None
             and self._searched != self.revision
             and not self._searching
             and now >= self._changed_at + CALM_S
             and self._publisher.get_subscription_count()
         ):
             self._searching = True
-            self._slices.do(self._searches(session, session.examples))
+            self._jobs.do(self._searches(session, session.examples))
 
     def _searches(self, session: TrainingSession, examples: Any) -> Job:
         try:

@@ -389,7 +389,7 @@ def test_a_goal_of_an_agent_that_was_killed_is_canceled_when_it_is_back(going, p
     memory = RestartMemory(tmp_path / "next", "")
     memory.keep({"goals": [*noted, ["drive", "x"], 3, ["drive", "00"]]})
     limits = Limits(answer=30.0, pulse=0.0)
-    clients = ActionClients(one.node, one.agent, one.node.ticker, limits, memory)
+    clients = ActionClients(one.node, one.agent, one.node.scheduler, limits, memory)
     assert not clients.at_rest
     process.until(lambda: server.goals[0].is_cancel_requested)
     server.end(0, "canceled")

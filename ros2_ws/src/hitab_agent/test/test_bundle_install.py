@@ -13,7 +13,7 @@ from hitab_msgs import msg, srv
 from hitab_agent import bundle_install
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.host_resources import HostResources
-from hitab_agent.slices import Slices
+from hitab_agent.scheduler import JobQueue
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.learning.transition_tree import TransitionTree
@@ -374,7 +374,7 @@ def test_a_save_while_a_distribution_is_under_way_loses_neither(host, tmp_path):
 
 
 def test_a_job_that_fails_does_not_keep_others_from_being_done(process):
-    slices = Slices(process.node)
+    jobs = JobQueue(process.node)
     done = []
 
     def job(number):
@@ -384,7 +384,7 @@ def test_a_job_that_fails_does_not_keep_others_from_being_done(process):
         done.append(number)
 
     for number in range(3):
-        slices.do(job(number))
+        jobs.do(job(number))
     process.until(lambda: done == [0, 2])
 
 

@@ -5,17 +5,16 @@ from typing import Any
 
 from hitab_msgs import msg, srv
 
-from hitab_agent.deferred import Deferred
 from hitab_agent.order_subscriptions import OrderSubscriptions
+from hitab_agent.scheduler import JobQueue, Scheduler
 from hitab_agent.services_on_demand import ServicesOnDemand
-from hitab_agent.ticker import Ticker
 from hitab_ros import names, qos
 from hitab_ros.guarded_node import GuardedNode
 
 
 def test_what_is_put_off_is_done_in_order_with_room_for_something_else_in_between(process):
     done: list[Any] = []
-    later = Deferred(process.node, 0.02, at_most=10)
+    later = JobQueue(process.node, 0.02, at_most=10)
     for number in range(40):
         later.call(lambda number=number: done.append(number))
     process.meanwhile(done)
@@ -28,9 +27,9 @@ def test_what_is_put_off_is_done_in_order_with_room_for_something_else_in_betwee
 
 def test_many_functions_of_one_rate_are_called_equally_often_in_turns(process):
     done: list[Any] = []
-    ticker = Ticker(process.node)
+    scheduler = Scheduler(process.node)
     for number in range(50):
-        ticker.every(0.2, lambda number=number: done.append(number))
+        scheduler.every(0.2, lambda number=number: done.append(number))
     process.meanwhile(done)
     process.until(lambda: done.count(49) == 4)
     counts = Counter(done)
@@ -64,11 +63,11 @@ def test_what_fails_among_many_touches_no_other_and_is_shown_by_whose_it_is(proc
     node, other = process.node, GuardedNode("other", context=process.node.context)
     process.add(other)
     done: list[Any] = []
-    later, ticker = Deferred(node, 0.02), Ticker(node)
+    later, scheduler = JobQueue(node, 0.02), Scheduler(node)
     later.call(fails, other.guard)
     later.call(lambda: done.append("later"))
-    ticker.every(0.05, fails, other.guard)
-    ticker.every(0.05, lambda: done.append("every"))
+    scheduler.every(0.05, fails, other.guard)
+    scheduler.every(0.05, lambda: done.append("every"))
     process.until(lambda: {"later", "every"} <= {*done})
     process.until(lambda: other.guard.faults)
     assert "fails failed: IndexError" in other.guard.faults.texts()[0]
@@ -81,7 +80,7 @@ def test_who_cannot_offer_its_services_does_not_keep_others_from_it(process):
     process.add(other)
     process.add(another)
     offered: list[str] = []
-    services = ServicesOnDemand(node, Ticker(node), 2)
+    services = ServicesOnDemand(node, Scheduler(node), 2)
     services.add(other, fails)
     services.add(another, lambda: offered.append("b"))
     for name in ("/a/perform", "/b/perform"):

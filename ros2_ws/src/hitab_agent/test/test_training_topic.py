@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from hitab_msgs import msg
 
-from hitab_agent.ticker import Ticker
+from hitab_agent.scheduler import Scheduler
 from hitab_agent.training_topic import TrainingTopic
 from hitab_core import Agent, BehaviorLibrary, Use, plain_domain
 from hitab_core.training import Curriculum
@@ -24,7 +24,7 @@ class Trained:
         self.process = process
         self.came: list[msg.Training] = []
         self.agent = Agent("ann", CART, BehaviorLibrary(folder / "library", CART), folder)
-        self.topic = TrainingTopic(process.node, self.agent, Ticker(process.node))
+        self.topic = TrainingTopic(process.node, self.agent, Scheduler(process.node))
         self.topic.offer()
 
     def begin(self) -> Any:

@@ -61,7 +61,7 @@ class CommanderLink:
         self.body.on_order = self._on_order
         self._take_up(str(noted.get("order", "")) if node.memory.performed is not None else "")
         node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
-        shared.ticker.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
+        shared.scheduler.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates continue to follow their orders."""

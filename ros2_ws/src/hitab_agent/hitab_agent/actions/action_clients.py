@@ -11,7 +11,7 @@ from rclpy.action import ActionClient
 from hitab_agent.actions.fields import FieldError, action_type, is_number, put, slot_of
 from hitab_agent.actions.goal import Goal, Limits, Server
 from hitab_agent.restart_memory import RestartMemory
-from hitab_agent.ticker import Ticker
+from hitab_agent.scheduler import Scheduler
 from hitab_core import (
     ActionBehavior,
     ActionCall,
@@ -43,7 +43,7 @@ class ActionClients:
         self,
         node: GuardedNode,
         agent: Agent,
-        ticker: Ticker,
+        scheduler: Scheduler,
         limits: Limits,
         memory: RestartMemory,
     ) -> None:
@@ -52,7 +52,7 @@ class ActionClients:
         Args:
             node: of the agent.
             agent: the agent; its domain was checked with `check_actions`.
-            ticker: of its process.
+            scheduler: of its process.
             limits: how long to wait for servers, and for the agent.
             memory: names the goals that servers have, for them to be canceled should this process
                 be killed.
@@ -78,7 +78,7 @@ class ActionClients:
             remembered = self._remembered(behavior.action)
             server.goals += [Goal(orphaned, None, server, one) for one in remembered]
         calls_of(agent.body).carrier = self
-        ticker.every(GOAL_PERIOD_S, self.look, node.guard)
+        scheduler.every(GOAL_PERIOD_S, self.look, node.guard)
 
     def _remembered(self, action: str) -> list[bytes]:
         """Return the goals that a killed process had; what is damaged is left out."""

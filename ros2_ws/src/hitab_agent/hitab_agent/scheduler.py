@@ -1,0 +1,165 @@
+"""When the nodes of a process do what need not be done at once."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from threading import Thread
+from typing import Any
+
+from hitab_ros import Guard, GuardedNode, name_of, steady_timer
+
+Call = Callable[[], Any]
+
+TURN_S = 0.02
+"""The functions of one rate are called in turns at least this far apart, so that a host with
+hundreds of them does not delay an order until all have run."""
+
+SLICE_S = 0.005
+"""How long queued jobs run before something else gets its turn; far less than a cycle."""
+
+PAUSE_S = 0.001
+"""The pause in which something else can start."""
+
+Job = Iterator[Future[Any] | None]
+"""Yields where it may be interrupted: None, or the call it has to wait for."""
+
+
+def in_background(call: Call) -> Future[Any]:
+    """Begin a call in its own thread.
+
+    Use it for calls that wait for the disk or only read what does not change; they must not touch
+    nodes or agents. A thread of an executor would keep the process from ending.
+    """
+    future: Future[Any] = Future()
+
+    def run() -> None:
+        try:
+            future.set_result(call())
+        except Exception as error:  # raised again where the result is asked for
+            future.set_exception(error)
+
+    Thread(target=run, daemon=True).start()
+    return future
+
+
+class Scheduler:
+    """Calls functions at fixed rates; the agents of a host share its timers, one per rate.
+
+    It uses the machine's clock, never simulated time: the calls must go on while a world is
+    paused.
+    """
+
+    def __init__(self, node: GuardedNode) -> None:
+        self._node = node
+        self._rates: dict[float, _Rate] = {}
+
+    def every(self, seconds: float, call: Call, guard: Guard | None = None) -> None:
+        """Call a function every so many seconds, from now on.
+
+        Args:
+            seconds: between two calls, s.
+            call: the function.
+            guard: of the agent whose status shows a failure; None: that of the node.
+        """
+        if seconds not in self._rates:
+            self._rates[seconds] = _Rate(self._node, seconds)
+        guard = guard or self._node.guard
+        self._rates[seconds].add(guard.wrap(name_of(call), call))
+
+
+class _Rate:
+    """Functions that are called equally often."""
+
+    def __init__(self, node: GuardedNode, seconds: float) -> None:
+        self._seconds = seconds
+        self._calls: list[Call] = []
+        self._turns = 1
+        self._turn = 0
+        self._timer = steady_timer(node, seconds, self._next)
+
+    def add(self, call: Call) -> None:
+        self._calls.append(call)
+        turns = min(len(self._calls), max(1, int(self._seconds / TURN_S)))
+        if turns != self._turns:
+            self._turns = turns
+            self._timer.timer_period_ns = round(self._seconds / turns * 1e9)
+            self._timer.reset()
+
+    def _next(self) -> None:
+        calls, turns = self._calls, self._turns
+        turn = self._turn = (self._turn + 1) % turns
+        for call in calls[len(calls) * turn // turns : len(calls) * (turn + 1) // turns]:
+            call()
+
+
+class JobQueue:
+    """Jobs done in order, a slice per period, so that percepts and orders come in between.
+
+    Its timer stops when no job is left.
+    """
+
+    def __init__(
+        self, node: GuardedNode, period_s: float = PAUSE_S, at_most: int | None = None
+    ) -> None:
+        """Create the timer, stopped.
+
+        Args:
+            node: owns the timer.
+            period_s: between two slices, s.
+            at_most: maximum number of steps, or of calls, in one slice; None: only its time.
+        """
+        self._guard = node.guard
+        self._at_most = at_most or sys.maxsize
+        self._jobs: deque[tuple[str, Job, Guard]] = deque()
+        self._awaited: Future[Any] | None = None
+        self._timer = steady_timer(node, period_s, self._slice)
+        self._timer.cancel()
+
+    def do(self, job: Job, guard: Guard | None = None, name: str = "") -> None:
+        """Do a job after those already waiting.
+
+        Args:
+            job: its steps.
+            guard: of the agent whose status shows a failure; None: that of the node.
+            name: of the job in that status; empty: that of its function.
+        """
+        if not self._jobs:
+            self._timer.reset()
+        self._jobs.append((name or name_of(job), job, guard or self._guard))
+
+    def call(self, call: Call, guard: Guard | None = None) -> None:
+        """Call a function, as a job of one step."""
+        self.do(_once(call), guard, name_of(call))
+
+    def _slice(self) -> None:
+        until = time.monotonic() + SLICE_S
+        for _ in range(self._at_most):
+            if not self._jobs or (self._awaited is not None and not self._awaited.done()):
+                break
+            self._step(*self._jobs[0])
+            if time.monotonic() >= until:
+                break
+        if not self._jobs:
+            self._timer.cancel()
+
+    def _step(self, name: str, job: Job, guard: Guard) -> None:
+        self._awaited, is_over = None, True  # also if the step raises
+
+        def step() -> None:
+            nonlocal is_over
+            for self._awaited in job:
+                is_over = False
+                break
+
+        guard.run(name, step)
+        if is_over:
+            self._jobs.popleft()
+
+
+def _once(call: Call) -> Job:
+    call()
+    yield from ()
