@@ -44,13 +44,19 @@ def test_files_of_each_kind_from_before_are_read(tmp_path):
     assert world.snapshot() == snapshot
 
 
-def test_a_recording_shows_the_same_moments_back_and_forth(tmp_path):
-    bag = BagFile(tmp_path / "a.mcap")
+def bag_of_three_cycles(folder):
+    bag = BagFile(folder / "a.mcap")
     kind = type_name(WorldState)
     channel = bag.add_topic("/world/state", kind, [qos.LATCHED], own_hash(kind))
     for cycle in range(1, 4):
         second = cycle * 10**9
         bag.write(channel, serialize_message(WorldState(cycle=cycle)), second, second)
+        bag.flush()
+    return bag
+
+
+def test_a_recording_shows_the_same_moments_back_and_forth(tmp_path):
+    bag = bag_of_three_cycles(tmp_path)
     bag.close()
     recording = Recording(bag.path)
     moments = (0.0, recording.seconds, 0.9 * recording.seconds)
@@ -65,13 +71,7 @@ def test_a_recording_shows_the_same_moments_back_and_forth(tmp_path):
 
 
 def test_an_unfinished_recording_is_replayed_and_what_it_lacks_is_said(tmp_path):
-    bag = BagFile(tmp_path / "a.mcap")
-    kind = type_name(WorldState)
-    channel = bag.add_topic("/world/state", kind, [qos.LATCHED], own_hash(kind))
-    for cycle in range(1, 4):
-        second = cycle * 10**9
-        bag.write(channel, serialize_message(WorldState(cycle=cycle)), second, second)
-        bag.flush()
+    bag = bag_of_three_cycles(tmp_path)
     recording = Recording(bag.path)  # as if its recorder had been killed
     assert recording.scene(recording.seconds).cycle == 3
     assert "a.mcap is not finished: 3 messages were read" in recording.missing

@@ -129,7 +129,8 @@ class JobQueue:
         """
         if not self._jobs:
             self._timer.reset()
-        self._jobs.append((name or name_of(job), job, guard or self._guard))
+        name = name or getattr(job, "__qualname__", "job")
+        self._jobs.append((name, job, guard or self._guard))
 
     def call(self, call: Call, guard: Guard | None = None) -> None:
         """Call a function, as a job of one step."""

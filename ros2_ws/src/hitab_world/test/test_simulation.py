@@ -11,56 +11,8 @@ from hitab_world.simulation import SimulationParameters
 from hitab_world.testing import Wandering, check_world
 from hitab_world.world import Placement
 
-CORRIDOR = """
-from random import Random
-
-from hitab_core import behavior, feature
-from hitab_world import Entity, Measure, Simulation
-
-
-class Corridor(Simulation):
-    agents = 2
-    measures = (Measure("distance"),)
-
-    def reset(self, seed):
-        random = Random(seed)
-        self.x = {name: random.uniform(-3.0, 3.0) for name in self.names}
-        self.gone = 0.0
-        return self.percepts()
-
-    def step(self, actions):
-        for name, action in actions.items():
-            if action:
-                self.x[name] += 0.1 * action[0]
-                self.gone += abs(0.1 * action[0])
-        if self.gone > 4.0:
-            self.ended = "far"
-        return self.percepts()
-
-    def percepts(self):
-        return {name: [x] for name, x in self.x.items()}
-
-    def draw(self):
-        return [Entity(name, "agent", x, 0.0, radius=0.2) for name, x in self.x.items()]
-
-    def measured(self):
-        return {"distance": self.gone}
-
-
-@feature
-def Position(percept):
-    return percept[0]
-
-
-@behavior
-def Left(percept):
-    return [-1.0]
-
-
-@behavior
-def Right(percept):
-    return [1.0]
-"""
+EXAMPLE = Path("examples/corridor.py").read_text()
+CORRIDOR = EXAMPLE.replace("    measures = ", "    agents = 2\n    measures = ")
 
 
 def written(folder: Path, text: str, name: str = "corridor") -> Path:
@@ -96,12 +48,12 @@ def test_its_functions_are_a_domain_that_a_notebook_trains(tmp_path):
         ("class Corridor", "class Other(Simulation): pass\nclass Corridor", "Other"),
         ("agents = 2", "agents = 0", "whole number from 1"),
         ("percept[0]\n", "percept[0]\n1 / 0\n", "ZeroDivisionError"),
-        ("agents = 2", "agents = = 2", "bad.py:9: SyntaxError"),
+        ("agents = 2", "agents = = 2", "bad.py:12: SyntaxError"),
         ("[x] for", "[float('nan')] for", "the percept of agent_1 is not finite"),
         ("[x] for", "x for", "agent_1 has no list of numbers"),
         ("{name: [x]", "{name + '0': [x]", 'no agent "agent_10"'),
         ("return {name: [x] for name, x in self.x.items()}", "return 3", "returned 3"),
-        ("random = Random(seed)", "random = 1 / 0", "bad.py:13: ZeroDivisionError"),
+        ("random = Random(seed)", "random = 1 / 0", "bad.py:16: ZeroDivisionError"),
         ("def reset", "def begin", "AttributeError"),
     ],
 )
@@ -128,7 +80,7 @@ def test_a_step_that_raises_changes_nothing_and_names_its_line(tmp_path):
     world = SimulationWorld(SimulationParameters(str(written(tmp_path, text, "half"))))
     world.step({"agent_1": ([1.0], "")})
     before = world.entities(), world.result(), world.snapshot(), world.percept("agent_1")
-    with pytest.raises(WorldError, match=r"half\.py:23: ZeroDivisionError: .*; correct the file"):
+    with pytest.raises(WorldError, match=r"half\.py:25: ZeroDivisionError: .*; correct the file"):
         world.step({"agent_1": ([1.0], ""), "agent_2": ([1.0], "")})
     assert (world.entities(), world.result(), world.snapshot(), world.percept("agent_1")) == before
 
@@ -251,7 +203,7 @@ def door(percept):
     agent = LearningAgent(domain).train("Reach", ["DistanceTo(door)"])
     assert agent.step([0.5], command="GoTo(door)") == (1.0,)
     assert agent.examples[0].features == (2.5,)
-    with pytest.raises(HitabError, match=r"wrong\.py:54: TypeError: .*colour"):
+    with pytest.raises(HitabError, match=r"wrong\.py:56: TypeError: .*colour"):
         load_domain(str(written(tmp_path, CORRIDOR + words.replace("unit=", "colour="), "wrong")))
 
 
