@@ -12,6 +12,7 @@ from threading import Thread
 from typing import Any
 
 import pytest
+from bodies import Body
 from diagnostic_msgs.msg import DiagnosticStatus
 from hitab_msgs.action import Perform
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
@@ -36,7 +37,7 @@ from hitab_core import (
     feedback_feature,
 )
 from hitab_ros import GuardedNode, qos
-from hitab_ros.testing import NumberBody, wait_until
+from hitab_ros.testing import wait_until
 
 KIND = "hitab_msgs/action/Perform"
 PLACES = {"home": "the hut", "away": "the hill"}
@@ -60,7 +61,7 @@ def domain(**changes: Any) -> Domain:
     return Domain.of(
         "walkers",
         "1",
-        NumberBody,
+        Body,
         behaviors=[go, BasicBehavior("Rest"), BasicBehavior("Cry")],
         features=[
             Feature("X", lambda body: body.x),
@@ -424,7 +425,7 @@ def test_what_is_mistyped_is_refused_at_the_start_with_its_place():
         wrong = ActionBehavior("GoTo", parameters=go.parameters, **given)
         with pytest.raises(HitabError) as refused:
             check_actions(
-                Domain.of("walkers", "1", NumberBody, behaviors=[wrong], features=[], targets=[])
+                Domain.of("walkers", "1", Body, behaviors=[wrong], features=[], targets=[])
             )
         assert str(refused.value).startswith('domain "walkers": behavior "GoTo": ')
         assert told in str(refused.value)
@@ -441,7 +442,7 @@ def test_what_is_mistyped_is_refused_at_the_start_with_its_place():
 def test_feedback_that_is_mistyped_is_refused_at_the_start_with_its_place(feature, told):
     go = ActionBehavior("GoTo", action_type=KIND, action="drive")
     with pytest.raises(HitabError) as refused:
-        check_actions(Domain.of("walkers", "1", NumberBody, behaviors=[go], features=[feature]))
+        check_actions(Domain.of("walkers", "1", Body, behaviors=[go], features=[feature]))
     assert str(refused.value).startswith('domain "walkers": feature "Steps": ')
     assert told in str(refused.value)
 

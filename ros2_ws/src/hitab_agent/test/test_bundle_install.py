@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bodies import Body
 from hitab_msgs import msg, srv
 
 from hitab_agent import bundle_install
@@ -25,7 +26,6 @@ from hitab_core.library.durable_files import locked
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 from hitab_ros import names, qos
-from hitab_ros.testing import NumberBody
 
 SIZE = 30
 SECONDS = 60.0
@@ -34,7 +34,7 @@ SECONDS = 60.0
 DOMAIN = Domain.of(
     "pupils",
     "1",
-    NumberBody,
+    Body,
     behaviors=[
         BasicBehavior("Left"),
         BasicBehavior("Right"),

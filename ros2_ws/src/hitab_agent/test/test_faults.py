@@ -6,29 +6,22 @@ import math
 from types import SimpleNamespace
 
 import pytest
+from bodies import UnseeingBody
 from hitab_msgs import msg, srv
 
 from hitab_agent import command_receiver
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_ros import names
-from hitab_ros.testing import NumberBody
 
 
 def read(body):
     return body.values[0]
 
 
-class Body(NumberBody):
-    """A body that has no value before its first percept."""
-
-    def sense(self, values, heard):
-        self.values = values
-
-
 DOMAIN = Domain.of(
     "bodies",
     "1",
-    Body,
+    UnseeingBody,
     behaviors=[BasicBehavior("Go"), BasicBehavior("Wait")],
     features=[Feature("X", read)],
 )

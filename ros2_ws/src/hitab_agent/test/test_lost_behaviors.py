@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bodies import Body
 from hitab_msgs import msg, srv
 
 from hitab_agent.agent_node import AgentNode
@@ -16,12 +17,11 @@ from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.training import Curriculum
 from hitab_core.use import Use
 from hitab_ros import names
-from hitab_ros.testing import NumberBody
 
 DOMAIN = Domain.of(
     "walkers",
     "1",
-    NumberBody,
+    Body,
     behaviors=[BasicBehavior("Wait"), BasicBehavior("Go")],
     features=[Feature("X", lambda body: body.x)],
 )

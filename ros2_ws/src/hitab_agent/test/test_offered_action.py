@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 from action_msgs.msg import GoalStatus
+from bodies import Body
 from hitab_msgs import msg, srv
 from hitab_msgs.action import Perform
 from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 
 from hitab_core import START, Automaton, BasicBehavior, Domain, Feature, HandWritten, Target, Use
 from hitab_ros import GuardedNode, names, qos
-from hitab_ros.testing import NumberBody
 
 _choose = HandWritten(
     lambda x: "Done" if x == 1.0 else "Failed" if x == 2.0 else "Wait" if x < 0.0 else "Go", (0,)
@@ -21,7 +21,7 @@ _choose = HandWritten(
 DOMAIN = Domain.of(
     "bodies",
     "1",
-    NumberBody,
+    Body,
     behaviors=[BasicBehavior("Go"), BasicBehavior("Wait"), BasicBehavior("To", parameters=("P",))],
     features=[Feature("X", lambda body: body.x)],
     targets=[Target("home", lambda body: 0.0)],

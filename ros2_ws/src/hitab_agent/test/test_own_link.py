@@ -5,21 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from bodies import Body
 from hitab_msgs import msg, srv
 
 from hitab_agent.agent_node import AgentNode
 from hitab_core import BasicBehavior, Domain, Feature, HitabError, Use
 from hitab_core.training import Curriculum
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names, qos
-from hitab_ros.testing import NumberBody
 
 
-class Body(NumberBody):
+class Ahead(Body):
     """A body that drives ahead."""
 
-    def act(self) -> tuple[list[float], str]:
-        """Drive ahead."""
-        return [1.0], ""
+    action = (1.0,)
 
 
 class Link:
@@ -39,7 +37,7 @@ class Robot:
         domain = Domain.of(
             "own",
             "1",
-            Body,
+            Ahead,
             behaviors=[
                 BasicBehavior("Go"),
                 BasicBehavior("Turn"),

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from bodies import Body
 from hitab_msgs import msg
 
 from hitab_core import BasicBehavior, Domain, Feature
 from hitab_ros import qos
-from hitab_ros.testing import NumberBody
 
 DOMAIN = Domain.of(
     "told",
     "1",
-    NumberBody,
+    Body,
     behaviors=[BasicBehavior("Go")],
     features=[Feature("X", lambda body: body.x)],
 )

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import pytest
+from bodies import Body
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from hitab_msgs import srv
 from rcl_interfaces.msg import Log
@@ -28,7 +29,6 @@ from hitab_core import (
 )
 from hitab_ros import names
 from hitab_ros.diagnostics import STATUSES_MAX, Diagnosis, Level, shown
-from hitab_ros.testing import NumberBody
 
 
 def _automaton() -> Automaton:
@@ -47,7 +47,7 @@ def _automaton() -> Automaton:
 DOMAIN = Domain.of(
     "bodies",
     "1",
-    NumberBody,
+    Body,
     behaviors=[BasicBehavior("Go"), BasicBehavior("Wait")],
     features=[Feature("X", lambda body: body.x)],
     automata=[_automaton()],

@@ -3,6 +3,8 @@
 import math
 from dataclasses import replace
 
+from bodies import Body
+
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind_reader import described_kind
@@ -13,26 +15,13 @@ from hitab_core.repertoire import Repertoire
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
-
-class Ant:
-    """A body that perceives one number."""
-
-    value = 0.0
-
-    def sense(self, values, heard):
-        self.value = values[0]
-
-    def act(self):
-        return (), ""
-
-
 _TURNS = HandWritten(lambda x: "Wait" if x % 2.0 else "Search", (0,))
 ANT = Domain.of(
     "ant",
     "1",
-    lambda name: Ant(),
+    Body,
     behaviors=[BasicBehavior("Search"), BasicBehavior("Wait")],
-    features=[Feature("X", lambda body: body.value)],
+    features=[Feature("X", lambda body: body.x)],
     automata=[
         Automaton(
             "Turns",

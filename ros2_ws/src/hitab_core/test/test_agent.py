@@ -6,9 +6,10 @@ import shutil
 from dataclasses import replace
 
 import pytest
+from bodies import Body, pulsed
 
 from hitab_core.agent import Agent, Mode
-from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.domain import Domain, Feature
 from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
@@ -17,28 +18,10 @@ from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
 
-class Body:
-    """Sees one number and says which behavior was pulsed last."""
-
-    def __init__(self, name):
-        self.x = 0.0
-        self.did = ""
-
-    def sense(self, values, heard):
-        (self.x,) = values
-
-    def act(self):
-        did, self.did = self.did, ""
-        return [], did
-
-
 def domain():
-    def pulse(name):
-        return lambda body: setattr(body, "did", name)
-
     return Domain.of(
         "line", "1", Body,
-        behaviors=[BasicBehavior(n, pulse(n)) for n in ("Left", "Right", "Stay")],
+        behaviors=pulsed("Left", "Right", "Stay"),
         features=[Feature("x", lambda body: body.x, unit="m")],
     )  # fmt: skip
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bodies import Body
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,23 +26,12 @@ from hitab_core.saving import to_be_saved
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
-
-class Body:
-    x = y = 0.0
-
-    def sense(self, values: Any, heard: Any) -> None:
-        self.x, self.y = values
-
-    def act(self) -> tuple[list[float], str]:
-        return [], ""
-
-
 DOMAIN = Domain.of(
     "line",
     "1",
-    lambda name: Body(),
+    Body,
     behaviors=[BasicBehavior(name) for name in ("Left", "Right", "Stay")],
-    features=[Feature("x", lambda body: body.x), Feature("y", lambda body: body.y)],
+    features=[Feature("x", lambda body: body.x), Feature("y", lambda body: body.values[1])],
 )
 
 

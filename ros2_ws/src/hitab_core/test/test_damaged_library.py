@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from bodies import Body, pulsed
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.automaton import Automaton
-from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.domain import Domain, Feature
 from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle, plan_bundle
@@ -22,25 +23,6 @@ from hitab_core.use import Use
 Make = Callable[..., Agent]
 
 
-class Body:
-    """Sees one number and says which behavior was pulsed last."""
-
-    def __init__(self, name: str) -> None:
-        self.x = 0.0
-        self.did = ""
-
-    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        (self.x,) = values
-
-    def act(self) -> tuple[Sequence[float], str]:
-        did, self.did = self.did, ""
-        return [], did
-
-
-def pulse(name: str) -> Callable[[Body], None]:
-    return lambda body: setattr(body, "did", name)
-
-
 @pytest.fixture
 def line() -> Domain:
     """Return a domain in which Low and Patrol are also written by hand; Patrol uses Low."""
@@ -48,7 +30,7 @@ def line() -> Domain:
         "line",
         "1",
         Body,
-        behaviors=[BasicBehavior(name, pulse(name)) for name in ("Left", "Right")],
+        behaviors=pulsed("Left", "Right"),
         features=[Feature("x", lambda body: body.x, unit="m")],
         automata=[
             Automaton("Low", (Use("Left"),), (), {}, description="written by hand"),
@@ -161,7 +143,7 @@ def test_a_basic_behavior_does_not_take_the_name_of_a_trained_one(
         "line",
         "1",
         Body,
-        behaviors=[*line.behaviors.values(), BasicBehavior("Other", pulse("Other"))],
+        behaviors=[*line.behaviors.values(), *pulsed("Other")],
         features=line.features.values(),
     )
     agent = make(domain=newer)

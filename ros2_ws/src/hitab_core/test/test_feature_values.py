@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bodies import UnseeingBody
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
@@ -16,25 +17,12 @@ from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
 
-class Body:
-    """A body that reads its feature from a percept that may be missing."""
-
-    def __init__(self, name: str) -> None:
-        self.values: Any = []
-
-    def sense(self, values: Any, heard: Any) -> None:
-        self.values = values
-
-    def act(self) -> tuple[list[float], str]:
-        return [], ""
-
-
 @pytest.fixture
 def agent(tmp_path: Path) -> Agent:
     domain = Domain.of(
         "sensors",
         "1",
-        Body,
+        UnseeingBody,
         behaviors=[
             BasicBehavior("Go"),
             BasicBehavior("Aim", start=lambda body: body.values[0]),

@@ -4,6 +4,7 @@ import itertools
 import os
 
 import pytest
+from bodies import Body, pulsed
 from faulty_disk import FaultyDisk, Killed
 
 from hitab_core.agent import Agent, Mode
@@ -15,32 +16,12 @@ from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
 
-class Body:
-    """Sees one number and says which behavior was pulsed last."""
-
-    def __init__(self, name):
-        self.x = 0.0
-        self.did = ""
-
-    def sense(self, values, heard):
-        (self.x,) = values
-
-    def act(self):
-        did, self.did = self.did, ""
-        return [], did
-
-
-def _pulse(name):
-    return lambda body, *targets: setattr(body, "did", " ".join([name, *targets]))
-
-
 @pytest.fixture(scope="module")
 def line():
     return Domain.of(
         "line", "1", Body,
         behaviors=[
-            BasicBehavior("Left", _pulse("Left")),
-            BasicBehavior("Right", _pulse("Right")),
+            *pulsed("Left", "Right"),
             BasicBehavior("Near", lambda body, target: None, parameters=("A",)),
         ],
         features=[Feature("x", lambda body: body.x, unit="m")],

@@ -22,6 +22,7 @@ from hitab_core import (
     numbers_of,
 )
 from hitab_core.library import BehaviorFile
+from hitab_core.plain_body import PlainBody
 from hitab_core.regression import MOMENTS_MAX, Neighbors
 
 DIRECTION = BoundedNumber("direction", -180.0, 180.0, "deg", circular=True)
@@ -29,18 +30,7 @@ SPEED = BoundedNumber("speed", 0.0, 1.0, "m/s")
 CIRCLE = Scale(FeatureKind.TOROIDAL, 2 * math.pi)
 
 
-class Boat:
-    def __init__(self, name):
-        self.wind = self.depth = 0.0
-        self.action = []
-
-    def sense(self, values, heard):
-        self.wind, self.depth = values
-        self.action = []
-
-    def act(self):
-        return self.action, ""
-
+class Boat(PlainBody):
     def steer(self, *numbers):
         self.action = list(numbers)
 
@@ -54,8 +44,8 @@ BOAT = Domain.of(
         BasicBehavior("Anchor", lambda boat: boat.steer(0.0), stands_still=True),
     ],
     features=[
-        Feature("Wind", lambda boat: boat.wind, FeatureKind.TOROIDAL),
-        Feature("Depth", lambda boat: boat.depth, unit="m"),
+        Feature("Wind", lambda boat: boat.percept[0], FeatureKind.TOROIDAL),
+        Feature("Depth", lambda boat: boat.percept[1], unit="m"),
     ],
 )
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bodies import Body
 
 from hitab_core.agent import Agent
 from hitab_core.automaton import FLAGS, Automaton
@@ -24,19 +25,6 @@ from hitab_core.use import Use
 IN_STATE = Use("SecondsInState")
 SINCE_DONE, SINCE_FAILED = (Use("SecondsSince", (flag,)) for flag in FLAGS)
 STEP = 0.25  # s; sums of it are exact
-
-
-class Body:
-    """A body that perceives one number."""
-
-    def __init__(self, name: str = "") -> None:
-        self.values: Any = [0.0]
-
-    def sense(self, values: Any, heard: Any) -> None:
-        self.values = values
-
-    def act(self) -> Any:
-        return [], ""
 
 
 def robot(**more: Any) -> Domain:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bodies import Body, noting
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
@@ -25,27 +26,9 @@ LASTING = ("Left", "Right", "Stay")
 LABELS = (*LASTING, "Beep", "Done")
 
 
-class Body:
-    """Sees one number and says what it was made to do since the last action."""
-
-    def __init__(self, name: str) -> None:
-        self.x = 0.0
-        self.did: list[str] = []
-
-    def sense(self, values: Any, heard: Any) -> None:
-        (self.x,) = values
-
-    def act(self) -> tuple[list[float], str]:
-        did, self.did = self.did, []
-        return [], " ".join(did)
-
-
 def behavior(name: str, one_shot: bool = False) -> BasicBehavior:
-    def does(what: str) -> Any:
-        return lambda body: body.did.append(what)
-
     return BasicBehavior(
-        name, does(name), does(f"start-{name}"), does(f"stop-{name}"), one_shot=one_shot
+        name, noting(name), noting(f"start-{name}"), noting(f"stop-{name}"), one_shot=one_shot
     )
 
 

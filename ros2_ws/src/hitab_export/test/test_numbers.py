@@ -15,27 +15,19 @@ from hitab_core import (
     LearningAgent,
     VocabularyError,
 )
+from hitab_core.plain_body import PlainBody
 from hitab_export import exported
 
 NAMES = ("Wind", "Depth", "Sea")
 
 
-class Boat:
-    def __init__(self, name):
-        self.values, self.action = [0.0] * len(NAMES), []
-
-    def sense(self, values, heard):
-        self.values, self.action = values, []
-
-    def act(self):
-        return self.action, ""
-
+class Boat(PlainBody):
     def steer(self, *numbers):
         self.action = list(numbers)
 
 
 def reading(index):
-    return lambda boat: boat.values[index]
+    return lambda boat: boat.percept[index]
 
 
 BOAT = Domain.of(

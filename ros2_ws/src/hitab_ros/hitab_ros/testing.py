@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -29,25 +29,6 @@ def context_of_its_own() -> Iterator[Context]:
             yield context
         finally:
             context.try_shutdown()
-
-
-class NumberBody:
-    """A body that perceives one number and does nothing.
-
-    Attributes:
-        x: the number.
-    """
-
-    def __init__(self, name: str) -> None:
-        self.x = 0.0
-
-    def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Perceive."""
-        (self.x,) = values
-
-    def act(self) -> tuple[Sequence[float], str]:
-        """Do and say nothing."""
-        return (), ""
 
 
 SECONDS = 60.0
