@@ -42,31 +42,27 @@ OPTIONAL = (SOURCES.parents[1] / "requirements/optional.txt").read_text().split(
 PACKAGES = [name for floor in FLOORS for name in floor]
 
 BUDGET = {
-    "foraging_world": 900,
+    "foraging_world": 850,
     "half_field_world": 450,
     "hitab_agent": 2600,
     "hitab_bringup": 5150,
     "hitab_class": 200,
-    "hitab_client": 4600,
-    "hitab_commander": 1000,
-    "hitab_core": 9350,
+    "hitab_client": 4250,
+    "hitab_commander": 1050,
+    "hitab_core": 9450,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
     "hitab_ros": 1350,
     "hitab_studio": 4750,
-    "hitab_world": 1850,
+    "hitab_world": 1900,
     "keepaway_world": 1350,
-    "tests": 28950,
+    "tests": 29000,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
-HOMONYMS = {
-    *("Active", "AgentSettings", "Connection", "Field", "Game", "Leaf", "Line", "Look", "Member"),
-    *("Messages", "Moment", "Panel", "Part", "Perceived", "Player", "Reach", "Saved", "Sensor"),
-    *("Shared", "Table", "Target", "Test", "Thing", "Words"),
-}
+HOMONYMS: set[str] = set()
 """Names that several public classes have today: remove them from here, and add none."""
 
 DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
