@@ -62,7 +62,7 @@ def tree(
         console.show(json, data, *(_drawn(branch, agents) for branch in branches))
         for branch in branches if json is None else ():
             if branch.order and branch.order == branch.behavior:
-                told = f"{branch.name} gives {branch.order} until it is told what else to perform"
+                told = f"{branch.name} gives {branch.order} until another order"
                 console.note(with_commands(told, [Fix.PERFORM(agent=branch.name)]))
         for why in lost:
             console.error(why)
