@@ -12,11 +12,9 @@ FLOORS = (
     ("hitab_core",),  # knows no ROS
     ("hitab_ros",),
     ("hitab_agent", "hitab_client", "hitab_world"),
-    ("hitab_commander", "hitab_robots", "hitab_studio"),
-    ("hitab_bringup",),
-    ("foraging_world", "hitab_class", "hitab_export", "hitab_gamepad", "keepaway_world"),
-    ("half_field_world",),
-    ("hitab_rcssserver",),
+    ("foraging_world", "hitab_commander", "hitab_robots", "hitab_studio", "keepaway_world"),
+    ("half_field_world", "hitab_bringup"),
+    ("hitab_class", "hitab_export", "hitab_gamepad", "hitab_rcssserver"),
 )
 
 CORE_FLOORS = (

@@ -21,7 +21,7 @@ sys.path.insert(0, str(HERE.parents[1] / "tests"))
 from test_architecture import FLOORS, PACKAGES, imports, modules  # noqa: E402
 
 WORDS = {
-    "hitab_core": "engine, no ROS:\nlearning · running · training\nlibrary · drawing · commanding",
+    "hitab_core": "engine, no ROS:\nlearning · running · training\nlibrary · drawing · orders",
     "hitab_ros": "guarded nodes, names, QoS",
     "hitab_agent": "node of an agent,\nhost of many",
     "hitab_client": "what programs talk\nto a swarm with; lessons",
@@ -31,7 +31,7 @@ WORDS = {
     "hitab_studio": "browser console",
     "hitab_bringup": "swarm files, supervision,\nthe hitab command",
     "foraging_world": "box foraging: world, swarms,\nlessons, libraries",
-    "keepaway_world": "soccer: world, swarms,\nlessons, libraries, verbs",
+    "keepaway_world": "soccer: world, swarms,\nlessons, libraries",
     "hitab_class": "exercises and grading",
     "hitab_export": "behaviors as programs",
     "hitab_gamepad": "training and driving\nwith a gamepad",
@@ -48,13 +48,13 @@ COLUMN = {
     "hitab_robots": -6.0,
     "hitab_studio": 0.9,
     "hitab_bringup": -1.5,
-    "foraging_world": 5.0,
-    "keepaway_world": 2.0,
-    "hitab_class": -6.8,
-    "hitab_export": -4.0,
-    "hitab_gamepad": -1.2,
-    "half_field_world": 2.0,
-    "hitab_rcssserver": 2.0,
+    "foraging_world": 7.0,
+    "keepaway_world": 4.0,
+    "hitab_class": -5.4,
+    "hitab_export": -2.4,
+    "hitab_gamepad": 0.6,
+    "half_field_world": 4.0,
+    "hitab_rcssserver": 4.0,
 }
 WIDTH, HEIGHT, GAP = 2.6, 0.8, 0.5
 
@@ -78,7 +78,7 @@ def needs() -> dict[str, set[str]]:
 def main() -> None:
     """Draw it."""
     mpl.rcParams.update({"svg.hashsalt": "hitab", "svg.fonttype": "none", "font.size": 8})
-    figure, axes = plt.subplots(figsize=(11.0, 6.4))
+    figure, axes = plt.subplots(figsize=(12.5, 6.4))
     place = {}
     for height, floor in enumerate(FLOORS):
         for package in floor:
@@ -94,7 +94,7 @@ def main() -> None:
         axes.add_patch(box)
         axes.text(x, y + 0.25, package, ha="center", va="center", weight="bold", zorder=3)
         axes.text(x, y - 0.1, WORDS[package], ha="center", va="center", fontsize=7, zorder=3)
-    axes.set_xlim(-7.5, 6.5)
+    axes.set_xlim(-7.5, 8.5)
     axes.set_ylim(-0.7, (len(FLOORS) - 1) * (HEIGHT + GAP) + 0.7)
     axes.axis("off")
     figure.savefig(HERE / "packages.svg", metadata={"Date": None}, bbox_inches="tight")
