@@ -68,7 +68,7 @@ def test_the_command_records_chosen_topics_too(
         "the world is paused: nothing changes\n  let the world go on: `hitab world resume`"
         in done[0].stderr
     )
-    assert "/robot_1/odom is not in it: nobody has published it" in done[0].stderr
+    assert "/robot_1/odom is not in it: no node has published it" in done[0].stderr
     assert "/robot_1/scan" in {message.topic for message in RecordedMessages(bag)}
     again = hitab("record", "-o", str(bag))
     assert f"{bag} exists already" in again.stderr

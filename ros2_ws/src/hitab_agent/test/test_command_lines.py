@@ -12,7 +12,10 @@ from hitab_ros.ros_domains import reserved_domain
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (["__ns:=/a", "-p", "seed:=soon"], "Trying to set parameter 'seed' to 'soon'"),
+        (
+            ["__ns:=/a", "-p", "seed:=soon"],
+            'the parameter "seed" is the text "soon"; it must be such as 0',
+        ),
         (["__ns:=/a", "-p", "domain:=nothing"], "nothing"),
     ],
 )
