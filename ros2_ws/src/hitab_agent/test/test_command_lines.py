@@ -14,7 +14,7 @@ from hitab_ros.ros_domains import reserved_domain
     [
         (
             ["__ns:=/a", "-p", "seed:=soon"],
-            'the parameter "seed" is the text "soon"; it must be such as 0',
+            '"seed" is the text "soon"; it must be such as 0',
         ),
         (["__ns:=/a", "-p", "domain:=nothing"], "nothing"),
     ],
