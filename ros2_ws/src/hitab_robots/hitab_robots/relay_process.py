@@ -17,8 +17,8 @@ from hitab_ros import names
 MODULE = "hitab_robots.velocity_relay"
 
 RELAY_HUNG_S = 0.5
-"""A relay that waits or is suspended, and gives no sign of life for so long, s, hangs. It gives ten
-a second, and a network that loses one in ten loses five in a row once in 10,000 s."""
+"""A relay that waits or is suspended, and gives no sign of life for so long, s, hangs. It gives
+ten a second, and a network that loses one in ten loses five in a row once in 10,000 s."""
 
 BUSY_S = 2.0
 """The same for a relay that is only starved of CPU or disk, s."""
