@@ -203,6 +203,22 @@ def test_whatever_is_wrong_in_a_recording_it_is_read_right_or_refused(tmp_path: 
         assert missing or done == right
 
 
+def test_a_record_whose_kind_is_damaged_is_not_skipped_in_silence(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    right = driven(path)
+    whole, at, refused = path.read_bytes(), 8, 0
+    while at < len(whole) - 8:
+        content = bytearray(whole)
+        content[at] ^= 0x80  # kinds from 0x80 on are others' own, which readers skip
+        path.write_bytes(content)
+        try:
+            assert read(path)[0] == right
+        except SwarmError:
+            refused += 1
+        at += 9 + int.from_bytes(whole[at + 1 : at + 9], "little")
+    assert refused
+
+
 def test_messages_with_another_definition_are_not_read(tmp_path: Path) -> None:
     path = tmp_path / "a.mcap"
     with path.open("wb") as file:

@@ -13,6 +13,7 @@ from pathlib import Path
 from shlex import quote
 from typing import Any, BinaryIO
 
+from mcap.reader import make_reader
 from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk, get_chunk_data_stream
 from rclpy.serialization import deserialize_message
@@ -124,7 +125,7 @@ class RecordedMessages:
     def _read(self, path: Path) -> Iterator[Received]:
         schemas: dict[int, Schema] = {}
         channels: dict[int, Channel] = {}
-        at = count = size = 0
+        at = count = size = messages = 0
         is_finished = True
         try:
             with path.open("rb") as stream:
@@ -138,6 +139,7 @@ class RecordedMessages:
                         elif isinstance(inner, Metadata):
                             _check_format(path, inner)
                         elif isinstance(inner, Message):
+                            messages += 1
                             channel = channels[inner.channel_id]
                             if channel.schema_id:
                                 count += 1
@@ -145,6 +147,12 @@ class RecordedMessages:
                                 when = self._time(inner.log_time)
                                 yield Received(path.name, channel, schema, when, inner.data)
                     at = stream.tell()
+                if is_finished and messages < (all_of_it := _message_count(stream)):
+                    # A chunk whose kind is one wrong byte looks like a record to be skipped.
+                    raise SwarmError(
+                        f"{path} is damaged: {messages} of its {all_of_it} messages can be found; "
+                        "copy it again from where it was recorded"
+                    )
         except SwarmError:
             raise
         except OSError as error:
@@ -202,6 +210,16 @@ def _records(stream: BinaryIO, size: int) -> Iterator[list[McapRecord]]:
             yield breakup_chunk(record, validate_crc=True)
         else:
             yield [record]
+
+
+def _message_count(stream: BinaryIO) -> int:
+    """Return how many messages a finished file has by its summary; 0 if that says nothing."""
+    stream.seek(0)
+    try:
+        summary = make_reader(stream).get_summary()
+        return summary.statistics.message_count if summary and summary.statistics else 0
+    except Exception:  # the summary is damaged, and only repeats what was read
+        return 0
 
 
 def _unpacked(data: bytes) -> bytes:
