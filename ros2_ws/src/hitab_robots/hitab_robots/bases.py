@@ -19,7 +19,7 @@ class Bases:
     A base that was started again has the name of the one before, and another subscription.
 
     Attributes:
-        missing: whether all of them only listen.
+        missing: whether all of them only listen, or may.
         unnamed: whether a new base has no name yet, and may be one that came back.
     """
 
@@ -38,8 +38,11 @@ class Bases:
         """
         # One may be named late: then it is new once more.
         new = {name for identity, name in takers.items() if self._known.get(identity) != name}
-        self.missing = all(map(LISTENERS.fullmatch, takers.values()))
         self.unnamed = "" in new and now - self._settled < NAMED_S
+        # One without a name yet may only listen: a robot that is armed now would stop at its name.
+        self.missing = all(
+            LISTENERS.fullmatch(name) or (self.unnamed and not name) for name in takers.values()
+        )
         if self.unnamed:
             return set()
         back = {name for name in new & self._names if not LISTENERS.fullmatch(name)}

@@ -57,3 +57,14 @@ def test_one_that_the_graph_never_names_moves_and_has_come_back_when_it_is_new_a
         assert bases.look({identity: ""}, 2 * NAMED_S) == back
         assert not bases.unnamed
         bases.look({}, 0.0)
+
+
+def test_a_program_without_a_name_yet_is_no_base_until_its_name_is_known_or_does_not_come():
+    bases = Bases()
+    assert bases.look({b"1": ""}, 0.0) == set()
+    assert bases.missing, "it may only listen, and a robot that is armed now would stop then"
+    bases.look({b"1": "/hitab"}, 0.5)
+    assert bases.missing
+    bases.look({b"1": "/hitab", b"2": ""}, 1.0)
+    bases.look({b"1": "/hitab", b"2": ""}, 1.0 + NAMED_S)
+    assert not bases.missing, "others' nodes may never tell their names"
