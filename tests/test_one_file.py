@@ -12,7 +12,7 @@ FAILS = CORRIDOR.replace("        if self.gone > 4.0", "        1 / 0\n        i
 
 
 @pytest.fixture
-def run(hitab):
+def run(hitab, apart):
     def do(*command: str) -> str:
         done = hitab(*command)
         assert done.returncode == 0, done.stderr

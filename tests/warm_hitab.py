@@ -6,6 +6,7 @@ all of them use.
 
 from __future__ import annotations
 
+import faulthandler
 import multiprocessing
 import os
 import shlex
@@ -49,25 +50,35 @@ def run(
     """
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         files = [f"/proc/{os.getpid()}/fd/{file.fileno()}" for file in (out, err)]
-        process = _fork.Process(target=_hitab, args=(words, folder, dict(environment), files))
+        process = _fork.Process(
+            target=_hitab, args=(words, folder, dict(environment), files, 0.9 * seconds)
+        )
         process.start()
         process.join(seconds)
         if process.exitcode is None:
             process.kill()
             process.join()
-            raise TimeoutError(f"{shlex.join(words)} takes longer than {seconds:g} s")
+            err.seek(0)
+            said = err.read().decode()
+            raise TimeoutError(f"{shlex.join(words)} takes longer than {seconds:g} s:\n{said}")
         out.seek(0)
         err.seek(0)
         return process.exitcode, out.read().decode(), err.read().decode()
 
 
 def _hitab(
-    words: Sequence[str], folder: Path, environment: dict[str, str], files: Sequence[str]
+    words: Sequence[str],
+    folder: Path,
+    environment: dict[str, str],
+    files: Sequence[str],
+    seconds: float,
 ) -> None:
     for there, here in zip(files, (1, 2), strict=True):
         file = os.open(there, os.O_WRONLY)
         os.dup2(file, here)
         os.close(file)
+    # Where it hangs, should it take too long.
+    faulthandler.dump_traceback_later(seconds, file=2)
     os.environ.clear()
     os.environ.update(environment)
     os.chdir(folder)
