@@ -31,7 +31,7 @@ from typing import Annotated, Any
 import typer
 from games import size_of
 
-from hitab_bringup.opened_library import open_library
+from hitab_bringup.libraries.opened_library import open_library
 from hitab_client.shipped import shipped
 from hitab_core import START, Automaton, BehaviorLibrary, Domain, HandWritten, Repertoire, Use, has
 from hitab_core.learning.transition_learning import learn_transitions

@@ -1,0 +1,1 @@
+"""Evaluation: which agents play, with which libraries, without ROS."""

@@ -1,0 +1,350 @@
+"""Makes the world of a swarm and what its agents perform, in this process: no ROS is started."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from graphlib import TopologicalSorter
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from hitab_bringup.libraries.library_choice import holds_behaviors, named_library
+from hitab_bringup.libraries.opened_library import open_library
+from hitab_bringup.processes.swarm_processes import library_of
+from hitab_bringup.swarm_files.swarm_description import (
+    AgentDescription,
+    CommanderDescription,
+    SwarmDescription,
+    WorldDescription,
+)
+from hitab_bringup.swarm_files.swarm_options import described_swarm
+from hitab_client import DescriptionError
+from hitab_client.run_folder import RunFolder
+from hitab_commander import Commander, CommanderKind, HierarchyPlayers, Member
+from hitab_commander.commander_domain import commander_domain
+from hitab_core import (
+    BehaviorLibrary,
+    HitabError,
+    LibraryError,
+    Repertoire,
+    Use,
+    has,
+    load_domain,
+    some,
+)
+from hitab_core.library.yaml_places import read_yaml
+from hitab_world import World
+from hitab_world.evaluation import GameSetup
+from hitab_world.inprocess import AutomatonPlayer, Player
+from hitab_world.ros_parameters import GivenParameters
+
+UNTRAINED = "nothing"
+_VERSION = re.compile(r"(\w+)@(\d+)")
+
+
+@dataclass(frozen=True)
+class CastMember:
+    """A member of a cast: an agent or commander with its behavior and library.
+
+    Attributes:
+        repertoire: behaviors of the member.
+        behavior: performed from the beginning of each episode; None for the commander's order.
+        opened: library of the member; None without learned behaviors.
+        library: the folder of its trained behaviors; None if there are none.
+        digest: of what is learned there.
+        versions: of its behaviors, where it is not the present one.
+    """
+
+    repertoire: Repertoire
+    behavior: Use | None
+    opened: BehaviorLibrary | None = None
+    library: Path | None = None
+    digest: str = ""
+    versions: Mapping[str, int] = field(default_factory=dict)
+
+
+def part_of(
+    library: Path | None,
+    behavior: str,
+    *,
+    domain: str = "",
+    kind: CommanderKind | None = None,
+    versions: Mapping[str, int] | None = None,
+) -> CastMember:
+    """Return the cast member of an agent with a library.
+
+    Args:
+        library: folder of the library.
+        behavior: of the library or the domain; empty for the commander's order.
+        domain: of an agent without a library.
+        kind: of a commander; None if it is an agent.
+        versions: of behaviors of the library, instead of the present ones.
+
+    Raises:
+        LibraryError: if the library cannot be used, or has no such behavior or version.
+    """
+    use = Use.parse(behavior) if behavior else None
+    if library is None:
+        repertoire = Repertoire(load_domain(domain))
+        if use is not None:
+            repertoire.check_performable(use)
+        return CastMember(repertoire, use)
+    opened = (
+        open_library(library) if kind is None else BehaviorLibrary(library, commander_domain(kind))
+    )
+    automata = opened.load()
+    versions = versions or {}
+    for name, number in versions.items():
+        automata[name] = opened.on_disk.version(name, number).automaton
+    repertoire = Repertoire(opened.domain, automata)
+    if use is not None:
+        if use.name not in repertoire:
+            there = [*automata, *opened.domain.automata]
+            raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
+        repertoire.check_performable(use)
+    return CastMember(repertoire, use, opened, library, opened.digest, versions)
+
+
+def players_of(world: World, parts: Mapping[str, CastMember]) -> dict[str, Player]:
+    """Return the players of a world's agents; other agents than the world has are left out.
+
+    Raises:
+        DescriptionError: if it has none of them.
+    """
+
+    def time() -> float:
+        return world.episode_cycle * world.cycle_seconds
+
+    return {
+        name: AutomatonPlayer(part.repertoire, part.behavior, name, time=time)
+        for name, part in _there(world, parts).items()
+        if part.behavior is not None
+    }
+
+
+def _there(world: World, parts: Mapping[str, CastMember]) -> dict[str, CastMember]:
+    there = {name: parts[name] for name in world.agents if name in parts}
+    if not there:
+        raise DescriptionError(f"the world has none of {some([*parts])} {has(world.agents)}")
+    return there
+
+
+@contextmanager
+def world_of(described: WorldDescription) -> Iterator[World]:
+    """Yield the world that a description describes.
+
+    Raises:
+        HitabError: if one of its figures is invalid.
+    """
+    module = importlib.import_module(described.module)
+    if not hasattr(module, "make_world"):
+        raise DescriptionError(
+            f"{described.module} has no make_world(node, seed), which makes a world without ROS"
+        )
+    made: World = module.make_world(GivenParameters(described.parameters), described.seed)
+    with ExitStack() as leaving:
+        if close := getattr(made, "close", None):
+            leaving.callback(close)
+        yield made
+
+
+def evaluated_swarm(swarm: str, seed: int, parameters: Sequence[str]) -> SwarmDescription:
+    """Return a swarm as episodes of it are played without ROS.
+
+    Args:
+        swarm: a swarm description, or the name of a shipped one.
+        seed: of the run.
+        parameters: of its world, as ``NAME=VALUE``, instead of the swarm's own.
+
+    Raises:
+        HitabError: if it has no world, or a parameter is not given like that.
+    """
+    described = described_swarm(swarm, None)
+    world = described.with_world().world  # raises if there is none
+    assert world is not None
+    return described.with_world(
+        seed=seed, parameters={**world.parameters, **figures_in(parameters)}
+    )
+
+
+def figures_in(texts: Sequence[str]) -> dict[str, Any]:
+    """Return the figures of a world that options give as ``NAME=VALUE``, as YAML reads them.
+
+    Raises:
+        HitabError: if one is not given like that.
+    """
+    figures = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        if not (name and value):
+            raise HitabError(f'"{text}" is not NAME=VALUE, such as takers=3')
+        figures[name] = read_yaml(value, "--parameter").value
+    return figures
+
+
+class Cast:
+    """The cast of a swarm with a world: each member's behavior and library."""
+
+    def __init__(self, swarm: SwarmDescription) -> None:
+        self._agents = {agent.name: agent for agent in swarm.agents}
+        self._commanders = {commander.name: commander for commander in swarm.commanders}
+        self._members = {**self._agents, **self._commanders}
+        self._folder = RunFolder.of_swarm(swarm.name).path
+        self._behaviors = {agent.name: agent.behavior for agent in swarm.members}
+        self._libraries = {agent.name: self._own(agent) for agent in swarm.members}
+        self._versions: dict[str, dict[str, int]] = {}
+
+    def _own(self, agent: AgentDescription) -> Path | None:
+        """Return an agent's present or first library; None if it has no trained behavior."""
+        for folder in (library_of(agent, self._folder), agent.start_from):
+            if folder is not None and holds_behaviors(folder):
+                return folder
+        return None
+
+    def choose_libraries(self, texts: Sequence[str]) -> None:
+        """Give agents libraries, or versions of behaviors: ``[AGENT=]LIBRARY`` or ``NAME@1``.
+
+        Raises:
+            LibraryError: if there is no such library.
+        """
+        for agents, text in map(self._whose, texts):
+            if version := _VERSION.fullmatch(text):
+                behavior, number = version[1], int(version[2])
+                # Agents in other roles have learned other behaviors, or have other versions.
+                having = [
+                    name
+                    for name in agents
+                    if (library := self._libraries[name])
+                    and number in open_library(library).on_disk.versions(behavior)
+                ]
+                for name in having or agents:  # the first is refused with its behaviors
+                    self._versions.setdefault(name, {})[behavior] = number
+            else:
+                self._libraries |= dict.fromkeys(agents, named_library(text))
+
+    def choose_behaviors(self, texts: Sequence[str]) -> None:
+        """Give agents behaviors: ``[AGENT=]BEHAVIOR``, or ``nothing``.
+
+        If all agents are given one, their commanders order nothing.
+        """
+        for agents, text in map(self._whose, texts):
+            if agents == [*self._agents]:
+                self._behaviors |= dict.fromkeys(self._commanders, "")
+            self._behaviors |= dict.fromkeys(agents, "" if text == UNTRAINED else text)
+
+    def _whose(self, text: str) -> tuple[list[str], str]:
+        """Return whom a choice is for, and the choice; without a name it is for all agents."""
+        name, equals, rest = text.partition("=")
+        if equals and name in self._members:
+            return [name], rest
+        if equals and not Path(text).exists():
+            raise HitabError(f'no agent "{name}" {has(self._members, name)}')
+        return [*self._agents], text
+
+    def parts(self) -> dict[str, CastMember]:
+        """Return the cast of agents and commanders; who does nothing is left out.
+
+        Raises:
+            HitabError: if no member performs anything, or one a behavior that is missing.
+        """
+        parts = {}
+        ordered = self._ordered()
+        for name, behavior in self._behaviors.items():
+            member, library = self._members[name], self._libraries[name]
+            if not behavior and name not in ordered:
+                continue
+            kind = member.kind if isinstance(member, CommanderDescription) else None
+            if kind is not None and library is None:
+                raise HitabError(
+                    f"{name} has learned no behavior to perform; give it a library with "
+                    f"-l {name}=LIBRARY, or have it order nothing with -b {name}=nothing"
+                )
+            parts[name] = part_of(
+                library,
+                behavior,
+                domain=member.domain,
+                kind=kind,
+                versions=self._versions.get(name),
+            )
+        if not parts:
+            raise HitabError("no agent performs anything; name a behavior with -b NAME")
+        return parts
+
+    def _ordered(self) -> set[str]:
+        """Return the members below a commander that performs something, on all levels."""
+        found: set[str] = set()
+        superiors = [name for name in self._commanders if self._behaviors[name]]
+        while superiors:
+            below = {*self._commanders[superiors.pop()].subordinates} - found
+            found |= below
+            superiors += below & self._commanders.keys()
+        return found
+
+
+@contextmanager
+def games_of(
+    swarm: SwarmDescription, casts: Sequence[Mapping[str, CastMember]]
+) -> Iterator[list[GameSetup]]:
+    """Yield a game for each way to cast the agents of a swarm; all worlds begin alike.
+
+    Raises:
+        HitabError: if there is no such game.
+    """
+    described = swarm.with_world().world  # raises if there is none
+    assert described is not None
+    with ExitStack() as stack:
+        worlds = [stack.enter_context(world_of(described)) for _ in casts]
+        yield [
+            _commanded(world, parts, swarm.commanders, stack)
+            for world, parts in zip(worlds, casts, strict=True)
+        ]
+
+
+def _commanded(
+    world: World,
+    parts: Mapping[str, CastMember],
+    commanders: Sequence[CommanderDescription],
+    leaving: ExitStack,
+) -> GameSetup:
+    """Return a game in which those commanders give orders that perform something."""
+    by_name = {one.name: one for one in commanders if one.name in parts}
+    if not by_name:
+        return GameSetup(world, players_of(world, parts))
+    agents = _there(world, parts)
+    there, made = {*agents}, []
+    for name in TopologicalSorter(
+        {n: [*c.subordinates] for n, c in by_name.items()}
+    ).static_order():
+        one = by_name.get(name)
+        group = tuple(sub for sub in one.subordinates if sub in there) if one else ()
+        if one is None or not group:
+            continue  # an agent, or the commander of some that this world does not have
+        there.add(name)
+        behavior = str(parts[name].behavior or "")
+        library = _library(parts[name], leaving)
+        roles, asks = one.subordinates, one.asks_position
+        made.append(Commander(name, one.kind, library, behavior, group, roles, asks))
+    members = [
+        Member(name, _library(part, leaving), str(part.behavior or ""))
+        for name, part in agents.items()
+    ]
+    hierarchy = HierarchyPlayers(members, made, world.cycle_seconds)
+    return GameSetup(world, hierarchy.players, hierarchy.confer)
+
+
+def _library(part: CastMember, leaving: ExitStack) -> BehaviorLibrary:
+    """Return a library with what a part can perform, a copy if that is not what its own has."""
+    domain = part.repertoire.domain
+    if part.opened is not None and not part.versions:
+        return part.opened
+    folder = leaving.enter_context(TemporaryDirectory(prefix="hitab-"))
+    made = BehaviorLibrary(folder, domain)
+    if part.opened is not None:
+        made.install(part.opened.texts())
+        for name in part.versions:
+            made.save(part.repertoire.automata[name])
+    return made
