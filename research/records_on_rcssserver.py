@@ -28,7 +28,7 @@ from rcss_programs import (
 from records import TRAINED_AWAY, trained_team
 
 from hitab_bringup import players_of
-from hitab_bringup.evaluation.evaluating import CastMember
+from hitab_bringup.casting import CastMember
 from hitab_bringup.libraries.opened_library import open_library
 from hitab_client.shipped import shipped
 from hitab_core import Use

@@ -80,7 +80,7 @@ def needs() -> dict[str, set[str]]:
 def main() -> None:
     """Draw it."""
     mpl.rcParams.update({"svg.hashsalt": "hitab", "svg.fonttype": "none", "font.size": 8})
-    figure, axes = plt.subplots(figsize=(12.5, 6.4))
+    figure, axes = plt.subplots(figsize=(12.5, 7.4))
     place = {}
     for height, floor in enumerate(FLOORS):
         for package in floor:

@@ -64,7 +64,7 @@ class HitabGroup(TyperGroup):
 
 
 HELP_PANELS = {
-    "Begin here": "perform.film.demo begin.new.new",
+    "Begin here": "begin.demo.demo begin.new.new",
     "Swarm": "swarm.swarm.up swarm.swarm.down swarm.status.status swarm.logs.logs "
     "swarm.recording.record swarm.doctor.doctor",
     "Train": "perform.commanding.demonstrate train.driving.drive train.training.train "
@@ -72,7 +72,7 @@ HELP_PANELS = {
     "train.training.discard train.questions.questions",
     "Perform": "perform.commanding.perform perform.commanding.distribute "
     "perform.commanding.vocabulary perform.perceiving.perceive perform.perceiving.why "
-    "perform.evaluate.evaluate perform.film.film "
+    "perform.evaluate.evaluate perform.evaluate.film "
     "perform.emergency.stop perform.emergency.go perform.emergency.arm",
     "Command": "perform.hierarchy.tree perform.hierarchy.order",
 }

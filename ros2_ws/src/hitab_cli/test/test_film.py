@@ -3,10 +3,10 @@
 import pytest
 from PIL import Image
 
-from hitab_bringup.evaluation.evaluating import Cast, evaluated_swarm, games_of
+from hitab_bringup.casting import Cast
+from hitab_bringup.evaluation import evaluated_swarm, games_of, play_alike
 from hitab_cli.views import field_film as field_film
 from hitab_core import HitabError
-from hitab_world.evaluation import play_alike
 
 SEED, EPISODE = 4, 2
 

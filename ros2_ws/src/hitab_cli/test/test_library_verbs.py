@@ -16,7 +16,7 @@ import pytest
 from typer.testing import CliRunner
 
 from hitab_bringup import read_swarm
-from hitab_bringup.evaluation.evaluating import Cast
+from hitab_bringup.casting import Cast
 from hitab_bringup.libraries.library_choice import with_library
 from hitab_bringup.libraries.run_libraries import prepare
 from hitab_bringup.swarm_files.swarm_options import described_swarm

@@ -25,13 +25,13 @@ from hitab_cli.views.field_picture import draw_field
 from hitab_client import console
 from hitab_client.cli_remedies import called
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
+from hitab_client.measures import LENGTH, estimate, values_of
 from hitab_client.shipped import find_file
 from hitab_core import HitabError, has, quantity
 from hitab_world.demo import DEMO_ENTRY_POINTS, Demo
-from hitab_world.evaluation import mean_and_error
 
 if TYPE_CHECKING:
-    from hitab_msgs.msg import Episode, WorldState
+    from hitab_msgs.msg import WorldState
 
 PICTURE_CYCLES = 120
 PICTURE_MOMENTS = 80
@@ -152,26 +152,17 @@ def _evaluate(
     running.link.spin_until(
         lambda: world.status is not None and world.status.episodes_left == 0, 3.0
     )
-    values = _values(played)
+    values = values_of(played)
     return {
         "episodes": len(played),
         "seed": seed,
-        "measures": {name: mean_and_error(of_all) for name, of_all in values.items()},
+        "measures": {name: estimate(of_all).rounded() for name, of_all in values.items()},
         "ended": dict(Counter(one.ended for one in played)),
         "missed_deadlines": world.wait().missed_deadlines,
         "behavior": demo.behavior,
         "library_digest": open_library(library).digest,
-        "seconds_of_episodes": values["seconds"],
+        "seconds_of_episodes": values[LENGTH],
     }
-
-
-def _values(played: Sequence[Episode]) -> dict[str, list[float]]:
-    """Return the measures of all episodes, their length first."""
-    values = {"seconds": [float(one.seconds) for one in played]}
-    for one in played:
-        for name, value in zip(one.measure_names, one.measures, strict=True):
-            values.setdefault(name, []).append(float(value))
-    return values
 
 
 def _watch(running: RunningSwarm) -> list[WorldState]:
@@ -200,7 +191,7 @@ def _draw_automata(library: Path, names: Sequence[str], path: Path) -> None:
 
 
 def _draw_episode_lengths(evaluation: Mapping[str, Any], demo: Demo, path: Path) -> None:
-    mean, _ = demo.references.get("seconds", (None, None))
+    mean, _ = demo.references.get(LENGTH, (None, None))
     plots.draw_measures(
         {"length of the episode, s": {"ours": evaluation["seconds_of_episodes"]}},
         f"{demo.behavior}: {quantity(evaluation['episodes'], 'episode')}, seed "

@@ -14,10 +14,10 @@ from hitab_core import HitabError
 from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
+    from hitab_bringup import GameSetup
     from hitab_client import Thing
     from hitab_client.console import Advance
     from hitab_world import World
-    from hitab_world.evaluation import GameSetup
 
 SUFFIXES = (".gif", ".png", ".webp")
 INCHES = 3.6  # width of the drawing; text and lines are as large in it

@@ -1,4 +1,4 @@
-"""The verb that plays episodes without ROS, and compares two ways to play them."""
+"""Verbs that play episodes without ROS: evaluate, which also compares two casts, and film."""
 
 from __future__ import annotations
 
@@ -13,28 +13,30 @@ from hitab_client.cli_options import JsonPath
 from hitab_core import quantity
 
 if TYPE_CHECKING:
-    from hitab_bringup import CastMember
-    from hitab_world.evaluation import Comparison, Estimate
+    from hitab_bringup import CastMember, Comparison
+    from hitab_client.measures import Estimate
 
 LINES = 10
 """How often a line says how far it is, where there is no bar."""
 
+SwarmFile = Annotated[str, typer.Argument(autocompletion=completion.swarm_descriptions)]
+Libraries = Annotated[list[str] | None, typer.Option("--library", "-l", metavar="[AGENT=]LIBRARY")]
+Behaviors = Annotated[
+    list[str] | None, typer.Option("--behavior", "-b", metavar="[AGENT=]BEHAVIOR")
+]
+Figures = Annotated[list[str] | None, typer.Option("--parameter", "--set", metavar="NAME=VALUE")]
+Seed = Annotated[int, typer.Option(min=0)]
+
 
 def evaluate(
-    swarm: Annotated[str, typer.Argument(autocompletion=completion.swarm_descriptions)],
-    library: Annotated[
-        list[str] | None, typer.Option("--library", "-l", metavar="[AGENT=]LIBRARY")
-    ] = None,
-    behavior: Annotated[
-        list[str] | None, typer.Option("--behavior", "-b", metavar="[AGENT=]BEHAVIOR")
-    ] = None,
+    swarm: SwarmFile,
+    library: Libraries = None,
+    behavior: Behaviors = None,
     against: Annotated[list[str] | None, typer.Option(metavar="[AGENT=]LIBRARY|NAME@1")] = None,
     episodes: Annotated[int, typer.Option("--episodes", "-n", min=1)] = 50,
-    seed: Annotated[int, typer.Option(min=0)] = 1,
+    seed: Seed = 1,
     longest: Annotated[float, typer.Option(min=0.0)] = 0.0,
-    parameter: Annotated[
-        list[str] | None, typer.Option("--parameter", "--set", metavar="NAME=VALUE")
-    ] = None,
+    parameter: Figures = None,
     plot: Path | None = None,
     json: JsonPath = None,
 ) -> None:
@@ -64,13 +66,18 @@ def evaluate(
       hitab evaluate half_field -n 200
       hitab evaluate foraging -l my_library --against foraging -n 5 --set foragers=20
     """
-    from hitab_bringup import Cast, evaluated_swarm, games_of
-    from hitab_world.evaluation import Comparison, measures_of, play_alike
+    from hitab_bringup import (
+        SIDES,
+        Cast,
+        Comparison,
+        evaluated_swarm,
+        games_of,
+        measures_of,
+        play_alike,
+    )
 
     described = evaluated_swarm(swarm, seed, parameter or [])
-    cast = Cast(described)
-    cast.choose_libraries(library or [])
-    cast.choose_behaviors(behavior or [])
+    cast = Cast(described, library, behavior)
     parts = [cast.parts()]
     if against:
         cast.choose_libraries(against)
@@ -96,15 +103,63 @@ def evaluate(
     if plot is not None:
         from hitab_cli.views.plots import draw_measures
 
-        names = ("evaluated", "against")
         draw_measures(
-            {f"{_named(one)}": dict(zip(names, one.values, strict=False)) for one in compared},
+            {_named(one): dict(zip(SIDES, one.values, strict=False)) for one in compared},
             f"{described.name}: {quantity(len(played), 'episode')}, seed {seed}",
             plot,
         )
         console.note(f"plot in {plot}")
     if interrupted:
         raise typer.Exit(130)
+
+
+def film(
+    swarm: SwarmFile,
+    path: Annotated[Path, typer.Argument(metavar="FILE")],
+    library: Libraries = None,
+    behavior: Behaviors = None,
+    seed: Seed = 1,
+    episode: Annotated[int, typer.Option(min=0)] = 0,
+    begin: Annotated[float, typer.Option(min=0.0)] = 0.0,
+    seconds: Annotated[float, typer.Option(min=0.1)] = 20.0,
+    speed: Annotated[float, typer.Option(min=0.1, max=10.0)] = 1.0,
+    pixels: Annotated[int, typer.Option(min=100, max=2000)] = 360,
+    parameter: Figures = None,
+) -> None:
+    """Film an episode of a swarm, which is played without ROS.
+
+    It is the episode that `hitab evaluate` plays with the same options.
+
+    Args:
+        swarm: A swarm description, or the name of a shipped one; it need not be up.
+        path: File for the film: GIF, PNG (animated) or WebP.
+        library: As of `hitab evaluate`. Repeatable.
+        behavior: As of `hitab evaluate`. Repeatable.
+        seed: Of the run.
+        episode: Number of the episode in the run.
+        begin: Simulated seconds after which the film begins.
+        seconds: How long it takes.
+        speed: Of the film, as a factor of real time.
+        pixels: Width of the pictures.
+        parameter: A figure of the world. Repeatable.
+
+    Examples:
+      hitab film keepaway_trained keepers.gif --seconds 10
+      hitab film half_field attack.webp --seed 3 --episode 7
+    """
+    from hitab_bringup import Cast, evaluated_swarm, games_of
+    from hitab_cli.views.field_film import check_film, draw_film
+    from hitab_cli.views.field_film import film as play
+
+    check_film(path)
+    described = evaluated_swarm(swarm, seed, parameter or [])
+    with games_of(described, [Cast(described, library, behavior).parts()]) as games:
+        filmed = play(games[0], episode, begin, seconds)
+        with console.progress("filming", "pictures") as advance:
+            draw_film(filmed, path, advance, pixels=pixels, speed=speed)
+    how = f"; the episode ended: {filmed.ended}" if filmed.ended else ""
+    size = path.stat().st_size / 1000.0
+    console.say(f"filmed {filmed.seconds:.1f} s to {path}, {size:.0f} kB{how}")
 
 
 def _named(one: Comparison) -> str:
@@ -120,7 +175,7 @@ def _show(
     seed: int,
     json: str | None,
 ) -> None:
-    from hitab_world.evaluation import endings
+    from hitab_bringup import SIDES, endings
 
     both = len(parts) > 1
     columns = ["measure", "evaluated", *["against", "difference", ""] * both]
@@ -128,13 +183,12 @@ def _show(
     for one in compared:
         cells = [_named(one), *map(_shown, one.estimates)]
         rows.append([*cells, *([_shown(one.difference), one.verdict] if both else [])])
-    keys = ("evaluated", "against")
-    ended = dict(zip(keys, endings(played), strict=False))
+    ended = dict(zip(SIDES, endings(played), strict=False))
     data = {
         "swarm": swarm,
         "episodes": len(played),
         "seed": seed,
-        "agents": {key: _told(one) for key, one in zip(keys, parts, strict=False)},
+        "agents": {key: _told(one) for key, one in zip(SIDES, parts, strict=False)},
         "measures": {one.measure.name: one.to_json() for one in compared},
         "ended": ended,
     }

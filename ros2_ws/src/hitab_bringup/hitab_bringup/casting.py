@@ -1,16 +1,11 @@
-"""Makes the world of a swarm and what its agents perform, in this process: no ROS is started."""
+"""The cast of a swarm that plays without ROS: each member's behavior and library."""
 
 from __future__ import annotations
 
-import importlib
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from graphlib import TopologicalSorter
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
 
 from hitab_bringup.libraries.library_choice import holds_behaviors, named_library
 from hitab_bringup.libraries.opened_library import open_library
@@ -19,28 +14,11 @@ from hitab_bringup.swarm_files.swarm_description import (
     AgentDescription,
     CommanderDescription,
     SwarmDescription,
-    WorldDescription,
 )
-from hitab_bringup.swarm_files.swarm_options import described_swarm
-from hitab_client import DescriptionError
 from hitab_client.run_folder import RunFolder
-from hitab_commander import Commander, CommanderKind, HierarchyPlayers, Member
+from hitab_commander import CommanderKind
 from hitab_commander.commander_domain import commander_domain
-from hitab_core import (
-    BehaviorLibrary,
-    HitabError,
-    LibraryError,
-    Repertoire,
-    Use,
-    has,
-    load_domain,
-    some,
-)
-from hitab_core.library.yaml_places import read_yaml
-from hitab_world import World
-from hitab_world.evaluation import GameSetup
-from hitab_world.inprocess import AutomatonPlayer, Player
-from hitab_world.ros_parameters import GivenParameters
+from hitab_core import BehaviorLibrary, HitabError, LibraryError, Repertoire, Use, has, load_domain
 
 UNTRAINED = "nothing"
 _VERSION = re.compile(r"(\w+)@(\d+)")
@@ -109,87 +87,21 @@ def part_of(
     return CastMember(repertoire, use, opened, library, opened.digest, versions)
 
 
-def players_of(world: World, parts: Mapping[str, CastMember]) -> dict[str, Player]:
-    """Return the players of a world's agents; other agents than the world has are left out.
-
-    Raises:
-        DescriptionError: if it has none of them.
-    """
-
-    def time() -> float:
-        return world.episode_cycle * world.cycle_seconds
-
-    return {
-        name: AutomatonPlayer(part.repertoire, part.behavior, name, time=time)
-        for name, part in _there(world, parts).items()
-        if part.behavior is not None
-    }
-
-
-def _there(world: World, parts: Mapping[str, CastMember]) -> dict[str, CastMember]:
-    there = {name: parts[name] for name in world.agents if name in parts}
-    if not there:
-        raise DescriptionError(f"the world has none of {some([*parts])} {has(world.agents)}")
-    return there
-
-
-@contextmanager
-def world_of(described: WorldDescription) -> Iterator[World]:
-    """Yield the world that a description describes.
-
-    Raises:
-        HitabError: if one of its figures is invalid.
-    """
-    module = importlib.import_module(described.module)
-    if not hasattr(module, "make_world"):
-        raise DescriptionError(
-            f"{described.module} has no make_world(node, seed), which makes a world without ROS"
-        )
-    made: World = module.make_world(GivenParameters(described.parameters), described.seed)
-    with ExitStack() as leaving:
-        if close := getattr(made, "close", None):
-            leaving.callback(close)
-        yield made
-
-
-def evaluated_swarm(swarm: str, seed: int, parameters: Sequence[str]) -> SwarmDescription:
-    """Return a swarm as episodes of it are played without ROS.
+class Cast:
+    """The cast of a swarm with a world: each member's behavior and library.
 
     Args:
-        swarm: a swarm description, or the name of a shipped one.
-        seed: of the run.
-        parameters: of its world, as ``NAME=VALUE``, instead of the swarm's own.
-
-    Raises:
-        HitabError: if it has no world, or a parameter is not given like that.
+        swarm: the description.
+        libraries: see `choose_libraries`.
+        behaviors: see `choose_behaviors`.
     """
-    described = described_swarm(swarm, None)
-    world = described.with_world().world  # raises if there is none
-    assert world is not None
-    return described.with_world(
-        seed=seed, parameters={**world.parameters, **figures_in(parameters)}
-    )
 
-
-def figures_in(texts: Sequence[str]) -> dict[str, Any]:
-    """Return the figures of a world that options give as ``NAME=VALUE``, as YAML reads them.
-
-    Raises:
-        HitabError: if one is not given like that.
-    """
-    figures = {}
-    for text in texts:
-        name, _, value = text.partition("=")
-        if not (name and value):
-            raise HitabError(f'"{text}" is not NAME=VALUE, such as takers=3')
-        figures[name] = read_yaml(value, "--parameter").value
-    return figures
-
-
-class Cast:
-    """The cast of a swarm with a world: each member's behavior and library."""
-
-    def __init__(self, swarm: SwarmDescription) -> None:
+    def __init__(
+        self,
+        swarm: SwarmDescription,
+        libraries: Sequence[str] | None = None,
+        behaviors: Sequence[str] | None = None,
+    ) -> None:
         self._agents = {agent.name: agent for agent in swarm.agents}
         self._commanders = {commander.name: commander for commander in swarm.commanders}
         self._members = {**self._agents, **self._commanders}
@@ -197,6 +109,8 @@ class Cast:
         self._behaviors = {agent.name: agent.behavior for agent in swarm.members}
         self._libraries = {agent.name: self._own(agent) for agent in swarm.members}
         self._versions: dict[str, dict[str, int]] = {}
+        self.choose_libraries(libraries or ())
+        self.choose_behaviors(behaviors or ())
 
     def _own(self, agent: AgentDescription) -> Path | None:
         """Return an agent's present or first library; None if it has no trained behavior."""
@@ -283,68 +197,3 @@ class Cast:
             found |= below
             superiors += below & self._commanders.keys()
         return found
-
-
-@contextmanager
-def games_of(
-    swarm: SwarmDescription, casts: Sequence[Mapping[str, CastMember]]
-) -> Iterator[list[GameSetup]]:
-    """Yield a game for each way to cast the agents of a swarm; all worlds begin alike.
-
-    Raises:
-        HitabError: if there is no such game.
-    """
-    described = swarm.with_world().world  # raises if there is none
-    assert described is not None
-    with ExitStack() as stack:
-        worlds = [stack.enter_context(world_of(described)) for _ in casts]
-        yield [
-            _commanded(world, parts, swarm.commanders, stack)
-            for world, parts in zip(worlds, casts, strict=True)
-        ]
-
-
-def _commanded(
-    world: World,
-    parts: Mapping[str, CastMember],
-    commanders: Sequence[CommanderDescription],
-    leaving: ExitStack,
-) -> GameSetup:
-    """Return a game in which those commanders give orders that perform something."""
-    by_name = {one.name: one for one in commanders if one.name in parts}
-    if not by_name:
-        return GameSetup(world, players_of(world, parts))
-    agents = _there(world, parts)
-    there, made = {*agents}, []
-    for name in TopologicalSorter(
-        {n: [*c.subordinates] for n, c in by_name.items()}
-    ).static_order():
-        one = by_name.get(name)
-        group = tuple(sub for sub in one.subordinates if sub in there) if one else ()
-        if one is None or not group:
-            continue  # an agent, or the commander of some that this world does not have
-        there.add(name)
-        behavior = str(parts[name].behavior or "")
-        library = _library(parts[name], leaving)
-        roles, asks = one.subordinates, one.asks_position
-        made.append(Commander(name, one.kind, library, behavior, group, roles, asks))
-    members = [
-        Member(name, _library(part, leaving), str(part.behavior or ""))
-        for name, part in agents.items()
-    ]
-    hierarchy = HierarchyPlayers(members, made, world.cycle_seconds)
-    return GameSetup(world, hierarchy.players, hierarchy.confer)
-
-
-def _library(part: CastMember, leaving: ExitStack) -> BehaviorLibrary:
-    """Return a library with what a part can perform, a copy if that is not what its own has."""
-    domain = part.repertoire.domain
-    if part.opened is not None and not part.versions:
-        return part.opened
-    folder = leaving.enter_context(TemporaryDirectory(prefix="hitab-"))
-    made = BehaviorLibrary(folder, domain)
-    if part.opened is not None:
-        made.install(part.opened.texts())
-        for name in part.versions:
-            made.save(part.repertoire.automata[name])
-    return made

@@ -1,1 +1,0 @@
-"""Evaluation: which agents play, with which libraries, without ROS."""
