@@ -46,7 +46,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "tests"))
 
 from browsing import browser, studio
 
-HITAB = (sys.executable, "-m", "hitab_bringup.main")
+HITAB = (sys.executable, "-m", "hitab_cli.main")
 ALL_IN_FRONT = ("--disable-backgrounding-occluded-windows", "--disable-renderer-backgrounding")
 """Pages behind others would be slowed down."""
 

@@ -186,9 +186,9 @@ def hurry(folder: Path) -> None:
 
 def measure(agents: int, hosts: int, library: str, rounds: int, *, preferred: bool) -> Figures:
     """Bring a swarm up, distribute a few times, take it down."""
-    from hitab_bringup import supervision
-    from hitab_bringup.bringing_up import bring_up
-    from hitab_bringup.swarm_file import parse_swarm
+    from hitab_bringup.processes import supervision
+    from hitab_bringup.processes.bringing_up import bring_up
+    from hitab_bringup.swarm_files.swarm_file import parse_swarm
     from hitab_client import domain_ids
     from hitab_client.ros_link import RosLink
     from hitab_client.run_folder import RunFolder

@@ -19,7 +19,7 @@ from typing import Annotated, Any
 import typer
 from servo_keepers import servo_players
 
-from hitab_world.evaluation import mean_and_error
+from hitab_client.measures import estimate
 from hitab_world.inprocess import play
 from keepaway_world.parameters import variant
 from keepaway_world.players import KEEPERS, offered
@@ -71,8 +71,8 @@ def measure(case: Case, episodes: int, seed: int) -> dict[str, Any]:
         "keepers": case.keepers,
         "parameters": dict(case.parameters),
         "episodes": episodes,
-        "seconds": mean_and_error([result.seconds for result in played]),
-        "passes": mean_and_error([result.measures["passes"] for result in played]),
+        "seconds": estimate([result.seconds for result in played]).rounded(),
+        "passes": estimate([result.measures["passes"] for result in played]).rounded(),
         "out_percent": round(100.0 * ended["out"] / episodes),
         "real": case.real,
     }

@@ -22,8 +22,8 @@ from typing import Annotated, Any
 
 import typer
 
-from hitab_bringup.opened_library import open_library
-from hitab_bringup.plots import figure, save
+from hitab_bringup.libraries.opened_library import open_library
+from hitab_cli.views.plots import figure, save
 from hitab_client.shipped import shipped
 from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BOOLEAN_SCALE, Domain

@@ -21,8 +21,8 @@ AT_ONCE = 50  # cycles
 
 def rate(name: str, cycles: int, seed: int) -> tuple[float, int]:
     """Return the cycles per second of a shipped swarm in lockstep, and the deadlines missed."""
-    from hitab_bringup.bringing_up import temporary_swarm
-    from hitab_bringup.swarm_file import read_swarm
+    from hitab_bringup.processes.bringing_up import temporary_swarm
+    from hitab_bringup.swarm_files.swarm_file import read_swarm
     from hitab_client.shipped import find_file
 
     swarm = read_swarm(find_file(name, "swarms", "swarm"))

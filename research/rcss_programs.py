@@ -20,9 +20,9 @@ from typing import Any
 import typer
 from report import tell
 
+from hitab_client.measures import estimate
 from hitab_rcssserver import sentences
 from hitab_rcssserver.rcss_world import RcssWorld
-from hitab_world.evaluation import mean_and_error
 
 GARBLED = re.compile(r'\tRecv \S+ \(say "[^"]*\(say "')
 """What the server logs of a player whose command was overwritten by what it says."""
@@ -192,7 +192,7 @@ def tell_episodes(
         out: how many ended because the ball left the box.
         json: file for the figures and the length of each episode; "": none.
     """
-    hold, passed = mean_and_error(seconds), mean_and_error(passes)
+    hold, passed = estimate(seconds).rounded(), estimate(passes).rounded()
     figures: dict[str, Any] = {
         "episodes": len(seconds),
         "seconds": hold["mean"],

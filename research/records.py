@@ -31,11 +31,11 @@ from typing import Annotated, Any
 import typer
 from games import size_of
 
-from hitab_bringup.opened_library import open_library
+from hitab_bringup.libraries.opened_library import open_library
+from hitab_client.measures import estimate
 from hitab_client.shipped import shipped
 from hitab_core import START, Automaton, BehaviorLibrary, Domain, HandWritten, Repertoire, Use, has
 from hitab_core.learning.transition_learning import learn_transitions
-from hitab_world.evaluation import mean_and_error
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import SIGHTS, KeepawayParameters, variant
 from keepaway_world.world import KeepawayWorld
@@ -67,7 +67,7 @@ class Result:
 
     def line(self) -> str:
         """Return a line of text."""
-        hold = mean_and_error(self.seconds)
+        hold = estimate(self.seconds).rounded()
         ended = ", ".join(f"{count} {why}" for why, count in sorted(self.ended.items()))
         middle = f"median {median(self.seconds):.1f} s, n = {len(self.seconds)}"
         return (
@@ -178,7 +178,7 @@ def measure(
 
 def difference(one: Result, other: Result) -> str:
     """Return the mean difference of two results over the same episodes, with its error."""
-    apart = mean_and_error([a - b for a, b in zip(one.seconds, other.seconds, strict=True)])
+    apart = estimate([a - b for a, b in zip(one.seconds, other.seconds, strict=True)]).rounded()
     mean, within = apart["mean"], CONFIDENT * apart["se"]
     return (
         f"{one.title} - {other.title}: {mean:.2f} ± {apart['se']:.2f} s "
@@ -281,7 +281,7 @@ def main(
             print(difference(results[0], other))
         figures[eyes] = {
             result.title: {
-                **mean_and_error(result.seconds),
+                **estimate(result.seconds).rounded(),
                 "ended": dict(result.ended),
                 "cycles_per_cpu_s": round(result.rate),
                 "seconds": list(result.seconds),

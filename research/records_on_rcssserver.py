@@ -28,8 +28,8 @@ from rcss_programs import (
 from records import TRAINED_AWAY, trained_team
 
 from hitab_bringup import players_of
-from hitab_bringup.evaluating import CastMember
-from hitab_bringup.opened_library import open_library
+from hitab_bringup.casting import CastMember
+from hitab_bringup.libraries.opened_library import open_library
 from hitab_client.shipped import shipped
 from hitab_core import Use
 from hitab_rcssserver.rcss_world import RcssWorld

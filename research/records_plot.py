@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hitab_bringup.plots import figure, save
+from hitab_cli.views.plots import figure, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

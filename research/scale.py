@@ -161,9 +161,9 @@ def _hurry(processes: list[psutil.Process]) -> None:
 
 def measure(agents: int, hosts: int, seconds: float, *, preferred: bool) -> Figures:
     """Bring a swarm up, play it for a while, give orders, take it down."""
-    from hitab_bringup import supervision
-    from hitab_bringup.bringing_up import bring_up
-    from hitab_bringup.swarm_file import parse_swarm
+    from hitab_bringup.processes import supervision
+    from hitab_bringup.processes.bringing_up import bring_up
+    from hitab_bringup.swarm_files.swarm_file import parse_swarm
     from hitab_client import domain_ids
     from hitab_client.ros_link import RosLink
     from hitab_client.run_folder import RunFolder

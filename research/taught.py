@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from hitab_bringup.opened_library import open_library
+from hitab_bringup.libraries.opened_library import open_library
 
 
 def examples_of(library: Path) -> dict[str, list[tuple]]:

@@ -19,8 +19,8 @@ from hitab_msgs.srv import ReadFeatures
 from intentions import DONE, Plan
 from pupils import VISIBLE, Sight, learner
 
-from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.opened_library import open_library
+from hitab_bringup.libraries.opened_library import open_library
+from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_client import SwarmError
 from hitab_core import START, Example, Repertoire, some
 from hitab_core.training import Question

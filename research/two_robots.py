@@ -16,7 +16,6 @@ import sys
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from statistics import fmean, stdev
 from typing import Annotated, Any
 
 import typer
@@ -24,6 +23,7 @@ from rich.console import Console
 from rich.table import Table
 from two_robots_runs import ROBOTS, STEP, THERE, Outcome, Tell, play, play_over_topics, room
 
+from hitab_client.measures import estimate
 from hitab_core import unknown
 
 TEAMS = {
@@ -42,16 +42,10 @@ def figures(runs: Sequence[dict[str, Outcome]]) -> dict[str, Any]:
         "runs": len(runs),
         "without_collision": sum(count == 0 for count in collided),
         "all_places": sum(count == len(ROBOTS) * len(room.WAYPOINTS) for count in reached),
-        "collided_robots": mean_and_error(collided),
-        "places": mean_and_error(reached),
-        "visits": mean_and_error(visits),
+        "collided_robots": asdict(estimate(collided)),
+        "places": asdict(estimate(reached)),
+        "visits": asdict(estimate(visits)),
     }
-
-
-def mean_and_error(values: Sequence[float]) -> dict[str, float]:
-    """Return mean and standard error; NaN where there is one value only."""
-    error = stdev(values) / math.sqrt(len(values)) if len(values) > 1 else math.nan
-    return {"mean": fmean(values), "se": error}
 
 
 def table(results: dict[str, dict[str, Any]], minutes: float) -> Table:
@@ -66,8 +60,8 @@ def table(results: dict[str, dict[str, Any]], minutes: float) -> Table:
     return shown
 
 
-def _with_error(value: dict[str, float]) -> str:
-    error = "" if math.isnan(value["se"]) else f" ± {value['se']:.2f}"
+def _with_error(value: dict[str, float | None]) -> str:
+    error = "" if value["se"] is None else f" ± {value['se']:.2f}"
     return f"{value['mean']:.2f}{error}"
 
 

@@ -102,7 +102,7 @@ def free_port() -> int:
 def studio(log: Path, *arguments: str) -> Iterator[str]:
     """Run `hitab studio` and yield its address."""
     port = free_port()
-    command = [sys.executable, "-m", "hitab_bringup.main", "studio", "--no-browser"]
+    command = [sys.executable, "-m", "hitab_cli.main", "studio", "--no-browser"]
     with log.open("w") as output:
         process = subprocess.Popen(
             [*command, "--port", str(port), *arguments],

@@ -13,8 +13,8 @@ from browsing import Person, browser, studio
 from keepers import trained_keepers
 from robot_desk import Desk, desk_with
 
-from hitab_bringup import supervision
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.processes import supervision
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import SwarmError, domain_ids
 from hitab_client.run_folder import libraries_of, running_swarms
 

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from hitab_bringup import SwarmDescription
-from hitab_bringup.evaluating import Cast, games_of
-from hitab_bringup.opened_library import open_library
-from hitab_bringup.swarm_options import described_swarm
+from hitab_bringup.casting import Cast
+from hitab_bringup.evaluation import games_of, play_alike
+from hitab_bringup.libraries.opened_library import open_library
+from hitab_bringup.swarm_files.swarm_options import described_swarm
 from hitab_world import EpisodeResult
-from hitab_world.evaluation import play_alike
 
 
 def trained_keepers(

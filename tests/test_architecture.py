@@ -14,7 +14,8 @@ FLOORS = (
     ("hitab_agent", "hitab_client", "hitab_world"),
     ("foraging_world", "hitab_commander", "hitab_robots", "hitab_studio", "keepaway_world"),
     ("half_field_world", "hitab_bringup"),
-    ("hitab_class", "hitab_export", "hitab_gamepad", "hitab_rcssserver"),
+    ("hitab_class", "hitab_cli", "hitab_rcssserver"),
+    ("hitab_export", "hitab_gamepad"),
 )
 
 CORE_FLOORS = (
@@ -43,9 +44,10 @@ BUDGET = {
     "foraging_world": 850,
     "half_field_world": 450,
     "hitab_agent": 2600,
-    "hitab_bringup": 5150,
+    "hitab_bringup": 2250,
     "hitab_class": 200,
-    "hitab_client": 4250,
+    "hitab_cli": 3000,
+    "hitab_client": 4350,
     "hitab_commander": 1050,
     "hitab_core": 9450,
     "hitab_export": 900,
@@ -54,7 +56,7 @@ BUDGET = {
     "hitab_robots": 1350,
     "hitab_ros": 1350,
     "hitab_studio": 4750,
-    "hitab_world": 1900,
+    "hitab_world": 1800,
     "keepaway_world": 1350,
     "tests": 29000,
 }

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.swarm_file import read_swarm
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.swarm_files.swarm_file import read_swarm
 from hitab_client.commander_view import CommanderView
 from hitab_client.shipped import find_file
 

@@ -17,7 +17,7 @@ FILES = {
     "recording": "hitab_client/hitab_client/recording/recordings.py",
     "retiming": "hitab_core/hitab_core/training/retiming.py",
     "saving": "hitab_core/hitab_core/saving.py",
-    "swarm file": "hitab_bringup/hitab_bringup/swarm_file.py",
+    "swarm file": "hitab_bringup/hitab_bringup/swarm_files/swarm_file.py",
     "undo": "hitab_core/hitab_core/training/undo.py",
 }
 

@@ -44,7 +44,7 @@ def test_an_interrupted_demo_leaves_no_process(home, tmp_path):
         return found
 
     command = subprocess.Popen(
-        [sys.executable, "-m", "hitab_bringup.main", "demo", "--out", str(tmp_path / "out")],
+        [sys.executable, "-m", "hitab_cli.main", "demo", "--out", str(tmp_path / "out")],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

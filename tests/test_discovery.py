@@ -12,8 +12,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from hitab_bringup.bringing_up import temporary_swarm
-from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.processes.bringing_up import temporary_swarm
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client import domain_ids
 from hitab_client.dds_profile import (
     RANGE,

@@ -53,7 +53,7 @@ class Terminal:
         self.screen, self.inner = pty.openpty()
         self.before = termios.tcgetattr(self.inner)
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "hitab_bringup.main", "drive", *arguments],
+            [sys.executable, "-m", "hitab_cli.main", "drive", *arguments],
             stdin=self.inner,
             stdout=self.inner,
             stderr=self.inner,
@@ -170,7 +170,7 @@ class Gamepad:
         self.topic = desk.link.node.create_publisher(Joy, "/joy", 10, temporary=True)
         with log.open("w") as file:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "hitab_bringup.main", "joystick", ROBOT],
+                [sys.executable, "-m", "hitab_cli.main", "joystick", ROBOT],
                 stdout=file,
                 stderr=file,
                 env=desk.environment,

@@ -18,8 +18,8 @@ from hitab_msgs import msg
 from rclpy.duration import Duration
 from waiting import within
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import process_states
 from hitab_client.swarm_client import SwarmClient

@@ -40,7 +40,7 @@ def test_an_interrupted_lesson_takes_its_training_back(keepers, hitab, tmp_path)
     mate = "  - {perform: GoFast, agents: [keeper_2]}\n"
     long = lesson_file(tmp_path, f"{mate}  - wait: 600\n")
     command = subprocess.Popen(
-        [sys.executable, "-m", "hitab_bringup.main", "lesson", "run", long, "--factor", "1"],
+        [sys.executable, "-m", "hitab_cli.main", "lesson", "run", long, "--factor", "1"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

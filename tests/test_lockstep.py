@@ -11,10 +11,11 @@ import pytest
 from hitab_msgs.msg import WorldState
 from hitab_msgs.srv import Control
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.evaluating import Cast, games_of
-from hitab_bringup.swarm_description import SwarmDescription
-from hitab_bringup.swarm_file import read_swarm
+from hitab_bringup.casting import Cast
+from hitab_bringup.evaluation import games_of
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.swarm_files.swarm_description import SwarmDescription
+from hitab_bringup.swarm_files.swarm_file import read_swarm
 from hitab_client.commander_view import CommanderView
 from hitab_client.run_processes import process_states
 from hitab_client.shipped import find_file, shipped

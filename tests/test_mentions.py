@@ -6,7 +6,7 @@ from typing import Any
 import typer
 from mentions import Mention, mentions
 
-from hitab_bringup.main import make_app
+from hitab_cli.main import make_app
 
 COMMAND = typer.main.get_command(make_app())
 FOUND = list(dict.fromkeys(mentions()))

@@ -13,9 +13,9 @@ import pytest
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 
-from hitab_bringup.libraries import prepare
-from hitab_bringup.swarm_file import parse_swarm
-from hitab_bringup.swarm_processes import processes
+from hitab_bringup.libraries.run_libraries import prepare
+from hitab_bringup.processes.swarm_processes import processes
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client import RosLink, RunFolder
 from hitab_client.identity import new_identity
 from hitab_ros import qos

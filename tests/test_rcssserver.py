@@ -5,7 +5,7 @@ from pathlib import Path
 
 import hitab_rcssserver
 from hitab_bringup import temporary_swarm
-from hitab_bringup.swarm_options import described_swarm
+from hitab_bringup.swarm_files.swarm_options import described_swarm
 
 _path = Path(hitab_rcssserver.__file__).parents[1] / "test" / "rcss_stand_in.py"
 _spec = importlib.util.spec_from_file_location("rcss_stand_in", _path)

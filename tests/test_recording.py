@@ -15,7 +15,7 @@ import pytest
 from sensor_msgs.msg import LaserScan
 from waiting import within
 
-from hitab_bringup.bringing_up import RunningSwarm
+from hitab_bringup.processes.bringing_up import RunningSwarm
 from hitab_client import SwarmError
 from hitab_client.recording import RecordedMessages
 from hitab_client.recording.reading import MAGIC
@@ -35,7 +35,7 @@ def test_what_was_recorded_is_read_after_a_kill_or_a_closed_terminal(
         return set()
 
     wanted = {"/world/status", *(f"/{agent}/status" for agent in keepers.record.agents)}
-    command = [sys.executable, "-m", "hitab_bringup.main", "record", "-o", str(bag)]
+    command = [sys.executable, "-m", "hitab_cli.main", "record", "-o", str(bag)]
     with subprocess.Popen(command, stderr=subprocess.DEVNULL) as recorder:
         try:
             assert within(SECONDS, lambda: bag.exists() and wanted <= recorded())

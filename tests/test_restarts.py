@@ -11,7 +11,7 @@ import pytest
 from keepers import trained_keepers
 from waiting import hanging, pid_of
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import dds_profile
 
 SECONDS = 60.0

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
 from hitab_client.shipped import shipped
 

@@ -15,7 +15,7 @@ from geometry_msgs.msg import Twist, Vector3
 from hitab_msgs.msg import Action, Percept, WorldStatus
 from rclpy.serialization import serialize_message
 
-from hitab_bringup.bringing_up import RunningSwarm
+from hitab_bringup.processes.bringing_up import RunningSwarm
 from hitab_client import SwarmError
 from hitab_client.recording import Recorder, driving_of, type_name
 from hitab_client.recording.bag_file import BagFile

@@ -13,8 +13,8 @@ from hitab_msgs.msg import Alive
 from hitab_msgs.srv import ReadFeatures
 from waiting import hanging, pid_of
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
-from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.signs_of_life import SignsOfLife
 from hitab_ros import names, qos
 

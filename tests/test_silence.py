@@ -32,7 +32,7 @@ def test_a_suspended_agent_is_named_with_the_way_out(keepers, hitab, call):
 def test_the_watching_status_notices_who_falls_silent(keepers):
     terminal, other_end = pty.openpty()
     environment = {**os.environ, "COLUMNS": "200", "LINES": "50"}
-    command = [sys.executable, "-m", "hitab_bringup.main", "status", "--watch"]
+    command = [sys.executable, "-m", "hitab_cli.main", "status", "--watch"]
     watching = subprocess.Popen(
         command, stdin=other_end, stdout=other_end, stderr=other_end, env=environment
     )

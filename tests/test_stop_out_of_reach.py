@@ -43,7 +43,7 @@ class Machines:
 
     def hitab(self, *arguments: str) -> Path:
         """Have the person give a command."""
-        return self.run(DESK, ["-m", "hitab_bringup.main", *arguments])
+        return self.run(DESK, ["-m", "hitab_cli.main", *arguments])
 
 
 @pytest.fixture

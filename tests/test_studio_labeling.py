@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from browsing import ONE, away_from_everybody, entity, needs_browser
 
-from hitab_bringup.bringing_up import RunningSwarm
+from hitab_bringup.processes.bringing_up import RunningSwarm
 from hitab_client.recording import Recorder
 from hitab_client.recording.recordings import recordings_folder
 

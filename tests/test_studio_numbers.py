@@ -11,7 +11,7 @@ import pytest
 from browsing import ONE, away_from_everybody, begin, needs_browser
 from keepers import trained_keepers
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import SwarmError
 
 

@@ -13,7 +13,7 @@ from browsing import ONE, Person, away_from_everybody, needs_browser, studio
 from keepers import trained_keepers
 from waiting import hanging, pid_of
 
-from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_studio.scene import SHOWN_MODES, SILENT_MODE
 
 SECONDS = 60.0

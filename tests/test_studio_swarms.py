@@ -10,7 +10,7 @@ import pytest
 from browsing import ONE, Person, needs_browser, studio
 from keepers import trained_keepers
 
-from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_client import domain_ids
 from hitab_client.run_folder import running_swarms
 

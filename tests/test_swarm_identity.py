@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from waiting import within
 
-from hitab_bringup import supervision
-from hitab_bringup.bringing_up import bring_up
-from hitab_bringup.swarm_file import parse_swarm
+from hitab_bringup.processes import supervision
+from hitab_bringup.processes.bringing_up import bring_up
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.run_folder import RunFolder, running_swarms
@@ -122,7 +122,7 @@ def test_two_swarms_of_one_name_are_told_apart_by_folder_and_identity(hitab, apa
 
 def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, apart, monkeypatch):
     monkeypatch.delenv("ROS_DOMAIN_ID")
-    command = [sys.executable, "-m", "hitab_bringup.main", "up"]
+    command = [sys.executable, "-m", "hitab_cli.main", "up"]
     path = described(apart, IN_A_NAMESPACE)
     started = [
         subprocess.Popen([*command, path, "--run-dir", str(apart / name)], stderr=subprocess.PIPE)
@@ -135,8 +135,8 @@ def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, apart
 
 
 def test_a_library_that_was_being_copied_is_copied_again(apart):
-    from hitab_bringup import libraries
-    from hitab_bringup.libraries import fill_libraries
+    from hitab_bringup.libraries.run_libraries import fill_libraries
+    from hitab_bringup.libraries import run_libraries as libraries
 
     source = apart / "source"
     source.mkdir()

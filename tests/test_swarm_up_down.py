@@ -145,7 +145,7 @@ def test_a_swarm_whose_supervisor_died_is_replaced_or_taken_down(hitab, apart):
 def test_ctrl_c_while_it_comes_up_leaves_nothing_behind(apart):
     folder = RunFolder.of_swarm("soccer")
     command = subprocess.Popen(
-        [sys.executable, "-m", "hitab_bringup.main", "up", described(apart, SOCCER)],
+        [sys.executable, "-m", "hitab_cli.main", "up", described(apart, SOCCER)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -16,8 +16,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 IMPORTED = [
-    "hitab_bringup.main",
-    "hitab_bringup.verbs.connection",
+    "hitab_cli.main",
+    "hitab_cli.verbs.verb_connection",
     "hitab_client.ros_link",
     "hitab_client.swarm_client",
     "hitab_client.swarm_choice",
@@ -85,6 +85,6 @@ def _hitab(
     # As a new interpreter would.
     sys.path[:0] = filter(None, environment.get("PYTHONPATH", "").split(os.pathsep))
     sys.argv = list(words)
-    from hitab_bringup.main import main
+    from hitab_cli.main import main
 
     main()

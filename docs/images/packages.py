@@ -29,7 +29,8 @@ WORDS = {
     "hitab_commander": "virtual commanders",
     "hitab_robots": "robots with standard\nmessages; relay",
     "hitab_studio": "browser console",
-    "hitab_bringup": "swarm files, supervision,\nthe hitab command",
+    "hitab_bringup": "swarm files, supervision,\nevaluation, doctor",
+    "hitab_cli": "the hitab command",
     "foraging_world": "box foraging: world, swarms,\nlessons, libraries",
     "keepaway_world": "soccer: world, swarms,\nlessons, libraries",
     "hitab_class": "exercises and grading",
@@ -48,11 +49,12 @@ COLUMN = {
     "hitab_robots": -6.0,
     "hitab_studio": 0.9,
     "hitab_bringup": -1.5,
+    "hitab_cli": -1.5,
     "foraging_world": 7.0,
     "keepaway_world": 4.0,
     "hitab_class": -5.4,
-    "hitab_export": -2.4,
-    "hitab_gamepad": 0.6,
+    "hitab_export": -3.0,
+    "hitab_gamepad": 0.0,
     "half_field_world": 4.0,
     "hitab_rcssserver": 4.0,
 }
@@ -78,7 +80,7 @@ def needs() -> dict[str, set[str]]:
 def main() -> None:
     """Draw it."""
     mpl.rcParams.update({"svg.hashsalt": "hitab", "svg.fonttype": "none", "font.size": 8})
-    figure, axes = plt.subplots(figsize=(12.5, 6.4))
+    figure, axes = plt.subplots(figsize=(12.5, 7.4))
     place = {}
     for height, floor in enumerate(FLOORS):
         for package in floor:

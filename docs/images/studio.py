@@ -22,7 +22,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from hitab_bringup.bringing_up import RunningSwarm, temporary_swarm
+from hitab_bringup.processes.bringing_up import RunningSwarm, temporary_swarm
 from hitab_client import RosLink, SwarmClient, domain_ids
 
 HERE = Path(__file__).resolve().parent

@@ -7,7 +7,7 @@ from keepers import played as played_by
 from keepers import trained_keepers
 from taught import examples_of
 
-from hitab_bringup.bringing_up import temporary_swarm
+from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_client.lessons.lesson import read_lesson
 from hitab_client.lessons.lesson_player import LessonPlayer
 from hitab_client.shipped import find_file, shipped

@@ -10,7 +10,7 @@ setup(
     name=NAME,
     version="0.1.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed", "**/*.pyi", "templates/**/*.txt"]},
+    package_data={NAME: ["py.typed", "**/*.pyi"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["LICENSE", "package.xml"]),
@@ -19,21 +19,15 @@ setup(
     install_requires=[
         "setuptools",
         "lazy_loader",
-        "matplotlib",
         "psutil",
         "pydantic",
-        "rich",
         "supervisor",
-        "typer",
     ],
     extras_require={"test": ["pytest"]},
     zip_safe=False,
     maintainer="HiTAB developers",
     maintainer_email="hitab@example.org",
-    description="Swarm descriptions, supervision of processes and the hitab command",
+    description="Swarm files, supervision of processes, and evaluation without ROS",
     license="Apache-2.0",
     python_requires=">=3.11",
-    entry_points={
-        "console_scripts": ["hitab = hitab_bringup.command:main"],
-    },
 )

@@ -1,4 +1,4 @@
-"""Swarm descriptions, lessons and the `hitab` command, on top of the agents' public topics."""
+"""Swarm files, the processes of a swarm, its libraries, and evaluation without ROS."""
 
 import lazy_loader
 

@@ -15,10 +15,10 @@ from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
 from launch.events.process import ProcessExited
 from launch.substitutions import LaunchConfiguration
 
-from hitab_bringup.libraries import prepare
-from hitab_bringup.swarm_description import PACES, Process
-from hitab_bringup.swarm_options import described_swarm
-from hitab_bringup.swarm_processes import processes
+from hitab_bringup.libraries.run_libraries import prepare
+from hitab_bringup.processes.swarm_processes import processes
+from hitab_bringup.swarm_files.swarm_description import PACES, Process
+from hitab_bringup.swarm_files.swarm_options import described_swarm
 from hitab_client.dds_profile import choose_profile, profile_for
 from hitab_client.identity import new_identity
 from hitab_client.run_folder import RunFolder

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 from hitab_msgs.msg import CommanderStatus, Subordinate
 
-from hitab_bringup import bringing_up
+from hitab_bringup.processes import bringing_up
 from hitab_client import RosLink, domain_ids
 from hitab_ros import names, qos
 

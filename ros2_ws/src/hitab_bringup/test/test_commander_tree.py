@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from hitab_msgs.msg import Subordinate
 
-from hitab_bringup.libraries import prepare
-from hitab_bringup.opened_library import open_library
-from hitab_bringup.swarm_file import parse_swarm
-from hitab_bringup.swarm_processes import processes
-from hitab_bringup.verbs.hierarchy import line_of
+from hitab_bringup.libraries.opened_library import open_library
+from hitab_bringup.libraries.run_libraries import prepare
+from hitab_bringup.processes.swarm_processes import processes
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
+from hitab_cli.verbs.perform.hierarchy_verbs import line_of
 from hitab_client.commander_view import tree_of
 from hitab_client.errors import DescriptionError
 

@@ -4,7 +4,7 @@ import ast
 import inspect
 from pathlib import Path
 
-from hitab_bringup.swarm_options import described_swarm
+from hitab_bringup.swarm_files.swarm_options import described_swarm
 
 LAUNCH = Path(__file__).parents[1] / "launch" / "swarm.launch.py"
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup import swarm_processes
-from hitab_bringup.swarm_file import parse_swarm
-from hitab_bringup.swarm_processes import processes
+from hitab_bringup.processes import swarm_processes
+from hitab_bringup.processes.swarm_processes import processes
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.errors import DescriptionError
 
 HERE = Path("/somewhere/team.yaml")

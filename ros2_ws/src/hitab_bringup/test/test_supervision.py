@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from hitab_bringup import supervision
+from hitab_bringup.processes import supervision
 from hitab_client import RunFolder, RunRecord, SwarmError
 
 BINDS_ONLY = """

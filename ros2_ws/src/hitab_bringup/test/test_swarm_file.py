@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.swarm_file import parse_swarm, read_swarm
-from hitab_bringup.swarm_processes import processes
+from hitab_bringup.processes.swarm_processes import processes
+from hitab_bringup.swarm_files.swarm_file import parse_swarm, read_swarm
 from hitab_client.errors import DescriptionError
 from hitab_client.shipped import find_file
 from hitab_core.errors import HitabError

@@ -5,10 +5,15 @@ from pathlib import Path
 import pytest
 from hitab_msgs.msg import AgentStatus
 
-from hitab_bringup.libraries import prepare
-from hitab_bringup.library_choice import with_library
-from hitab_bringup.swarm_file import parse_swarm
-from hitab_bringup.unsaved_trainings import announcements, left_to_resume, set_aside, waiting
+from hitab_bringup.libraries.library_choice import with_library
+from hitab_bringup.libraries.run_libraries import prepare
+from hitab_bringup.libraries.unsaved_trainings import (
+    announcements,
+    left_to_resume,
+    set_aside,
+    waiting,
+)
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_core import Example
 from hitab_core.training import Curriculum, TrainingJournal
 

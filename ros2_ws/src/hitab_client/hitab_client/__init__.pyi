@@ -7,6 +7,7 @@ from . import demonstrating as demonstrating
 from . import domain_ids as domain_ids
 from . import identity as identity
 from . import interruptions as interruptions
+from . import measures as measures
 from . import recording as recording
 from . import ros_environment as ros_environment
 from . import run_folder as run_folder

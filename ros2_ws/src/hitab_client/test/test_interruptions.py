@@ -72,11 +72,11 @@ def test_ctrl_c_while_a_command_is_loaded_ends_it_with_the_usual_status_and_a_wo
 import builtins, os, signal
 load = builtins.__import__
 def interrupted(name, *more):
-    if name == "hitab_bringup.main":
+    if name == "hitab_cli.main":
         os.kill(os.getpid(), signal.SIGINT)
     return load(name, *more)
 builtins.__import__ = interrupted
-from hitab_bringup.command import main
+from hitab_cli.command import main
 main()
 """
     done = subprocess.run(

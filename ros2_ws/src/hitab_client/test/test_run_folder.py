@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from hitab_bringup.supervisor_config import supervisor_config, write_commands
-from hitab_bringup.swarm_file import parse_swarm
-from hitab_bringup.swarm_processes import processes
+from hitab_bringup.processes.supervisor_config import supervisor_config, write_commands
+from hitab_bringup.processes.swarm_processes import processes
+from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunFolder, RunRecord, state_home
 from hitab_client.swarm_choice import find_running

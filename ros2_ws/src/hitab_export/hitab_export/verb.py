@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hitab_bringup import Library, opened, write_new
+from hitab_cli import Library, opened, write_new
 from hitab_client import console
 from hitab_client.cli_options import SwarmName
 from hitab_core import LibraryError, Use

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from hitab_bringup import FirstAgent, carry_out, connection, demonstrator_of
+from hitab_cli import FirstAgent, carry_out, connection, demonstrator_of
 from hitab_client import console
 from hitab_client.cli_options import SwarmName
 

@@ -1,5 +1,4 @@
 from . import demo as demo
-from . import evaluation as evaluation
 from . import inprocess as inprocess
 from . import parameters as parameters
 from . import ros_parameters as ros_parameters

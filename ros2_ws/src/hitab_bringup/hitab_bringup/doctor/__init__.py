@@ -1,1 +1,5 @@
 """Looks for problems that HiTAB would have on this computer."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,5 @@
+from . import machine as machine
+from . import ros as ros
+from . import runs as runs
+from .finding import ERROR as ERROR
+from .finding import Finding as Finding

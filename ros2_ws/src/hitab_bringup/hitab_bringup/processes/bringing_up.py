@@ -1,0 +1,354 @@
+"""Starts a swarm, also a temporary one, and waits until all of it answers."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from hitab_msgs.msg import WorldState
+
+from hitab_bringup.libraries.run_libraries import read_only
+from hitab_bringup.libraries.unsaved_trainings import announcements
+from hitab_bringup.processes import supervision
+from hitab_bringup.swarm_files.swarm_description import SwarmDescription
+from hitab_bringup.swarm_files.swarm_file import parameter_places
+from hitab_client import (
+    CommanderView,
+    DescriptionError,
+    NamesTakenError,
+    RosLink,
+    RunFolder,
+    RunRecord,
+    SwarmClient,
+    SwarmError,
+    WorldClient,
+    domain_ids,
+)
+from hitab_client.cli_remedies import called, with_commands
+from hitab_client.run_folder import registry_held, running_swarms
+from hitab_client.swarm_choice import way_to_stop
+from hitab_core import Fix, each_once, some
+
+SWARM_SECONDS = 60.0
+START_SECONDS_EACH = 0.2  # added per agent
+START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
+COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
+DOMAINS_TRIED = 3  # if the names are taken there
+SENSORS_SECONDS = 1.5  # for robots to look for their sensors after they are up
+VALUES_SECONDS = 2.0  # for agents to perceive, commanders the values of their subordinates
+STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
+PROCESS_PERIOD_SECONDS = 0.3  # between two looks at the processes
+
+Progress = Callable[[int, int, str], None]
+"""Called with the number of nodes that are up, the expected number and the missing names."""
+
+
+@dataclass
+class RunningSwarm:
+    """A swarm that is up, with a connection to it."""
+
+    folder: RunFolder
+    record: RunRecord
+    link: RosLink
+    agents: SwarmClient
+    world: WorldClient
+
+
+def bring_up(
+    swarm: SwarmDescription,
+    folder: RunFolder,
+    progress: Progress | None = None,
+    warn: Callable[[str], None] = lambda text: None,
+    say: Callable[[str], None] = lambda text: None,
+) -> RunRecord:
+    """Start a swarm that stays up, and wait until every agent and the world answer.
+
+    Args:
+        swarm: the description.
+        folder: for its files.
+        progress: called as nodes come up.
+        warn: called with notes for people: ROS domains in use; commanders that do not hear
+            everybody yet; faults of agents from the start; read-only libraries; resumed trainings.
+        say: called with the reason when an interruption takes a while.
+
+    Raises:
+        SwarmError: naming what did not start, or the names in use and their owner; nothing is left
+            running.
+    """
+    refused: list[int] = []
+    while True:
+        with contextlib.ExitStack() as stack:
+            try:
+                with registry_held():
+                    supervision.refuse_running(folder)
+                    domain_id = domain_ids.for_swarm(refused, has_world=swarm.world is not None)
+                    _refuse_conflicts(swarm, folder, domain_id)
+                    record = stack.enter_context(_started(swarm, folder, domain_id, say=say))
+                running = stack.enter_context(_answering(swarm, record, folder, progress))
+                for text in _to_know(swarm, running, progress):
+                    warn(text)
+                return record
+            except NamesTakenError as error:
+                refused.append(error.domain_id)
+                fixed = swarm.world is None or domain_ids.chosen_by_user() is not None
+                if fixed or len(refused) == DOMAINS_TRIED:
+                    raise
+                owner = f"ROS domain {error.domain_id} is in use by {error.owner}"
+                warn(f"{owner}; {swarm.name} starts in another one")
+
+
+@contextlib.contextmanager
+def temporary_swarm(
+    swarm: SwarmDescription,
+    run_folder: Path | None = None,
+    progress: Progress | None = None,
+) -> Iterator[RunningSwarm]:
+    """Start a swarm in its own ROS domain and stop it at the end.
+
+    Args:
+        swarm: the description.
+        run_folder: for its files; None for a folder that is removed at the end.
+        progress: called as nodes come up.
+    """
+    with contextlib.ExitStack() as stack:
+        if run_folder is None:
+            run_folder = Path(tempfile.mkdtemp(prefix="hitab-"))
+            stack.callback(shutil.rmtree, run_folder, ignore_errors=True)
+        folder = RunFolder(run_folder)
+        supervision.refuse_running(folder)
+        domain_id = stack.enter_context(domain_ids.reserved())
+        stack.callback(supervision.stop, folder)
+        record = stack.enter_context(_started(swarm, folder, domain_id, temporary=True))
+        yield stack.enter_context(_answering(swarm, record, folder, progress))
+
+
+@contextlib.contextmanager
+def _started(
+    swarm: SwarmDescription,
+    folder: RunFolder,
+    domain_id: int,
+    *,
+    temporary: bool = False,
+    say: Callable[[str], None] = lambda text: None,
+) -> Iterator[RunRecord]:
+    """Launch the processes; stop them again if the context fails or is interrupted."""
+    record = None
+    try:
+        record = supervision.launch(swarm, folder, domain_id, temporary=temporary)
+        yield record
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt):
+            say(f"interrupted: stopping what was started of {swarm.name} …")
+        there = folder.read()
+        if record is None or there is None or there.identity == record.identity:
+            supervision.stop(folder)  # otherwise another swarm was started here since
+        raise
+
+
+# -- names that are taken -----------------------------------------------------------------------
+
+
+def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int) -> None:
+    """Refuse names that a registered swarm uses."""
+    for other, record in running_swarms():
+        here = (record.domain_id, record.namespace) == (domain_id, swarm.namespace)
+        if other.path == folder.path or not here:
+            continue
+        both = [name for name in swarm.agent_names if name in record.agents]
+        if record.world and swarm.world is not None:
+            both.append("world")
+        why = ""
+        if both:
+            why = f"also has {'a node' if len(both) == 1 else 'nodes'} called {some(both)}"
+        elif record.world and swarm.uses_sim_time:
+            why = f"its world publishes the clock from which {swarm.name} takes its time"
+        if why:
+            namespace = ", or give it a --namespace" if both and swarm.world is not None else ""
+            raise SwarmError(
+                f'swarm "{record.swarm}" is up in the same ROS domain {domain_id} and {why}; '
+                f"{_another_domain(swarm.world is None)}{namespace}",
+                way_to_stop(other, record),
+            )
+
+
+def _another_domain(has_drivers: bool) -> str:
+    """Return the other way out if names are taken in a ROS domain."""
+    if has_drivers:
+        return "start it and its robots' drivers in another ROS_DOMAIN_ID"
+    return "choose another ROS_DOMAIN_ID"
+
+
+def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) -> None:
+    """Refuse names used by any other node in the ROS domain."""
+    taken = {name: agents.strangers[name] for name in record.agents if name in agents.strangers}
+    if record.world and world.stranger is not None:
+        taken["world"] = world.stranger
+    if not taken:
+        return
+    other = next(iter(taken.values()))
+    owner = f"swarm {other}" if other else "nodes that were started by hand"
+    raise NamesTakenError(
+        f"{some(list(taken))} of {record.swarm} cannot start: the names are in use by {owner} in "
+        f"ROS domain {record.domain_id}; stop that, or {_another_domain(not record.world)}",
+        *(way_to_stop(*found) for found in running_swarms() if found[1].identity == other),
+        domain_id=record.domain_id,
+        owner=owner,
+    )
+
+
+# -- waiting ------------------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def _answering(
+    swarm: SwarmDescription, record: RunRecord, folder: RunFolder, progress: Progress | None
+) -> Iterator[RunningSwarm]:
+    """Wait until all nodes have reported and the world hears all agents; yield a connection."""
+    prefix, identity = record.namespace, record.identity
+    with RosLink(record.domain_id) as link:
+        agents = SwarmClient(link, record.agents, prefix=prefix, identity=identity)
+        agents.watch_all()
+        world = WorldClient(link, prefix=prefix, identity=identity, started_by_it=record.world)
+        view = CommanderView(link, prefix)
+        # Otherwise a commander starts with the members that it knows, and the others join later.
+        commanders = [c.name for c in swarm.commanders] if _is_exact(swarm) else []
+        view.watch(commanders)
+        starting = RunningSwarm(folder, record, link, agents, world)
+        total = len(record.agents) + record.world
+        next_look = time.monotonic()
+
+        def missing() -> list[str]:
+            names = [name for name in record.agents if name not in agents.statuses]
+            names += view.incomplete(commanders) if not names else []
+            if record.world and (world.status is None or {*world.missing} & {*record.agents}):
+                names.append("world")
+            return names
+
+        def complete() -> bool:
+            nonlocal next_look
+            _refuse_taken(record, agents, world)
+            names = missing()
+            if progress is not None:
+                progress(total - len(names), total, ", ".join(names[:3]))
+            if names and time.monotonic() >= next_look:
+                _refuse_failed(swarm.file, starting)
+                next_look = time.monotonic() + PROCESS_PERIOD_SECONDS
+            return not names
+
+        running = len({member.process for member in swarm.members})
+        allowed = SWARM_SECONDS + START_SECONDS_EACH * total + START_SECONDS_PROCESS * running
+        if not link.spin_until(complete, allowed):
+            names = missing()
+            lines = "\n".join(f"  | {line}" for line in folder.tail(names[0]))
+            raise SwarmError(
+                f"{some(names)} did not answer within {allowed:g} s; the end of "
+                f"{folder.log(names[0])}:\n{lines}",
+                Fix.DOCTOR(),
+            )
+        yield starting
+
+
+def _is_exact(swarm: SwarmDescription) -> bool:
+    """Whether the world waits for its agents, so that each has to be there from the start."""
+    return swarm.world is not None and swarm.world.pace == "lockstep"
+
+
+def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
+    """Raise if a process has ended; an agent whose name is taken may notice it first.
+
+    Raises:
+        NamesTakenError: if names are taken.
+        SwarmError: naming the process, if it has another reason.
+        DescriptionError: naming the line of the swarm file that is the reason.
+    """
+    try:
+        supervision.refuse_failed(swarm.record, swarm.folder)
+    except SwarmError as error:
+        agents, world = swarm.agents, swarm.world
+        swarm.link.spin_until(
+            lambda: bool(agents.strangers) or world.stranger is not None, STRANGER_SECONDS
+        )
+        _refuse_taken(swarm.record, agents, world)
+        wrong = re.search(r'the parameter "([\w.]+)" is ', str(error))
+        if wrong is None or not (places := parameter_places(file, wrong[1])):
+            raise
+        raise DescriptionError(f"{', '.join(places)}: {error}") from error
+
+
+# -- what to know -------------------------------------------------------------------------------
+
+
+def _to_know(
+    swarm: SwarmDescription, running: RunningSwarm, progress: Progress | None
+) -> Iterator[str]:
+    """Yield notes for people about a swarm that has just started."""
+    record, folder, agents = running.record, running.folder, running.agents
+    yield from _await_commanders(swarm, record, running.link, progress)
+    _let_agents_perceive(running.link, agents, [c.name for c in swarm.commanders])
+    if not record.world:
+        _let_robots_hear(running.link, agents)
+    there = sorted(agents.statuses.items())
+    yield from each_once((name, text) for name, s in there for text in s.faults)
+    yield from read_only(folder.path)
+    world = running.world.status
+    begins_paused = swarm.world is not None and swarm.world.paused
+    if world is not None and world.mode == WorldState.PAUSED and not begins_paused:
+        yield with_commands("the world is still paused, as it was before", [Fix.RESUME_WORLD()])
+    yield from announcements(agents.statuses.values(), folder.path, record.commanders)
+
+
+def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:
+    """Give agents the time to perceive, and commanders to get their subordinates' first values.
+
+    Only then are the faults of the others known. Until then commanders report these values as
+    missing, which is no fault in a swarm that just starts.
+    """
+    statuses = agents.statuses
+    link.spin_until(
+        lambda: all(not s.faults if n in commanders else s.perceived for n, s in statuses.items()),
+        VALUES_SECONDS,
+    )
+
+
+def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
+    """Give robots the time to notice that sensors are missing, or to hear those that are not."""
+
+    def has_faults() -> bool:
+        return any(status.faults for status in agents.statuses.values())
+
+    if link.spin_until(has_faults, SENSORS_SECONDS):
+        link.spin_until(lambda: not has_faults(), VALUES_SECONDS)
+
+
+def _await_commanders(
+    swarm: SwarmDescription, record: RunRecord, link: RosLink, progress: Progress | None
+) -> Iterator[str]:
+    """Wait until all commanders hear their subordinates; yield a sentence if some do not yet.
+
+    This process has heard all nodes, but the nodes discover each other one by one, which takes
+    longer in a large swarm. In lockstep that was waited for already.
+    """
+    commanders = [] if _is_exact(swarm) else [c.name for c in swarm.commanders]
+    view = CommanderView(link, record.namespace, record.identity)
+    view.watch(commanders)
+
+    def complete() -> bool:
+        names = view.incomplete(commanders)
+        if progress is not None:
+            progress(len(commanders) - len(names), len(commanders), ", ".join(names[:3]))
+        return not names
+
+    if commanders and not link.spin_until(
+        complete, COMMANDERS_SECONDS + START_SECONDS_EACH * len(record.agents)
+    ):
+        names = view.incomplete(commanders)
+        yield (
+            f"{some(names)} {'does' if len(names) == 1 else 'do'} not hear all subordinates yet; "
+            f"`{called()} tree --commanders --watch` shows when"
+        )

@@ -1,0 +1,78 @@
+"""The configuration of supervisord for a swarm.
+
+It contains neither a path nor a user's text: supervisord expands and cuts off parts of its input.
+Each command is in a file of its own, which a shell runs; the path of the socket is a variable.
+"""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+from hitab_bringup.swarm_files.swarm_description import Process
+from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
+
+SOCKET_VARIABLE = "HITAB_SUPERVISOR_SOCKET"
+"""Environment variable of supervisord with the path of the socket where it listens."""
+
+COMMANDS_FOLDER = "commands"
+"""Folder in the run folder, which is where supervisord runs, with the command of each process."""
+
+PROCESS_START_SECONDS = 3
+
+
+def write_commands(processes: Sequence[Process], folder: Path) -> None:
+    """Write the command of each process, for a shell, to a file of its name."""
+    commands = folder / COMMANDS_FOLDER
+    commands.mkdir(exist_ok=True)
+    for process in processes:
+        line = f"exec {shlex.join(process.command)}\n"
+        (commands / process.name).write_text(line, encoding="utf-8")
+
+
+def supervisor_config(processes: Sequence[Process]) -> str:
+    """Return the text of ``supervisord.conf``."""
+    names = [process.name for process in processes]
+    # One group, since groups are stopped one after the other.
+    return f"""\
+[unix_http_server]
+file=%(ENV_{SOCKET_VARIABLE})s
+chmod=0700
+
+[supervisord]
+nodaemon=true
+logfile=supervisord.log
+logfile_maxbytes=1MB
+
+[rpcinterface:supervisor]
+supervisor.rpcinterface_factory = supervisor.rpcinterface:make_main_rpcinterface
+{"".join(map(_program, names))}
+[group:swarm]
+programs={",".join(names)}
+"""
+
+
+def _program(name: str) -> str:
+    """Return the section of a process.
+
+    It counts as started after startsecs. If it dies earlier, it is retried startretries times,
+    each time after one more second. A process that dies later is restarted at once, unless its
+    exit code says that a restart would not help; such a process stays up for startsecs before it
+    exits.
+    """
+    return f"""
+[program:{name}]
+command=/bin/sh {COMMANDS_FOLDER}/{name}
+environment={FINAL_AFTER}="{PROCESS_START_SECONDS}"
+startsecs={PROCESS_START_SECONDS}
+startretries=12
+exitcodes={DO_NOT_RESTART}
+stopwaitsecs=5
+stopasgroup=true
+killasgroup=true
+redirect_stderr=true
+stdout_logfile=logs/{name}.log
+stdout_logfile_maxbytes=1MB
+stdout_logfile_backups=2
+"""

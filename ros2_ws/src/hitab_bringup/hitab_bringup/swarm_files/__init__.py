@@ -1,0 +1,1 @@
+"""Swarm files: read into a description of the swarm, with its vocabulary and command tree."""

@@ -1,0 +1,1 @@
+"""The demo of a domain, which `hitab demo` runs."""

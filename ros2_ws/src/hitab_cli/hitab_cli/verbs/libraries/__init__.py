@@ -1,0 +1,1 @@
+"""Verbs for libraries of trained behaviors."""

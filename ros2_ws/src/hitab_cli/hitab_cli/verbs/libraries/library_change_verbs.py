@@ -1,0 +1,314 @@
+"""Verbs that change libraries: restore, accept, delete, rename, export, import, reload."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from hitab_cli.verbs.libraries.library_options import Agent, Library, Name, opened, write_new
+from hitab_cli.verbs.verb_connection import connection
+from hitab_client import SwarmError, console
+from hitab_client.cli_options import SwarmName
+from hitab_client.cli_remedies import as_command, called
+from hitab_core import Fix, LibraryError, each_once, has, named_domain, quantity
+
+if TYPE_CHECKING:
+    from hitab_core import BehaviorLibrary
+
+
+def restore(
+    name: Name,
+    version: Annotated[int | None, typer.Argument(min=1)] = None,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Make an earlier version of a behavior the newest one, even if it was deleted or damaged.
+
+    Args:
+        version: Number of the version; without it, the only one, or those that there are.
+
+    Example:
+      hitab library restore Keepaway 2 --agent keeper_1
+    """
+    there = opened(library, agent, swarm)
+    if version is None:
+        there.load(strict=False)
+        versions = there.on_disk.versions(name)
+        if not versions:
+            kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
+            raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
+        if len(versions) > 1:
+            raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
+        (version,) = versions
+    path = there.restore(name, version)
+    console.say(f"restored version {version} of {name} to {path}")
+    tell_broken(there, name)
+    _read_again(there.folder)
+
+
+def accept(
+    paths: list[Path],
+) -> None:
+    """Accept behavior files that were edited by hand: check them and update their digests.
+
+    Args:
+        paths: Behavior files, or folders of them.
+
+    Examples:
+      hitab library accept my_library/ApproachBall.hfa.yaml
+      hitab library accept my_library
+    """
+    from hitab_bringup import open_library
+    from hitab_core.library import BEHAVIOR_SUFFIX
+
+    for path in paths:
+        folder, names = (path, ()) if path.is_dir() else (path.parent, (path.name,))
+        library = open_library(folder)
+        accepted = library.accept_edits(*(name.removesuffix(BEHAVIOR_SUFFIX) for name in names))
+        for name in accepted:
+            console.say(f"accepted {library.on_disk.file(name)}")
+            tell_broken(library, name)
+        if accepted:
+            _read_again(folder)
+        else:
+            console.say(f"{path}: nothing to accept")
+
+
+def delete(
+    name: Name,
+    anyway: Annotated[bool, typer.Option("--anyway")] = False,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Delete a behavior. Its versions are kept and can be restored.
+
+    Args:
+        anyway: Delete it even if others can no longer be used then.
+
+    Example:
+      hitab library delete Chase --agent keeper_1
+    """
+    there = opened(library, agent, swarm)
+    users = there.remove(name, anyway=anyway)
+    console.say(f"deleted {name} from {there.folder}")
+    if users:
+        console.say(f"{', '.join(users)} cannot be used until there is a {name} again")
+    number = there.on_disk.sound_version(name)
+    if number is not None:
+        console.say(as_command(Fix.RESTORE(behavior=name, version=number, folder=there.folder)))
+    else:
+        console.say(f"kept the damaged file in {there.folder / '.versions' / name}")
+    _read_again(there.folder)
+
+
+def rename(
+    name: Name,
+    new: str,
+    with_users: Annotated[bool, typer.Option("--with-users")] = False,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Rename a behavior, and on request in what uses it: all or nothing.
+
+    Swarm descriptions, lessons and kinds of commanders that name it stay as they are.
+
+    Args:
+        new: Its new name.
+        with_users: Rename it in the behaviors that use it, too.
+
+    Example:
+      hitab library rename Chase ChaseBall --with-users --agent keeper_1
+    """
+    there = opened(library, agent, swarm)
+    users, otherwise = there.rename(name, new, with_users=with_users)
+    console.say(f"renamed {name} to {new} in {there.folder}")
+    if users:
+        console.say(f"changed what uses it: {', '.join(users)}")
+    for user in otherwise:
+        console.note(
+            f"{user} decides differently now, where its examples contradict each other; see "
+            f"`{called()} library diff {user} -l {shlex.quote(str(there.folder))}`"
+        )
+    _read_again(there.folder)
+
+
+def export(
+    names: Annotated[list[str] | None, typer.Argument()] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE")] = None,
+    replace: Annotated[bool, typer.Option("--replace")] = False,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Write behaviors, and everything they are made of, to one file.
+
+    Args:
+        names: The behaviors; what they are made of comes along. Default: all.
+        output: The file to write. Default: NAME.bundle.yaml here.
+        replace: Replace the file if it exists.
+
+    Examples:
+      hitab library export Keepaway --agent keeper_1
+      hitab library export -l my_library -o trained.bundle.yaml
+    """
+    from hitab_core.library import bundle_file_text, texts_with_parts
+
+    there = opened(library, agent, swarm)
+    there.load()
+    texts = texts_with_parts(there.files, names or there.files)
+    text = bundle_file_text(texts, there.domain.name)
+    path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
+    write_new(path, text, "" if replace else "--replace")
+    console.say(f"wrote {', '.join(texts)} to {path}")
+
+
+def import_(
+    file: Path,
+    dry_run: Annotated[bool, typer.Option("--dry-run")] = False,
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Read behaviors from a file into a library: all or none. Replaced files are kept.
+
+    A folder that does not exist is a new library.
+
+    Args:
+        file: A file that `hitab library export` wrote.
+        dry_run: Only list what would be replaced.
+
+    Examples:
+      hitab library import Keepaway.bundle.yaml -l my_library --dry-run
+      hitab library import Keepaway.bundle.yaml --agent keeper_1
+    """
+    from hitab_bringup import domain_in, known_libraries, library_meant, open_library
+    from hitab_core import BehaviorLibrary
+    from hitab_core.library import read_bundle_file
+
+    bundle = read_bundle_file(file)
+    is_new = library is not None and library not in known_libraries()
+    folder = Path(library or "").expanduser() if is_new else library_meant(library, agent, swarm)
+    there = (
+        BehaviorLibrary(folder, named_domain(bundle.domain))
+        if not folder.is_dir() or domain_in(folder) is None
+        else open_library(folder)
+    )
+    there.reader.read_all(bundle.texts)
+    with there.change() as change:
+        changed = change.install(bundle.texts)
+        replaced = {name: change.before_it(name) for name in changed}
+        numbers = dict(change.numbers)
+        if not dry_run:
+            change.commit()
+    if dry_run:
+        console.note("nothing is changed; without --dry-run:")
+    for name in bundle.texts:
+        what = replaced.get(name)
+        told = f"version {numbers[name]}, replaces {what}" if what else "new"
+        console.say(f"{name}: {told if name in changed else 'the same is there already'}")
+    if changed and not dry_run:
+        console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
+        tell_broken(there, *changed)
+        _read_again(folder)
+
+
+def reload(
+    agents: Annotated[list[str] | None, typer.Argument()] = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Have agents read their libraries again, after a change by other means.
+
+    The agent's behavior begins again at Start.
+
+    Args:
+        agents: The agents. Default: all of the swarm.
+
+    Example:
+      hitab library reload keeper_1
+    """
+    done: list[tuple[str, str]] = []
+    refused: list[tuple[str, str]] = []
+    with connection(swarm) as swarm_up:
+        for agent, text, did in swarm_up.agents.reload(agents or swarm_up.agents.await_agents()):
+            (done if did else refused).append((agent, text))
+    for text in each_once(done):
+        console.say(text)
+    if refused:
+        raise SwarmError("\n".join(each_once(refused)))
+
+
+def expect(
+    name: Name,
+    decision: Annotated[
+        list[str] | None, typer.Argument(metavar="STATE NEXT_STATE [FEATURE=VALUE]...")
+    ] = None,
+    example: Annotated[int, typer.Option(show_default=False)] = 0,
+    called_so: Annotated[str, typer.Option("--name", metavar="NAME")] = "",
+    blocks: Annotated[bool, typer.Option("--blocks")] = False,
+    forget: Annotated[str, typer.Option(metavar="NAME")] = "",
+    library: Library = None,
+    agent: Agent = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Have a behavior carry an expectation: in this state and situation, it goes to that state.
+
+    Whenever the behavior is tested in a training, saved, distributed, reloaded, or accepted after
+    an edit, each expectation that is broken is named with what is decided instead.
+
+    Args:
+        decision: The state, the state to go to or to stay in, and the situation; angles in
+            degrees.
+        example: Instead, the situation and decision of this example.
+        called_so: What to call the expectation.
+        blocks: Do not save the behavior while this is broken.
+        forget: Take this expectation back.
+
+    Examples:
+      hitab library expect Chase GoFast TurnToBall "DirectionTo(ball)=150" --agent keeper_1
+      hitab library expect Chase --example 7 --blocks --agent keeper_1
+      hitab library expect Chase --forget expectation_1 --agent keeper_1
+    """
+    from dataclasses import replace
+
+    from hitab_bringup import expected, forgotten
+
+    there = opened(library, agent, swarm, name)
+    there.load()
+    file = there.file(name)
+    if forget:
+        kept = forgotten(file, forget)
+    else:
+        new = expected(file, there.domain, decision or [], example, called_so)
+        kept = [*file.expectations, replace(new, blocks=blocks)]
+    saved = there.expect(name, kept)
+    console.say(f"{name} carries {quantity(len(saved.expectations), 'expectation')}")
+    tell_broken(there, name)
+    _read_again(there.folder)
+
+
+def tell_broken(library: BehaviorLibrary, *names: str) -> None:
+    """Say which expectations behaviors of a library break."""
+    for name in names:
+        for text in library.file(name).broken:
+            console.note(f"but: {text}")
+
+
+def _read_again(folder: Path) -> None:
+    """Have the agents that use a library read its change, and say what they answer."""
+    from hitab_bringup import users_of
+
+    for swarm, agents in users_of(folder):
+        told: list[tuple[str, str]] = []
+        try:
+            with connection(swarm) as swarm_up:
+                told += [(agent, text) for agent, text, _ in swarm_up.agents.reload(agents)]
+        except SwarmError as error:
+            told.append((swarm, f"{error.what}; its agents have not read the change"))
+        for text in each_once(told):
+            console.say(f"read again: {text}")

@@ -1,0 +1,1 @@
+"""Verbs that have agents perform, and evaluate what they do."""

@@ -1,0 +1,204 @@
+"""Verbs that command agents: demonstrate, perform, distribute, vocabulary."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hitab_cli.verbs.printing import plain, tell_faults
+from hitab_cli.verbs.verb_connection import Connection, connection
+from hitab_client import console
+from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.cli_remedies import called, with_commands
+from hitab_core import FeatureKind, Fix, HitabError, Use, quantity
+
+Targets = Annotated[
+    list[str] | None,
+    typer.Argument(
+        help="Targets for its parameters, such as ball; its numbers, such as direction=40.",
+        show_default=False,
+    ),
+]
+
+
+def demonstrate(
+    agent: AgentName,
+    behavior: str,
+    targets: Targets = None,
+    ago: Annotated[float | None, typer.Option("--ago")] = None,
+    unrecorded: Annotated[bool, typer.Option("--unrecorded")] = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Command a behavior in training: the agent performs it now and learns from it.
+
+    The agent records an example: its percept and the change of state. Command the behavior
+    that is already performed to say: keep going here. `hitab train` begins a training.
+
+    A command that comes late is recorded with the situation of some time before you pressed Enter,
+    if you say how long with --ago.
+
+    Args:
+        behavior: A behavior, such as GoFast, or GoTo(ball).
+        ago: How long ago it was due, s of your time. Default: it counts when it arrives.
+        unrecorded: Only bring the agent into that state, such as to correct its decisions there;
+            no example is recorded.
+
+    Examples:
+      hitab demonstrate keeper_1 GoFast
+      hitab demonstrate keeper_1 GoTo ball
+      hitab demonstrate keeper_1 RunTowards direction=40
+      hitab demonstrate keeper_1 GoFast --ago 0.5
+      hitab demonstrate keeper_1 Done
+      hitab demonstrate keeper_1 TurnToBall --unrecorded
+    """
+    use = Use.parse(behavior)
+    with connection(swarm) as swarm_up:
+        due, seen = _due(swarm_up, agent, ago) if ago and not unrecorded else (0.0, 0)
+        from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
+
+        status = swarm_up.agents.command(
+            agent,
+            use.name,
+            [*use.arguments, *(targets or [])],
+            ago=due,
+            seen=seen,
+            unrecorded=unrecorded,
+            world=swarm_up.world,
+        )
+    console.say(outcome(agent, use.name, status))
+    tell_faults(status)
+    if status.questions:
+        asked = quantity(status.questions, "question")
+        console.say(with_commands(asked, [Fix.QUESTIONS(agent=agent)]))
+
+
+def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
+    """Return how long ago a command was due, s of simulated time, and the cycle that it is before.
+
+    It counts from when the person pressed Enter. The start-up of this process and its search for
+    the agent are no part of a person's reaction time: the world went on meanwhile, unseen.
+    """
+    import time
+
+    import psutil  # type: ignore[import-untyped]
+
+    from hitab_client.demonstrating import simulated
+
+    swarm_up.agents.await_agent(agent)
+    swarm_up.await_world()
+    world = swarm_up.world
+    due, passed = (
+        simulated(seconds, world.status, world.speed)
+        for seconds in (ago, time.time() - psutil.Process().create_time())
+    )
+    if world.status is None:
+        return due + passed, 0  # a robot's cycles are its agent's own
+    return due, world.cycle_before(passed) if passed else 0
+
+
+def perform(
+    agent: AgentName,
+    behavior: Annotated[str, typer.Argument()] = "",
+    targets: Targets = None,
+    swarm: SwarmName = None,
+) -> None:
+    """Make an agent perform a behavior from its beginning; without one, stop it.
+
+    A training under way is kept with its examples; `hitab train AGENT` goes on with it.
+
+    Args:
+        behavior: A behavior; without one, stop.
+
+    Examples:
+      hitab perform keeper_1 Keepaway
+      hitab perform keeper_1
+    """
+    use = Use.parse(behavior) if behavior else Use("")
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
+        status = swarm_up.agents.statuses[agent]
+    console.say(answer.message or f"{agent} performs {behavior or 'nothing'}")
+    if behavior:
+        tell_faults(status)
+
+
+def distribute(
+    agent: AgentName,
+    behavior: str,
+    targets: Targets = None,
+    to: Annotated[list[str] | None, typer.Option("--to")] = None,
+    start: Annotated[bool, typer.Option("--start")] = False,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Send a behavior and everything it uses from one agent to the others of its domain.
+
+    Each receiver verifies the files; the output lists which ones accepted it.
+
+    Args:
+        behavior: A trained behavior in that agent's library.
+        to: A receiver. Repeatable. Default: all others of its domain.
+        start: Make the receivers perform it, from Start.
+
+    Examples:
+      hitab distribute keeper_1 Keepaway --start
+      hitab distribute keeper_1 ControlBall --to keeper_2 --to keeper_3
+    """
+    use = Use.parse(behavior)
+    if targets and not start:
+        raise typer.BadParameter(
+            f'"{targets[0]}" is too much: targets matter only with --start, and receivers are '
+            f"chosen with --to, as in `{called()} distribute {agent} {behavior} --to {targets[0]}`"
+        )
+    with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
+        report = swarm_up.agents.distribute(
+            agent,
+            use.name,
+            arguments=[*use.arguments, *(targets or [])],
+            receivers=to or [],
+            start=start,
+            progress=lambda done, total: advance(done, total, ""),
+        )
+    console.note(report.message)
+    told = [f"{name}: has it" for name in report.accepted]
+    told += [f"{name}: {why}" for name, why in report.missing.items()]
+    fields = ("sequence", "digest", "accepted", "refused", "silent")
+    console.show(json, {field: getattr(report, field) for field in fields}, *told)
+    if report.missing:
+        there, missing = len(report.accepted), len(report.missing)
+        raise HitabError(
+            f'only {there} of {there + missing} receivers have "{behavior}" now; mend what is '
+            "said of the others, and distribute it again"
+        )
+
+
+def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None) -> None:
+    """Show an agent's vocabulary: its behaviors, features and targets."""
+    with connection(swarm) as swarm_up:
+        words = swarm_up.agents.vocabulary(agent)
+
+    lines = [f"domain    {words.domain}"]
+    for b in words.behaviors:
+        kinds = ["trained"] * b.trained + ["one-shot"] * b.one_shot
+        lines.append(f"behavior  {_with_description(b.name, kinds, b.description)}")
+    for f in words.features:
+        kind = "circular" if f.kind == FeatureKind.TOROIDAL else f.kind
+        kinds = [kind, f.unit] if f.unit else [kind]
+        lines.append(f"feature   {_with_description(f.name, kinds, f.description)}")
+    lines += [f"target    {name}" for name in words.targets]
+    data = {
+        "domain": words.domain,
+        "behaviors": [plain(b, "name description") for b in words.behaviors],
+        "trained": [b.name.split("(")[0] for b in words.behaviors if b.trained],
+        "one_shot": [b.name.split("(")[0] for b in words.behaviors if b.one_shot],
+        "features": [plain(f, "name kind unit description") for f in words.features],
+        "targets": list(words.targets),
+    }
+    console.show(json, data, *lines)
+
+
+def _with_description(name: str, kinds: list[str], description: str) -> str:
+    """Return a line such as ``Pass  one-shot: kick the ball to a teammate``."""
+    said = ": ".join(filter(None, (", ".join(kinds), description)))
+    return f"{name}  {said}" if said else name

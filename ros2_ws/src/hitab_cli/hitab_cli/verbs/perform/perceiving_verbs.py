@@ -1,0 +1,138 @@
+"""Verbs that show what an agent perceives now, and why it changes its state: perceive, why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import product
+from typing import Annotated, Any
+
+import typer
+
+from hitab_cli.verbs.verb_connection import WATCH_SECONDS, Connection, connection
+from hitab_client import console
+from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_core import FLAGS, OWN_NAMES, FeatureKind, Use, shown_unit, shown_value
+
+
+def perceive(
+    agent: AgentName,
+    features: Annotated[list[str] | None, typer.Argument()] = None,
+    watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Show what an agent perceives now: each feature with its value and unit.
+
+    A feature whose sensor is silent has no value; below the table is what is wrong. Angles are in
+    degrees here, and in the feature's own unit in JSON. While the agent performs, the flags and
+    timers of the automata that are active are shown, too.
+
+    Args:
+        features: Features, such as DistanceTo(ball). Default: all, with all targets.
+        watch: Keep it up to date.
+
+    Examples:
+      hitab perceive keeper_1
+      hitab perceive keeper_1 "DistanceTo(ball)" --watch
+    """
+    with connection(swarm) as swarm_up:
+        words = swarm_up.agents.vocabulary(agent)
+        chosen = list(features or _all(words))
+        if watch:
+            swarm_up.watch(lambda: _rendered(_read(swarm_up, agent, chosen, words)))
+        data = _read(swarm_up, agent, chosen, words)
+        console.show(json, data, *_rendered(data))
+
+
+def why(agent: AgentName, swarm: SwarmName = None) -> None:
+    """Show each change of state from now on: what the decision looked at, or a command.
+
+    It ends with Ctrl-C. In a world that is paused, step on in another terminal.
+
+    Example:
+      hitab why keeper_1
+    """
+    with connection(swarm) as swarm_up:
+        from hitab_msgs.msg import TransitionEvent
+
+        from hitab_ros import names, qos
+
+        agents = swarm_up.agents
+        known = {Use.parse(f.name).name: f for f in agents.vocabulary(agent).features}
+
+        def seen(name: str, value: float) -> str:
+            feature = known.get(Use.parse(name).name)
+            kind, unit = (feature.kind, feature.unit) if feature else (FeatureKind.BOOLEAN, "")
+            return f"{name} = {_value(value, kind, unit)} {shown_unit(unit)}".rstrip()
+
+        def told(event: TransitionEvent) -> None:
+            looked_at = ", ".join(map(seen, event.features, event.values))
+            because = "commanded" if event.commanded else looked_at or "always"
+            change = f"{'/'.join(event.automaton)}: {event.from_state} -> {event.to_state}"
+            console.say(f"cycle {event.cycle}: {change} ({because})")
+
+        topic = names.of_agent(agent, names.TRANSITIONS, agents.prefix)
+        swarm_up.link.subscribe(TransitionEvent, topic, told, qos.EVENTS)
+        console.note(f"{agent} is {agents.statuses[agent].mode}; Ctrl-C ends this")
+        while True:
+            swarm_up.link.spin(WATCH_SECONDS)
+
+
+def _all(words: Any) -> Iterator[str]:
+    """Yield all features of the domain, bound to all targets."""
+    for use in (Use.parse(feature.name) for feature in words.features):
+        for targets in product(words.targets, repeat=len(use.arguments)):
+            if use.name not in OWN_NAMES and len(set(targets)) == len(targets):
+                yield str(Use(use.name, targets))
+
+
+def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> dict[str, Any]:
+    """Return the features now, and the agent's faults, as plain data."""
+    told = swarm_up.agents.read_features(agent, chosen)
+    known = {Use.parse(feature.name).name: feature for feature in words.features}
+    found = []
+    for read in told.readings:
+        name = Use.parse(read.feature).name
+        if read.automaton and name not in OWN_NAMES:
+            continue  # it is among the chosen ones, or not asked for
+        kind = known[name].kind if name in known else ""
+        found.append(
+            {
+                "automaton": read.automaton,
+                "name": read.feature,
+                "value": None if math.isnan(read.value) else read.value,
+                "kind": str(FeatureKind.BOOLEAN) if name in FLAGS else kind,
+                "unit": known[name].unit if name in known else "",
+            }
+        )
+    status = swarm_up.agents.statuses.get(agent)
+    faults = [*(status.faults if status is not None else ()), told.message]
+    return {
+        "agent": agent,
+        "features": sorted(found, key=lambda reading: bool(reading["automaton"])),
+        "faults": [*dict.fromkeys(filter(None, faults))],
+    }
+
+
+def _rendered(data: dict[str, Any]) -> list[Any]:
+    rows = [
+        (
+            f"{one['name']} of {one['automaton']}" if one["automaton"] else one["name"],
+            _value(**one),
+            "" if one["value"] is None else shown_unit(one["unit"]),
+        )
+        for one in data["features"]
+    ]
+    faults = [console.line(fault, "red") for fault in data["faults"]]
+    return [console.table(("feature", "value", "unit"), rows), *faults]
+
+
+def _value(value: float | None, kind: str, unit: str, **_: Any) -> str:
+    """Return a value for people."""
+    if value is None or math.isnan(value):
+        return "no value"
+    if kind == FeatureKind.BOOLEAN:
+        return "yes" if value else "no"
+    value = shown_value(value, unit)
+    return f"{value:.1f}" if abs(value) >= 100.0 else f"{value:.3g}"

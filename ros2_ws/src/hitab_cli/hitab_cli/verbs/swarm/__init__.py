@@ -1,0 +1,1 @@
+"""Verbs for a swarm: its processes, status, logs, recordings and world."""

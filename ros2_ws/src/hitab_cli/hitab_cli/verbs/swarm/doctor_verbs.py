@@ -1,0 +1,62 @@
+"""The verb that looks for problems: doctor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+
+import typer
+
+from hitab_bringup.doctor import ERROR, Finding
+from hitab_client import console
+from hitab_client.cli_options import JsonPath
+from hitab_client.ros_environment import problems
+from hitab_core import HitabError, quantity
+
+STYLES = {"ok": "", "warning": "yellow", "error": "bold red"}
+
+
+def doctor(json: JsonPath = None) -> None:
+    """Check this computer, ROS, DDS, and what runs; name each problem and its remedy.
+
+    The exit status is 1 if there is an error.
+
+    Example:
+      hitab doctor
+    """
+    found = []
+    for finding in _findings():
+        found.append(finding)
+        if json != "-":
+            told = f"{finding.level:7} {finding.about:14} {finding.text}"
+            told += f"\n{'':22} {finding.way_out}" if finding.way_out else ""
+            console.out().print(console.line(told, STYLES[finding.level]))
+    counts = {level: sum(f.level == level for f in found) for level in STYLES}
+    told = f"{quantity(counts['error'], 'error')}, {quantity(counts['warning'], 'warning')}"
+    told = told if counts["error"] or counts["warning"] else "no problems found"
+    console.show(json, [asdict(finding) for finding in found], told)
+    if counts["error"]:
+        raise typer.Exit(1)
+
+
+def _findings() -> Iterator[Finding]:
+    from hitab_bringup.doctor import machine, ros, runs
+
+    yield from machine.python()
+    # Where it cannot start, ROS may end the process that loads it.
+    starts = [Finding(about, told, ERROR, way) for about, told, way in problems()] or [
+        *ros.installation(),
+        *ros.middleware(),
+        *ros.domain(),
+    ]
+    yield from starts
+    yield from runs.swarms()
+    yield from runs.leftovers()
+    if all(finding.level != "error" for finding in starts):
+        try:
+            yield from runs.faults()
+        except HitabError as refused:
+            yield Finding("ROS", str(refused), ERROR, "check the variables that begin with ROS_")
+    yield from machine.home()
+    yield from machine.memory()
+    yield from machine.limits()

@@ -1,0 +1,112 @@
+"""The verb that shows what the processes of a swarm have logged: logs."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from hitab_client import SwarmError, completion, console
+from hitab_client.cli_options import SwarmName
+from hitab_core import Fix, has
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from hitab_bringup import LogFile, LogLine
+    from hitab_client import RunFolder, RunRecord
+
+Level = Literal["debug", "info", "warn", "error", "fatal"]
+LOG_PERIOD_SECONDS = 0.3  # between two looks for new lines
+
+
+def logs(
+    name: Annotated[str, typer.Argument(autocompletion=completion.processes)] = "",
+    follow: Annotated[bool, typer.Option("--follow", "-f")] = False,
+    lines: Annotated[int, typer.Option("--lines", "-n", min=0)] = 100,
+    level: Annotated[Level, typer.Option(metavar="LEVEL", show_default=False)] = "debug",
+    swarm: SwarmName = None,
+) -> None:
+    """Show what the processes of a swarm have logged, even after it has ended.
+
+    Args:
+        name: An agent, a host, world or supervisor. Default: all.
+        follow: Go on until the swarm is down, or Ctrl-C.
+        lines: Number of lines to begin with; 0 for all.
+        level: Only lines of this level or above: debug, info, warn, error or fatal.
+
+    Examples:
+      hitab logs
+      hitab logs keeper_1 --follow
+      hitab logs --level warn
+    """
+    from hitab_bringup import logs_of, new_lines
+
+    folder, record = _run(swarm)
+    files = _chosen(name, folder, record)
+    console.note(f"from {files[0].path if len(files) == 1 else folder.path / 'logs'}")
+    names = len(files) > 1
+    last = new_lines(files, level, ended=follow)
+    if not last:
+        console.note(f"no lines{f' of level {level} or above' if level != 'debug' else ''}")
+    _say(last[-lines:], names)
+    while follow:
+        record = folder.read()
+        up = record is not None and folder.supervisor(record) is not None
+        if names:  # processes may have been added
+            known = {file.path for file in files}
+            files += [file for file in logs_of(folder) if file.path not in known]
+        _say(new_lines(files, level, ended=True), names)
+        if not up:
+            console.note(f"{folder.path.name} is down")
+            return
+        time.sleep(LOG_PERIOD_SECONDS)
+
+
+def _say(lines: Iterable[LogLine], names: bool) -> None:
+    for line in lines:
+        console.say(f"{line.process} | {line.text}" if names else line.text)
+
+
+def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
+    """Return the run whose logs are meant: the swarm that is up, else the last one.
+
+    Raises:
+        SwarmError: if there is none, or the choice is ambiguous.
+    """
+    from hitab_client import RunFolder
+    from hitab_client.run_folder import state_home
+    from hitab_client.swarm_choice import find_running, folder_called
+
+    if swarm is not None:
+        folder = folder_called(swarm)
+        if (folder.path / "logs").is_dir():
+            return folder, folder.read()
+    found = find_running(swarm)
+    if found is not None:
+        return found
+    ended = [path.parent for path in state_home().glob("*/logs") if path.is_dir()]
+    if not ended:
+        raise SwarmError(f"no swarm has run under {state_home()}", Fix.UP(swarm="keepaway"))
+    newest = max(ended, key=lambda path: (path / "logs").stat().st_mtime)
+    console.note(f"{newest.name} is down; these are the logs of its last run")
+    folder = RunFolder(newest)
+    return folder, folder.read()
+
+
+def _chosen(name: str, folder: RunFolder, record: RunRecord | None) -> list[LogFile]:
+    from hitab_bringup import logs_of
+    from hitab_client.run_processes import RunProcesses
+
+    files = logs_of(folder)
+    if not name:
+        if not files:
+            raise SwarmError(f"{folder.path} has no logs")
+        return files
+    process = RunProcesses(record).process_of(name)
+    for file in files:
+        if file.process == process:
+            return [file]
+    known = {file.process for file in files} | set(record.agents if record is not None else ())
+    raise SwarmError(f'nothing called "{name}" ran here {has(known, name)}')

@@ -1,0 +1,232 @@
+"""The verb that shows what a swarm does: status."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+
+import typer
+
+from hitab_cli.verbs.printing import plain
+from hitab_cli.verbs.verb_connection import Connection, connection
+from hitab_client import SwarmError, console
+from hitab_client.cli_options import JsonPath, SwarmName
+from hitab_client.cli_remedies import as_command
+from hitab_core import Fix, each_once, natural, quantity, some
+
+if TYPE_CHECKING:
+    from hitab_client import SignsOfLife
+    from hitab_client.run_processes import Silence
+
+AGENT_FIELDS = (
+    "domain mode behavior active_path examples default_examples cycle library_digest last_error "
+    "faults stopped when_out_of_reach note unsure questions remarks"
+)
+WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
+"""Fields of statuses that are shown."""
+
+WAYS_MAX = 10
+"""Ways out that are shown at most."""
+
+HAND_STARTED_WORLD_SECONDS = 1.0  # for a world that was started by hand
+
+
+def status(
+    watch: Annotated[bool, typer.Option("--watch", "-w")] = False,
+    check: Annotated[bool, typer.Option("--check")] = False,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Show the agents: their modes, what they perform and what went wrong.
+
+    Args:
+        watch: Keep it up to date.
+        check: Exit with 1 if a member does not answer, is stopped or has a fault.
+
+    Examples:
+      hitab status
+      hitab status --watch
+      hitab status --check --json -
+    """
+    with connection(swarm, reads=True) as swarm_up:
+        swarm_up.agents.await_agents()
+        _await_world(swarm_up)
+        reported = (*swarm_up.agents.statuses.values(), swarm_up.world.status)
+        swarm_up.note_whose(status.swarm for status in reported if status is not None)
+        if watch:
+            _watch(swarm_up)
+        silent = _silent(swarm_up)
+        data = _status_data(swarm_up, silent)
+        if swarm_up.record is None and not data["agents"] and data["world"] is None:
+            number = swarm_up.link.node.context.get_domain_id()
+            raise SwarmError(
+                f"no node answers in ROS domain {number}; a swarm that starts or ends needs a "
+                "moment: try again",
+                Fix.UP(swarm="keepaway"),
+            )
+        console.show(json, data, *_rendered(data, silent))
+        told = [*data["agents"], *filter(None, [data["world"]])]
+        if check and (silent or any(one["faults"] or one.get("missing") for one in told)):
+            raise typer.Exit(1)
+
+
+def _await_world(swarm_up: Connection) -> None:
+
+    world = swarm_up.world
+    if swarm_up.record is None:
+        swarm_up.link.spin_until(lambda: world.status is not None, HAND_STARTED_WORLD_SECONDS)
+    elif swarm_up.has_world:
+        with suppress(SwarmError):  # shown with all that does not answer
+            world.wait()
+
+
+def _watch(swarm_up: Connection) -> NoReturn:
+    from hitab_client import SignsOfLife
+
+    started = (*swarm_up.agents.expected, *(["world"] if swarm_up.has_world else []))
+    signs = SignsOfLife(swarm_up.link, started, identity=swarm_up.agents.identity)
+
+    last: dict[str, Any] = {}
+
+    def shown() -> list[Any]:
+        nonlocal last
+        swarm_up.agents.discover()
+        now = {**swarm_up.agents.statuses, "world": swarm_up.world.status}
+        signs.take_signs_of(name for name, it in now.items() if it is not last.get(name))
+        last = now
+        silent = _silent(swarm_up, signs)
+        return _rendered(_status_data(swarm_up, silent), silent)
+
+    swarm_up.watch(shown)
+
+
+def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
+    """Return all that is known about a swarm, as plain data."""
+    from hitab_ros.conversions import remedies_of
+
+    agents = [
+        {
+            "agent": name,
+            "training": status.training,
+            **plain(status, AGENT_FIELDS),
+            "remedies": list(map(as_command, remedies_of(status.remedies))),
+            "refused_at": status.refused_at.sec or None,
+        }
+        for name, status in sorted(swarm_up.agents.statuses.items())
+    ]
+    world, record = swarm_up.world.status, swarm_up.record
+    return {
+        "swarm": record.swarm if record else None,
+        "identity": record.identity if record else None,
+        "run_folder": str(swarm_up.folder.path) if swarm_up.folder else None,
+        "ros_domain": swarm_up.link.node.context.get_domain_id(),
+        "agents": agents,
+        "missing": [n for n in swarm_up.agents.expected if n not in swarm_up.agents.statuses],
+        "silent": {
+            name: why.of(name) if why is not None else f"{name} does not answer"
+            for name, why in silent.items()
+        },
+        "world": None if world is None else plain(world, WORLD_FIELDS),
+        "remedies": [] if world is None else list(map(as_command, remedies_of(world.remedies))),
+    }
+
+
+def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Silence | None]:
+    """Return why agents, or the world, do not answer, by name; None if that is unknown."""
+    from hitab_client.run_processes import Silence
+
+    agents, world, processes = swarm_up.agents, swarm_up.world, swarm_up.processes
+    started = (*agents.expected, *(["world"] if swarm_up.has_world else []))
+    told = {name: processes.why_silent(name) for name in started}
+    reported = {*agents.statuses, *(["world"] if world.status is not None else [])}
+    # Of one that has reported only a process that has ended or is suspended counts.
+    told = {n: why for n, why in told.items() if n not in reported or (why and why.lasts)}
+    for name, seconds in (signs.silent() if signs is not None else {}).items():
+        for_now = f"has been silent for {seconds:.0f} s"
+        silent = Silence(processes.process_of(name), for_now, lasts=False)
+        told[name] = processes.why_silent(name) or silent
+    return told
+
+
+def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> list[Any]:
+    from hitab_client.run_processes import sentences
+
+    lines: list[Any] = []
+    world = data["world"]
+    if world is not None:
+        pace = world["pace"] + (f" x {world['factor']:g}" if world["pace"] == "realtime" else "")
+        lines.append(
+            console.line(
+                f"world {world['world']}: {world['mode']}, {pace}, cycle {world['cycle']}, "
+                f"episode {world['episode']}, {world['missed_deadlines']} missed deadlines"
+            )
+        )
+        for name in world["missing"]:
+            lines.append(console.line(f"the world does not hear {name}", "red"))
+        lines += [console.line(text, "red") for text in _wrong(world)]
+    rows = []
+    for agent in data["agents"]:
+        why = silent.get(agent["agent"])
+        examples = f"{agent['examples']} ({agent['default_examples']} default)"
+        rows.append(
+            (
+                agent["agent"],
+                why.state if why is not None and why.lasts else agent["mode"],
+                agent["behavior"],
+                " > ".join(agent["active_path"]),
+                examples if agent["examples"] else "",
+                agent["library_digest"][:8],
+            )
+        )
+    for name in data["missing"]:
+        if name in silent:
+            why = silent[name]
+            rows.append((name, "silent" if why is None else why.state, *[""] * 4))
+    rows.sort(key=lambda row: natural(row[0]))
+    columns = ("agent", "mode", "behavior", "active", "examples", "library")
+    lines.append(console.table(columns, rows))
+    if not data["agents"]:
+        lines.append(console.line("no agent answers"))
+    lines += [console.line(why, "red") for why in sentences(silent)]
+    wrong = each_once((a["agent"], text) for a in data["agents"] for text in _wrong(a))
+    lines += [console.line(text, "red") for text in wrong]
+    ways = dict.fromkeys(way for one in [data, *data["agents"]] for way in one["remedies"])
+    mute = dict.fromkeys(why.process for why in silent.values() if why is not None)
+    ways |= dict.fromkeys(as_command(Fix.LOGS(node=process)) for process in mute)
+    lines += [console.line(way) for way in [*ways][:WAYS_MAX]]
+    halt = [a["agent"] for a in data["agents"] if a["when_out_of_reach"] == "halt"]
+    lines += [console.line(f"halt when out of reach: {some(halt)}")] if halt else []
+    lines += [console.line(f"{a['agent']} {a['note']}") for a in data["agents"] if a["note"]]
+    lines += [console.line(kept) for agent in data["agents"] if (kept := _kept(agent))]
+    logs = f"; logs in {data['run_folder']}/logs" if data["run_folder"] else ""
+    lines.append(console.line(f"ROS domain {data['ros_domain']}{logs}", "dim"))
+    return lines
+
+
+def _kept(agent: Mapping[str, Any]) -> str:
+    """Say that a training waits, and how to go on with it; "" if none does."""
+    if not agent["training"] or agent["mode"] in ("training", "testing"):
+        return ""
+    name, examples = agent["agent"], quantity(agent["examples"], "example")
+    kept = f'{name}: the training of "{agent["training"]}" ({examples}) is kept'
+    return f"{kept}; {as_command(Fix.RESUME(agent=name))}"
+
+
+def _wrong(status: dict[str, Any]) -> list[str]:
+    """Return persistent faults and the last refusal."""
+    faults, last = status["faults"], status["last_error"]
+    # The error may be long ago: present ones are among the faults.
+    what = "last refusal" if "agent" in status else "last error"
+    if status.get("refused_at"):
+        what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))
+    told = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
+    if status.get("unsure"):
+        told.append(f"unsure: {status['unsure']}")
+    if status.get("questions"):
+        told.append(f"asks {quantity(status['questions'], 'question')}")
+    if status.get("remarks"):
+        see = as_command(Fix.QUESTIONS(agent=status["agent"]))
+        told.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
+    return told

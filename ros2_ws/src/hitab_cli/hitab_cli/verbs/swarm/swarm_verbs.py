@@ -1,0 +1,165 @@
+"""Verbs for whole swarms: up, down."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from hitab_client import completion, console
+from hitab_client.cli_options import SwarmName
+from hitab_client.cli_remedies import called, with_commands
+from hitab_core import Fix, quantity
+
+if TYPE_CHECKING:
+    from hitab_client import RunFolder, RunRecord
+
+LARGE = 100
+"""Agents; a larger swarm starts for a while, so that lines tell of it where there is no bar."""
+
+
+def up(
+    swarm: Annotated[
+        str, typer.Argument(autocompletion=completion.swarm_descriptions)
+    ] = "keepaway",
+    pace: Literal["lockstep", "realtime"] | None = None,
+    paused: Annotated[bool, typer.Option("--paused")] = False,
+    library: Annotated[str | None, typer.Option("--library", "-l", metavar="LIBRARY")] = None,
+    namespace: Annotated[str, typer.Option(metavar="NAME")] = "",
+    use_sim_time: Annotated[bool, typer.Option("--use-sim-time")] = False,
+    run_dir: Path | None = None,
+    agents: Annotated[int, typer.Option(min=0)] = 0,
+) -> None:
+    """Start a swarm and keep it alive until `hitab down`.
+
+    Waits until every agent and the world answer. Killed processes are restarted. Learned behaviors
+    are kept: the next start of the swarm goes on with them. A world that was paused when the swarm
+    went down stays paused.
+
+    Args:
+        swarm: A swarm description, the name of a shipped one, or a Python file with a world.
+        pace: lockstep or realtime; overrides the description.
+        paused: Start with the world paused.
+        library: A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to
+            save to. Default: folders of their own, which are kept for the next start. A training
+            that was not saved resumes at the next start with the same library.
+        namespace: Namespace around all of its nodes, so that another swarm with the same agents
+            can be up in the same ROS domain. The swarm is then called SWARM_NAME.
+        use_sim_time: All nodes but the world take their time from the world's clock.
+        run_dir: Folder for its files, instead of the default one.
+        agents: How many, in a world in a Python file. 0: as many as it says.
+
+    Examples:
+      hitab up keepaway
+      hitab up keepaway --library my_library
+      hitab up my_swarm.yaml --pace lockstep --paused
+      hitab up keepaway --namespace left
+    """
+    from hitab_bringup import bring_up, described_swarm
+    from hitab_client import RunFolder
+    from hitab_client.run_folder import running_swarms
+    from hitab_client.swarm_choice import name_to_choose
+
+    description = described_swarm(
+        swarm,
+        run_dir,
+        namespace=namespace,
+        use_sim_time=use_sim_time,
+        pace=pace or "",
+        paused=paused,
+        library=library or "",
+        agents=agents,
+    )
+    if library:
+        for new in {member.library for member in description.members}:
+            if new is not None and not new.is_dir():
+                console.note(f"{new} is a new library: nothing is learned in it yet")
+    folder = RunFolder.of_swarm(description.name, run_dir)
+    began = time.monotonic()
+    faults: list[str] = []
+    nodes = len(description.agent_names)
+    tenth = nodes // 10 if nodes > LARGE else 0
+    with console.progress(f"starting {description.name}", "nodes", line_every=tenth) as advance:
+        record = bring_up(description, folder, advance, faults.append, console.note)
+    console.say(
+        f"{record.swarm} is up: {quantity(len(record.agents), 'agent')}"
+        f"{' and a world' if record.world else ''} in ROS domain {record.domain_id} "
+        f"({time.monotonic() - began:.1f} s)"
+    )
+    look, stop = "status", "down"
+    if len(list(running_swarms())) > 1:
+        name = name_to_choose(record)
+        look, stop = f"status --swarm {name}", f"down {name}"
+    ways = f"look with `{called()} {look}`, stop with `{called()} {stop}`"
+    console.say(f"files in {folder.path}; {ways}")
+    for fault in faults:
+        console.note(fault)
+
+
+def down(
+    name: Annotated[
+        str | None, typer.Argument(metavar="swarm", autocompletion=completion.swarms)
+    ] = None,
+    swarm: SwarmName = None,
+    run_dir: Annotated[Path | None, typer.Option("--run-dir")] = None,
+    every: Annotated[bool, typer.Option("--all")] = False,
+) -> None:
+    """Stop a swarm and all its processes.
+
+    Unsaved trainings are listed and kept: the next start of the swarm resumes them.
+
+    Args:
+        name: The swarm, if several are up: its name, identity, namespace or run folder.
+        run_dir: Its run folder, instead of its name.
+        every: Stop all swarms that were started from here.
+
+    Examples:
+      hitab down
+      hitab down keepaway
+      hitab down --all
+      hitab down --run-dir my_run
+    """
+    from hitab_client import RunFolder
+    from hitab_client.run_folder import registered_swarms
+    from hitab_client.swarm_choice import to_take_down
+
+    if every and (name or swarm or run_dir):
+        raise typer.BadParameter(
+            "it stops every swarm; leave out the name, --swarm and --run-dir", param_hint="--all"
+        )
+    found: list[tuple[RunFolder, RunRecord | None]]
+    if every:
+        found = list(registered_swarms())
+    elif run_dir is not None:
+        folder = RunFolder(run_dir)
+        found = [(folder, folder.read())]
+    else:
+        one = to_take_down(name or swarm)
+        found = [one] if one is not None else []
+    if not found:
+        console.say("no swarm is up")
+    for folder, record in found:
+        _take_down(folder, record)
+
+
+def _take_down(folder: RunFolder, record: RunRecord | None) -> None:
+    from hitab_bringup import left_to_resume
+    from hitab_bringup.processes import supervision
+    from hitab_client.run_folder import registry_held
+    from hitab_client.swarm_choice import name_to_choose
+
+    name = name_to_choose(record) if record else folder.path.name
+    try:
+        with console.err().status("stopping"), registry_held():
+            killed = supervision.stop(folder)
+    except KeyboardInterrupt:
+        again = [Fix.DOWN_FOLDER(folder=folder.path)]
+        console.note(with_commands(f"{name} may be ending all the same", again))
+        raise
+    console.say(f"{name} is down")
+    if killed:
+        console.note(f"killed {quantity(len(killed), 'process', 'processes')} that did not stop")
+    for text in left_to_resume(folder.path):
+        console.note(text)

@@ -1,0 +1,227 @@
+"""Verbs on the examples of a training: list, delete, relabel, retime, and their features."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from hitab_cli.verbs.printing import as_text, plain
+from hitab_cli.verbs.verb_connection import connection
+from hitab_client import as_direction, console
+from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
+
+if TYPE_CHECKING:
+    from hitab_core.training import TrainingCost
+
+MINUTES_FROM_S = 120.0
+"""Times from this one on are shown in minutes."""
+
+COUNT_FIELDS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
+
+
+class ExamplesGroup(TyperGroup):
+    """Takes an agent's name without a command as a request to list its examples."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the command to run and its arguments."""
+        if not (args[0] in self.commands or get_close_matches(args[0], self.commands)):
+            args = ["list", *args]
+        return super().resolve_command(ctx, args)
+
+
+app = typer.Typer(
+    cls=ExamplesGroup,
+    help="List and correct the examples of a training: `hitab examples keeper_1` lists them.",
+)
+
+
+@app.command("list")
+def examples_list(
+    agent: AgentName,
+    automaton: Annotated[str, typer.Argument(metavar="behavior")] = "",
+    cost: Annotated[bool, typer.Option("--cost")] = False,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """List the examples of the current training, or of a trained behavior.
+
+    With --cost, `time` and `simulated` count from step to step, by the clock and in the world,
+    without pauses of more than five minutes and the time while the swarm was down. `commands` and
+    `undos` are what you did. `examples` counts those that there were in the end. `wasted` counts
+    those that were recorded and not learned from: they were deleted or undone, or are listed as
+    overruled, since a command in the same place contradicts them. `structures` counts the sets of
+    features that were tried: 1, and one more for each `hitab examples features`. `proposals`
+    counts the questions of the agent that you answered as it proposed.
+
+    Args:
+        automaton: A trained behavior. Default: what is being trained.
+        cost: Show instead what its trainings took.
+
+    Examples:
+      hitab examples keeper_1
+      hitab examples list keeper_1 ApproachBall --json examples.json
+      hitab examples keeper_1 --cost
+    """
+    with connection(swarm) as swarm_up:
+        if cost:
+            _show_costs(swarm_up.agents.report(agent, automaton), json)
+            return
+        agents = swarm_up.agents
+        found = agents.behavior(agent, automaton) if automaton else agents.training(agent)
+    if not found.is_automaton:
+        raise HitabError(f"{automaton} is a basic behavior: it was not learned from examples")
+    units, kinds = found.units, [scale.kind for scale in found.scales]
+    late = any(e.ago for e in found.examples)
+    names = (
+        f"{f}, {shown_unit(unit)}" if unit == RADIANS else f
+        for f, unit in zip(found.features, units, strict=True)
+    )
+    columns = ("number", "in", *names, "go to", "kind", "command", "cycle", *["s ago"] * late)
+    rows = [
+        (
+            str(e.number),
+            e.state,
+            *map(_shown, e.features, units, kinds),
+            found.commanded(e),
+            ExampleKind(e.kind).shown,
+            str(e.command),
+            str(e.cycle),
+            *[f"{e.ago:.2g}" if e.ago else ""] * late,
+        )
+        for e in found.examples
+    ]
+    title = f"{found.name}: {quantity(len(found.examples), 'example')}"
+    if superseded := sum(e.kind == ExampleKind.SUPERSEDED for e in found.examples):
+        title += f", {superseded} {ExampleKind.SUPERSEDED.shown} by a command"
+    fields = "number state next_state kind command cycle ago"
+    data = [
+        plain(e, fields)
+        | {
+            "values": list(e.features),
+            "numbers": list(e.numbers),
+            "readings": {
+                name: None if math.isnan(value) else value
+                for name, value in zip(found.readable, e.readings, strict=False)
+            },
+        }
+        for e in found.examples
+    ]
+    console.show(
+        json,
+        {"automaton": found.name, "features": list(found.features), "examples": data},
+        console.table(columns, rows, title),
+    )
+
+
+def _show_costs(costs: list[TrainingCost], json: str | None) -> None:
+    rows = [
+        (
+            cost.automaton if cost.finished else f"{cost.automaton}, not saved",
+            cost.began.replace("T", " ")[:16],
+            _duration(cost.wall_seconds),
+            _duration(cost.simulated_seconds),
+            *(str(getattr(cost, count)) for count in COUNT_FIELDS),
+        )
+        for cost in costs
+    ]
+    heads = ("automaton", "began (UTC)", "time", "simulated", *COUNT_FIELDS)
+    data = {"trainings": [asdict(cost) for cost in costs]}
+    console.show(json, data, console.table(heads, rows))
+
+
+def _duration(seconds: float) -> str:
+    """Return a time as a person would say it."""
+    return f"{seconds:.0f} s" if seconds < MINUTES_FROM_S else f"{seconds / 60:.1f} min"
+
+
+def _shown(value: float, unit: str, kind: str) -> str:
+    """Return a value for people: angles in degrees, as the rules that are learned from them."""
+    value = shown_value(as_direction(value, unit, kind), unit)
+    return f"{value:{'.1f' if unit == RADIANS else '.4g'}}"
+
+
+def edit(swarm: str | None, agent: str, verb: str, *what: Any) -> None:
+    """Edit the examples of a training, or take that back, and say what was done."""
+    with connection(swarm) as swarm_up:
+        answer = getattr(swarm_up.agents, verb)(agent, *what)
+    console.say(answer.message)
+
+
+Numbers = Annotated[list[int], typer.Argument(help="Numbers of examples, see `hitab examples`.")]
+
+
+@app.command("delete")
+def examples_delete(agent: AgentName, numbers: Numbers, swarm: SwarmName = None) -> None:
+    """Delete examples; `hitab undo` brings them back.
+
+    Example:
+      hitab examples delete keeper_1 3 4
+    """
+    edit(swarm, agent, "delete", numbers)
+
+
+@app.command("relabel")
+def examples_relabel(
+    agent: AgentName,
+    numbers: Numbers,
+    to: Annotated[str, typer.Option("--to")],
+    swarm: SwarmName = None,
+) -> None:
+    """Change which state examples go to; `hitab undo` takes that back.
+
+    Args:
+        to: The correct next state; its numbers too, if it takes some.
+
+    Examples:
+      hitab examples relabel keeper_1 5 --to GoSlow
+      hitab examples relabel keeper_1 5 --to "RunTowards(direction=40)"
+    """
+    edit(swarm, agent, "relabel", numbers, to)
+
+
+@app.command("retime")
+def examples_retime(
+    agent: AgentName,
+    numbers: Numbers,
+    ago: Annotated[float, typer.Option("--ago")],
+    swarm: SwarmName = None,
+) -> None:
+    """Correct commands that came late: date them back to what the agent perceived earlier.
+
+    Args:
+        ago: Seconds of simulated time from the situation to the command.
+
+    Example:
+      hitab examples retime keeper_1 5 --ago 0.4
+    """
+    edit(swarm, agent, "retime", numbers, ago)
+
+
+@app.command("features")
+def examples_features(
+    agent: AgentName,
+    feature: Annotated[list[str], typer.Option("--feature", "-f")],
+    show: Annotated[bool, typer.Option("--show")] = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Learn from other features of the same examples; `hitab undo` takes that back.
+
+    Args:
+        feature: A feature, such as "DistanceTo(ball)". Repeatable.
+        show: Only show what would be learned; change nothing.
+
+    Examples:
+      hitab examples features keeper_1 -f BallIsKickable --show
+      hitab examples features keeper_1 -f BallIsKickable -f "DistanceTo(ball)"
+    """
+    if not show:
+        edit(swarm, agent, "choose_features", feature)
+        return
+    with connection(swarm) as swarm_up:
+        console.say(as_text(swarm_up.agents.behavior(agent, with_features=feature)))

@@ -1,0 +1,77 @@
+"""The verb for what an agent asks about its examples."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+import typer
+
+from hitab_cli.verbs.printing import plain
+from hitab_cli.verbs.verb_connection import connection
+from hitab_client import console
+from hitab_client.cli_options import AgentName, JsonPath, SwarmName
+from hitab_client.cli_remedies import called, with_commands
+
+
+def questions(
+    agent: AgentName,
+    answer: Annotated[int | None, typer.Option(metavar="NUMBER")] = None,
+    choice: str = "",
+    dismiss: Annotated[int | None, typer.Option(metavar="NUMBER")] = None,
+    swarm: SwarmName = None,
+    json: JsonPath = None,
+) -> None:
+    """Show what an agent asks about its examples, or answer it.
+
+    It asks when commands contradict each other, when an example made it do what you corrected,
+    when a situation has too few examples, and when several explanations fit the examples.
+    `hitab undo` takes an answer back. Above the questions stands where the learned behavior goes
+    round in a circle, and what did not happen in fifty episodes of a test.
+
+    Args:
+        answer: Answer this question, as proposed or with --choice.
+        choice: One of the question's choices.
+        dismiss: Do not ask this question again; change nothing.
+
+    Examples:
+      hitab questions keeper_1
+      hitab questions keeper_1 --answer 1
+      hitab questions keeper_1 --answer 2 --choice Stop
+      hitab questions keeper_1 --dismiss 3
+    """
+    number = answer if answer is not None else dismiss
+    if choice and answer is None:
+        raise typer.BadParameter("--choice needs a question: --answer NUMBER")
+    with connection(swarm) as swarm_up:
+        if number is not None:
+            dismissed = answer is None
+            done = swarm_up.agents.answer(agent, number, choice, dismiss=dismissed)
+            console.say(done.message)
+            return
+        found = swarm_up.agents.training(agent, searched=True)
+    told = [with_commands(str(remark), [remark.remedy]) for remark in found.remarks]
+    told += [] if found.questions else [f"{agent} has no question"]
+    for question in found.questions:
+        told.append(f"{question.number}. {question.text}")
+        for index, offered in enumerate(question.choices):
+            proposed = "" if index else " (proposed)"
+            told.append(f"   {offered.name}: {offered.effect}{proposed}")
+    if found.questions:
+        told.append(
+            f"`{called()} questions {agent} --answer {found.questions[0].number}` answers as "
+            "proposed; add --choice CHOICE to answer otherwise."
+        )
+    asked = [_record(question) for question in found.questions]
+    data = {"questions": asked, "answered": list(found.answered)}
+    remarks = [{"code": r.code.name, **dict(r.arguments)} for r in found.remarks]
+    console.show(json, {**data, "remarks": remarks}, *told)
+
+
+def _record(question: Any) -> dict[str, Any]:
+    return {
+        **plain(question, "number kind text state examples"),
+        "choices": {choice.name: choice.effect for choice in question.choices},
+        "proposed": question.choices[0].name,
+        "situation": {r.feature: r.value for r in question.situation if not math.isnan(r.value)},
+    }

@@ -1,0 +1,222 @@
+"""Verbs that train: train, test, undo, redo, save, discard."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from hitab_cli.verbs.printing import tell_faults
+from hitab_cli.verbs.train.examples_verbs import edit
+from hitab_cli.verbs.verb_connection import connection
+from hitab_client import console
+from hitab_client.cli_options import AgentName, SwarmName
+from hitab_client.cli_remedies import called
+from hitab_core import has, quantity
+
+UNASKED_MAX = 3
+"""Commands that are discarded without a question: they are quickly given again."""
+
+
+def train(
+    agent: AgentName,
+    automaton: Annotated[str | None, typer.Argument(metavar="behavior")] = None,
+    feature: Annotated[list[str] | None, typer.Option("--feature", "-f")] = None,
+    state: Annotated[list[str] | None, typer.Option("--state", "-s")] = None,
+    parameter: Annotated[
+        list[str] | None, typer.Option("--parameter", "-p", metavar="A=ball")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume")] = False,
+    resume_from: Annotated[str, typer.Option("--from")] = "",
+    classifier: Annotated[str, typer.Option(metavar="CLASSIFIER")] = "",
+    discard: Annotated[bool, typer.Option("--discard")] = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Begin training a behavior; without a name, take control back from what is tested.
+
+    First choose the features that the decisions may use: only those that you name are used, and
+    `hitab vocabulary AGENT` lists them. They can be exchanged later. Then command behaviors with
+    `hitab demonstrate`, try what was learned with `hitab test`, take over again with `hitab train
+    AGENT`, and save.
+
+    To go on from the examples of a saved behavior, add --resume; otherwise saving replaces it.
+
+    Args:
+        automaton: What to train; without it, take control back from a test.
+        feature: A feature, such as "DistanceTo(ball)". Repeatable. Default: none.
+        state: A behavior that may be commanded. Repeatable. Default: any.
+        parameter: A parameter and its target during the training. Repeatable.
+        resume: Resume from the examples of the saved behavior.
+        resume_from: Resume from the examples of another saved behavior, or of an earlier version,
+            such as Keepaway@2.
+        classifier: Instead of the tree, one of scikit-learn: sklearn.MODULE.CLASS(KEYWORD=VALUE).
+        discard: First discard the unsaved training, if any.
+
+    Examples:
+      hitab train keeper_1 ApproachBall -f "DistanceTo(ball)"
+      hitab train keeper_1 Approach -p A=ball -f "DistanceTo(A)" -s GoFast -s Stop
+      hitab train keeper_1 Keepaway --resume
+      hitab train keeper_1
+    """
+    bound = _bound(parameter or [])
+    taking_over = automaton is None and not resume_from
+    if taking_over and any((feature, state, parameter, resume, classifier, discard)):
+        raise typer.BadParameter(
+            f"name the behavior to train, as in `{called()} train {agent} NAME`"
+        )
+    with connection(swarm) as swarm_up:
+        if taking_over:
+            answer = swarm_up.agents.set_mode(agent, "training")
+        else:
+            answer = swarm_up.agents.begin(
+                agent,
+                automaton or resume_from,
+                features=feature or [],
+                states=state or [],
+                parameters=list(bound),
+                arguments=list(bound.values()),
+                resume=resume_from or (automaton if resume and automaton else ""),
+                classifier=classifier,
+                discard=discard,
+            )
+    console.say_answer(answer)
+
+
+def _bound(parameters: list[str]) -> dict[str, str]:
+    bound = {}
+    for text in parameters:
+        name, equals, target = text.partition("=")
+        if not (name and equals and target):
+            raise typer.BadParameter(f'"{text}" is not NAME=TARGET, such as A=ball')
+        bound[name] = target
+    return bound
+
+
+def start_testing(
+    agent: AgentName,
+    restart: Annotated[bool, typer.Option("--restart")] = False,
+    when_unsure: Annotated[str, typer.Option(metavar="go_on|halt|hand_back")] = "",
+    distance: Annotated[float, typer.Option(show_default=False)] = 0.0,
+    swarm: SwarmName = None,
+) -> None:
+    """Give control to what the agent has learned, without a reset.
+
+    The choice for unsure decisions also holds for what is performed afterwards; `hitab status`
+    shows why a decision is unsure.
+
+    Args:
+        restart: Begin at Start, not at the active state.
+        when_unsure: From now on, when it is unsure: go on, do nothing until it is sure, or give
+            control to the demonstrator.
+        distance: Unsure farther than this from every example; 1 is about as far as the examples
+            are apart. Default: any.
+
+    Examples:
+      hitab test keeper_1 --restart
+      hitab test keeper_1 --when-unsure halt --distance 3
+    """
+    with connection(swarm) as swarm_up:
+        if when_unsure or distance:
+            cautious = swarm_up.agents.set_caution(agent, when_unsure, distance=distance)
+            console.say(cautious.message)
+        answer = swarm_up.agents.set_mode(agent, "testing", restart=restart)
+        status = swarm_up.agents.statuses[agent]
+    console.say_answer(answer)
+    tell_faults(status)
+
+
+def undo(agent: AgentName, swarm: SwarmName = None) -> None:
+    """Undo the last command, deletion or relabeling.
+
+    Undoing a command makes the agent perform its previous behavior again.
+
+    Example:
+      hitab undo keeper_1
+    """
+    edit(swarm, agent, "undo")
+
+
+def redo(agent: AgentName, swarm: SwarmName = None) -> None:
+    """Redo what was undone last, unless something else was done since.
+
+    Example:
+      hitab redo keeper_1
+    """
+    edit(swarm, agent, "redo")
+
+
+def save(
+    agent: AgentName,
+    name: str = "",
+    bind: Annotated[list[str] | None, typer.Option(metavar="ball=A")] = None,
+    description: str = "",
+    keep_unused: bool = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Trim what was learned and add it to the agent's library.
+
+    From then on it can be commanded, as a state of a higher behavior.
+
+    Args:
+        name: A new name. Default: the name given to `hitab train`.
+        bind: Replace a target or parameter. Repeatable.
+        description: Shown in the library.
+        keep_unused: Keep features that nothing uses yet, to resume training with them.
+
+    Examples:
+      hitab save keeper_1
+      hitab save keeper_1 --name Approach --bind ball=A
+    """
+    bound = _bound(bind or [])
+    with connection(swarm) as swarm_up:
+        answer = swarm_up.agents.save(
+            agent,
+            name=name,
+            bind_from=list(bound),
+            bind_to=list(bound.values()),
+            description=description,
+            keep_unused=keep_unused,
+        )
+        targets = swarm_up.agents.vocabulary(agent).targets if bound else []
+    console.say_answer(answer, f"{answer.message}: {answer.path}")
+    for parameter in bound.values():
+        if parameter not in targets:
+            console.say(
+                f'"{parameter}" is now a parameter, since no target has this name '
+                f"{has(targets, parameter)}"
+            )
+    if answer.trimmed:
+        console.say(f"trimmed: {', '.join(answer.trimmed)}")
+
+
+def discard(
+    agent: AgentName,
+    yes: Annotated[bool, typer.Option("--yes", "-y")] = False,
+    swarm: SwarmName = None,
+) -> None:
+    """Give up a training and its unsaved examples; the agent is idle afterwards.
+
+    On a terminal it asks first if that is more than a few commands. Saved behaviors stay. The
+    examples are kept in the folder of the agent's journals, beside those of earlier trainings.
+
+    Args:
+        yes: Do not ask, however many examples there are.
+
+    Examples:
+      hitab discard keeper_1
+      hitab discard keeper_1 --yes
+    """
+    with connection(swarm) as swarm_up:
+        if not yes and _is_terminal():
+            status = swarm_up.agents.await_agent(agent)
+            if status.examples - status.default_examples > UNASKED_MAX:
+                examples = quantity(status.examples, "unsaved example")
+                question = f'Discard the training of "{status.training}" with its {examples}?'
+                typer.confirm(question, abort=True, err=True)
+        answer = swarm_up.agents.discard(agent)
+    console.say_answer(answer)
+
+
+def _is_terminal() -> bool:
+    return sys.stdin.isatty() and sys.stderr.isatty()

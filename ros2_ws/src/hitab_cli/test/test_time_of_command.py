@@ -1,0 +1,72 @@
+"""When a command of the command line was due."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from builtin_interfaces.msg import Time
+from hitab_msgs.msg import WorldState
+from std_msgs.msg import Header
+
+from hitab_cli.verbs.perform import commanding_verbs as commanding
+from hitab_cli.verbs.verb_connection import Connection
+from hitab_client.world_client import WorldClient
+
+RUNNING = SimpleNamespace(mode="running", pace="realtime", factor=2.0)
+PAUSED = SimpleNamespace(mode="paused", pace="realtime", factor=1.0)
+
+
+class World:
+    """A world that is found only once its agents are."""
+
+    speed = 1.0
+
+    def __init__(self, status: Any) -> None:
+        self._found = status
+        self._discovered = False
+        self.status: Any = None
+
+    def await_agent(self, agent: str) -> None:
+        self._discovered = self._found is not None
+
+    def is_there(self) -> bool:
+        return self._discovered
+
+    cycle_before = WorldClient.cycle_before
+
+    def state_at(self, cycle: int) -> WorldState:
+        """Return a state at 10 Hz, after 10 s."""
+        return WorldState(header=Header(stamp=Time(sec=10)), cycle=100)
+
+    def wait(self) -> Any:
+        self.status = self._found
+        return self.status
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The person pressed Enter 1.5 s ago."""
+    monkeypatch.setattr("time.time", lambda: 101.5)
+    monkeypatch.setattr("psutil.Process.create_time", lambda self: 100.0)
+
+
+@pytest.mark.usefixtures("started")
+@pytest.mark.parametrize("by_hand", [False, True])
+@pytest.mark.parametrize(("status", "due"), [(RUNNING, (0.6, 70)), (PAUSED, (0.0, 0))])
+def test_a_command_counts_from_enter_by_the_pace_of_the_world(
+    status: Any, due: tuple[float, int], by_hand: bool
+) -> None:
+    """What this process took to start and to find the agent is no reaction of the person."""
+    world: Any = World(status)
+    record: Any = None if by_hand else SimpleNamespace(world=True)
+    swarm = Connection(world, world, world, world, record=record)
+    assert commanding._due(swarm, "ann", 0.3) == pytest.approx(due)
+
+
+@pytest.mark.usefixtures("started")
+def test_without_a_world_it_is_the_persons_own_time() -> None:
+    world: Any = World(None)
+    swarm = Connection(world, world, world, world)
+    assert commanding._due(swarm, "ann", 0.3) == pytest.approx((1.8, 0))
