@@ -76,7 +76,7 @@ def run_demo(
         The figures, as written to ``figures.json``.
     """
     began = time.monotonic()
-    _make_folder(out)
+    out.mkdir(parents=True, exist_ok=True)
     described = described_swarm(demo.swarm, None, pace="lockstep", paused=True)
     with contextlib.ExitStack() as stack:
         stack.callback(_remove_if_empty, out)
@@ -107,15 +107,6 @@ def run_demo(
         if studio_port is not None:
             play_on(running)
     return figures
-
-
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise HitabError(
-            f"{out} cannot be made ({error.strerror}); choose another folder with --out"
-        ) from None
 
 
 def _remove_if_empty(out: Path) -> None:
