@@ -25,7 +25,7 @@ from hitab_cli.views.field_picture import draw_field
 from hitab_client import console
 from hitab_client.cli_remedies import called
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
-from hitab_client.measures import LENGTH, estimate, values_of
+from hitab_client.measures import SECONDS, estimate, values_of
 from hitab_client.shipped import find_file
 from hitab_core import HitabError, has, quantity
 from hitab_world.demo import DEMO_ENTRY_POINTS, Demo
@@ -152,7 +152,7 @@ def _evaluate(
         "missed_deadlines": world.wait().missed_deadlines,
         "behavior": demo.behavior,
         "library_digest": open_library(library).digest,
-        "seconds_of_episodes": values[LENGTH],
+        "seconds_of_episodes": values[SECONDS],
     }
 
 
@@ -182,7 +182,7 @@ def _draw_automata(library: Path, names: Sequence[str], path: Path) -> None:
 
 
 def _draw_episode_lengths(evaluation: Mapping[str, Any], demo: Demo, path: Path) -> None:
-    mean, _ = demo.references.get(LENGTH, (None, None))
+    mean, _ = demo.references.get(SECONDS, (None, None))
     plots.draw_measures(
         {"length of the episode, s": {"ours": evaluation["seconds_of_episodes"]}},
         f"{demo.behavior}: {quantity(evaluation['episodes'], 'episode')}, seed "
