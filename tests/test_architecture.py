@@ -158,6 +158,14 @@ def test_no_two_public_classes_have_one_name():
     assert {name: found for name, found in places.items() if len(found) > 1} == {}
 
 
+def test_a_folder_of_the_command_line_has_at_most_a_dozen_files():
+    folders: dict[str, list[str]] = {}
+    for module in [*modules("hitab_bringup"), *modules("hitab_cli")]:
+        folder, _, name = module.rpartition(".")
+        folders.setdefault(folder, []).append(name)
+    assert {folder: names for folder, names in folders.items() if len(names) > 12} == {}
+
+
 def test_packages_import_only_from_lower_floors():
     below: set[str] = set()
     wrong = []

@@ -100,7 +100,7 @@ def test_what_cannot_be_evaluated_is_refused_with_what_there_is(hitab, arguments
 
 
 def test_ctrl_c_prints_what_was_played(home):
-    command = [sys.executable, "-m", "hitab_cli.command", "evaluate", "keepaway_trained"]
+    command = [sys.executable, "-m", "hitab_cli.program", "evaluate", "keepaway_trained"]
     with subprocess.Popen(
         [*command, "-n", "1000"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:

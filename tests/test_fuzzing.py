@@ -8,6 +8,7 @@ from __future__ import annotations
 import array
 import contextlib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -126,7 +127,7 @@ def fuzzed(text: str, folder: Path, seed: int, seconds: float) -> Iterator[Runni
             link.node.guard.log = lambda text, *_: said.append(text)
             clients = SwarmClient(link, running.record.agents), WorldClient(link)
             clients[0].watch_all()
-            later = RunningSwarm(running.folder, running.record, link, *clients)
+            later = replace(running, link=link, agents=clients[0], world=clients[1])
             clients[1].wait(SECONDS)
             let_go(later, agents)
             yield later

@@ -135,8 +135,8 @@ def test_two_swarms_that_start_at_once_choose_different_ros_domains(hitab, apart
 
 
 def test_a_library_that_was_being_copied_is_copied_again(apart):
-    from hitab_bringup.libraries.run_libraries import fill_libraries
     from hitab_bringup.libraries import run_libraries as libraries
+    from hitab_bringup.libraries.run_libraries import fill_libraries
 
     source = apart / "source"
     source.mkdir()

@@ -29,6 +29,6 @@ setup(
     license="Apache-2.0",
     python_requires=">=3.11",
     entry_points={
-        "console_scripts": ["hitab = hitab_cli.command:main"],
+        "console_scripts": ["hitab = hitab_cli.program:main"],
     },
 )

@@ -32,16 +32,12 @@ class CastMember:
         repertoire: behaviors of the member.
         behavior: performed from the beginning of each episode; None for the commander's order.
         opened: library of the member; None without learned behaviors.
-        library: the folder of its trained behaviors; None if there are none.
-        digest: of what is learned there.
         versions: of its behaviors, where it is not the present one.
     """
 
     repertoire: Repertoire
     behavior: Use | None
     opened: BehaviorLibrary | None = None
-    library: Path | None = None
-    digest: str = ""
     versions: Mapping[str, int] = field(default_factory=dict)
 
 
@@ -84,7 +80,7 @@ def part_of(
             there = [*automata, *opened.domain.automata]
             raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
         repertoire.check_performable(use)
-    return CastMember(repertoire, use, opened, library, opened.digest, versions)
+    return CastMember(repertoire, use, opened, versions)
 
 
 class Cast:

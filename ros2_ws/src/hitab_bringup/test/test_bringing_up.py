@@ -6,10 +6,12 @@ import pytest
 from hitab_msgs.msg import CommanderStatus, Subordinate
 
 from hitab_bringup.processes import bringing_up
-from hitab_client import RosLink, domain_ids
+from hitab_client import CommanderView, RosLink, domain_ids
 from hitab_ros import names, qos
 
-RECORD = SimpleNamespace(namespace="", identity="red-0a1b2c3d", agents=("captain", "a", "b"))
+RECORD = SimpleNamespace(
+    identity="red-0a1b2c3d", agents=("captain", "a", "b"), commanders=("captain",)
+)
 
 
 @pytest.fixture
@@ -36,11 +38,13 @@ def group():
 
 def test_up_waits_until_commanders_hear_everybody_or_says_that_they_do_not_yet(group, monkeypatch):
     link, publish = group
-    swarm = SimpleNamespace(world=None, commanders=[SimpleNamespace(name="captain")])
+    view = CommanderView(link, identity=RECORD.identity)
+    view.watch(RECORD.commanders)
+    running = SimpleNamespace(record=RECORD, link=link, groups=view)
     monkeypatch.setattr(bringing_up, "START_SECONDS_EACH", 0.0)
     monkeypatch.setattr(bringing_up, "COMMANDERS_SECONDS", 0.1)
     publish(False, True)
-    (said,) = bringing_up._await_commanders(swarm, RECORD, link, None)
+    (said,) = bringing_up._await_commanders(running, None)
     assert said.startswith("captain does not hear all subordinates yet")
     monkeypatch.setattr(bringing_up, "COMMANDERS_SECONDS", 60.0)
     seen = []
@@ -49,6 +53,6 @@ def test_up_waits_until_commanders_hear_everybody_or_says_that_they_do_not_yet(g
         seen.append((done, total, missing))
         publish(False, len(seen) < 3)
 
-    assert list(bringing_up._await_commanders(swarm, RECORD, link, progress)) == []
+    assert list(bringing_up._await_commanders(running, progress)) == []
     assert seen[0] == (0, 1, "captain")
     assert seen[-1] == (1, 1, "")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from hitab_msgs.msg import Episode
 
-LENGTH = "seconds"
+SECONDS = "seconds"
 """The measure that all episodes have."""
 
 CERTAIN = 0.95
@@ -40,7 +40,7 @@ class Estimate:
 
 def values_of(played: Sequence[Episode]) -> dict[str, list[float]]:
     """Return the values of all measures of episodes by name, the length of the episodes first."""
-    values = {LENGTH: [float(one.seconds) for one in played]}
+    values = {SECONDS: [float(one.seconds) for one in played]}
     for one in played:
         for name, value in zip(one.measure_names, one.measures, strict=True):
             values.setdefault(name, []).append(float(value))

@@ -76,7 +76,7 @@ def interrupted(name, *more):
         os.kill(os.getpid(), signal.SIGINT)
     return load(name, *more)
 builtins.__import__ = interrupted
-from hitab_cli.command import main
+from hitab_cli.program import main
 main()
 """
     done = subprocess.run(

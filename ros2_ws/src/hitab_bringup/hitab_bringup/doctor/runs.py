@@ -8,12 +8,7 @@ from pathlib import Path
 from hitab_bringup.doctor.finding import WARNING, Finding, judged
 from hitab_client import RunRecord, SwarmError
 from hitab_client.cli_remedies import as_command
-from hitab_client.run_folder import (
-    RunFolder,
-    marked_processes,
-    registered_swarms,
-    running_swarms,
-)
+from hitab_client.run_folder import RunFolder, marked_processes, registered_swarms, running_swarms
 from hitab_client.run_processes import SUPERVISOR_TIMEOUT_SECONDS, is_suspended, process_states
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Fix, each_once, quantity, some

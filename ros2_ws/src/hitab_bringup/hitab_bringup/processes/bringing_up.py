@@ -7,7 +7,7 @@ import re
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,13 +51,18 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass
 class RunningSwarm:
-    """A swarm that is up, with a connection to it."""
+    """A swarm that is up, with a connection to it.
+
+    Attributes:
+        groups: what its commanders report.
+    """
 
     folder: RunFolder
     record: RunRecord
     link: RosLink
     agents: SwarmClient
     world: WorldClient
+    groups: CommanderView
 
 
 def bring_up(
@@ -105,9 +110,7 @@ def bring_up(
 
 @contextlib.contextmanager
 def temporary_swarm(
-    swarm: SwarmDescription,
-    run_folder: Path | None = None,
-    progress: Progress | None = None,
+    swarm: SwarmDescription, run_folder: Path | None = None, progress: Progress | None = None
 ) -> Iterator[RunningSwarm]:
     """Start a swarm in its own ROS domain and stop it at the end.
 
@@ -215,11 +218,11 @@ def _answering(
         agents = SwarmClient(link, record.agents, prefix=prefix, identity=identity)
         agents.watch_all()
         world = WorldClient(link, prefix=prefix, identity=identity, started_by_it=record.world)
-        view = CommanderView(link, prefix)
+        view = CommanderView(link, prefix, identity)
+        view.watch(record.commanders)
         # Otherwise a commander starts with the members that it knows, and the others join later.
-        commanders = [c.name for c in swarm.commanders] if _is_exact(swarm) else []
-        view.watch(commanders)
-        starting = RunningSwarm(folder, record, link, agents, world)
+        commanders = record.commanders if _is_exact(swarm) else ()
+        starting = RunningSwarm(folder, record, link, agents, world, view)
         total = len(record.agents) + record.world
         next_look = time.monotonic()
 
@@ -289,8 +292,9 @@ def _to_know(
 ) -> Iterator[str]:
     """Yield notes for people about a swarm that has just started."""
     record, folder, agents = running.record, running.folder, running.agents
-    yield from _await_commanders(swarm, record, running.link, progress)
-    _let_agents_perceive(running.link, agents, [c.name for c in swarm.commanders])
+    if not _is_exact(swarm):  # in lockstep that was waited for already
+        yield from _await_commanders(running, progress)
+    _let_agents_perceive(running.link, agents, record.commanders)
     if not record.world:
         _let_robots_hear(running.link, agents)
     there = sorted(agents.statuses.items())
@@ -303,7 +307,7 @@ def _to_know(
     yield from announcements(agents.statuses.values(), folder.path, record.commanders)
 
 
-def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: list[str]) -> None:
+def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: Sequence[str]) -> None:
     """Give agents the time to perceive, and commanders to get their subordinates' first values.
 
     Only then are the faults of the others known. Until then commanders report these values as
@@ -326,28 +330,23 @@ def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
         link.spin_until(lambda: not has_faults(), VALUES_SECONDS)
 
 
-def _await_commanders(
-    swarm: SwarmDescription, record: RunRecord, link: RosLink, progress: Progress | None
-) -> Iterator[str]:
+def _await_commanders(running: RunningSwarm, progress: Progress | None) -> Iterator[str]:
     """Wait until all commanders hear their subordinates; yield a sentence if some do not yet.
 
     This process has heard all nodes, but the nodes discover each other one by one, which takes
-    longer in a large swarm. In lockstep that was waited for already.
+    longer in a large swarm.
     """
-    commanders = [] if _is_exact(swarm) else [c.name for c in swarm.commanders]
-    view = CommanderView(link, record.namespace, record.identity)
-    view.watch(commanders)
+    commanders, groups = running.record.commanders, running.groups
 
     def complete() -> bool:
-        names = view.incomplete(commanders)
+        names = groups.incomplete(commanders)
         if progress is not None:
             progress(len(commanders) - len(names), len(commanders), ", ".join(names[:3]))
         return not names
 
-    if commanders and not link.spin_until(
-        complete, COMMANDERS_SECONDS + START_SECONDS_EACH * len(record.agents)
-    ):
-        names = view.incomplete(commanders)
+    allowed = COMMANDERS_SECONDS + START_SECONDS_EACH * len(running.record.agents)
+    if commanders and not running.link.spin_until(complete, allowed):
+        names = groups.incomplete(commanders)
         yield (
             f"{some(names)} {'does' if len(names) == 1 else 'do'} not hear all subordinates yet; "
             f"`{called()} tree --commanders --watch` shows when"

@@ -183,9 +183,7 @@ class CommanderTree:
 
 
 def in_hosts(
-    agents: Sequence[AgentDescription],
-    commanders: Sequence[CommanderDescription],
-    hosts: int,
+    agents: Sequence[AgentDescription], commanders: Sequence[CommanderDescription], hosts: int
 ) -> tuple[list[AgentDescription], list[CommanderDescription]]:
     """Distribute all members without their own process to this many hosts, groups together.
 

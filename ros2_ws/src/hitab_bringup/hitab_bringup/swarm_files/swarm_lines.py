@@ -29,14 +29,7 @@ from pydantic import AfterValidator, Field, PlainValidator, model_validator
 from hitab_bringup.swarm_files.swarm_description import AGENT_MARK, PACES, SIM_TIME
 from hitab_commander import KindRecord
 from hitab_core import VOCABULARY_NAME, VOCABULARY_NAME_RULE
-from hitab_core.library.yaml_models import (
-    NONE_IS_EMPTY,
-    Format,
-    MappingOr,
-    Record,
-    Texts,
-    among,
-)
+from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, MappingOr, Record, Texts, among
 from hitab_core.library.yaml_places import kind_of
 from hitab_ros.names import WORLD
 
@@ -238,8 +231,7 @@ class ProcessLine(Nodes):
     command: Annotated[tuple[str, ...], PlainValidator(_words), AfterValidator(_program)] = ()
     namespace: Namespace = ""
     parameters: Annotated[
-        dict[Annotated[str, _own((SIM_TIME, "namespace"), ("swarm",))], Value],
-        NONE_IS_EMPTY,
+        dict[Annotated[str, _own((SIM_TIME, "namespace"), ("swarm",))], Value], NONE_IS_EMPTY
     ] = Field(default_factory=dict)
 
     @model_validator(mode="after")

@@ -25,7 +25,7 @@ from hitab_cli.views.field_picture import draw_field
 from hitab_client import console
 from hitab_client.cli_remedies import called
 from hitab_client.lessons import LessonPlayer, LessonReport, read_lesson
-from hitab_client.measures import LENGTH, estimate, values_of
+from hitab_client.measures import SECONDS, estimate, values_of
 from hitab_client.shipped import find_file
 from hitab_core import HitabError, has, quantity
 from hitab_world.demo import DEMO_ENTRY_POINTS, Demo
@@ -76,7 +76,7 @@ def run_demo(
         The figures, as written to ``figures.json``.
     """
     began = time.monotonic()
-    _make_folder(out)
+    out.mkdir(parents=True, exist_ok=True)
     described = described_swarm(demo.swarm, None, pace="lockstep", paused=True)
     with contextlib.ExitStack() as stack:
         stack.callback(_remove_if_empty, out)
@@ -107,15 +107,6 @@ def run_demo(
         if studio_port is not None:
             play_on(running)
     return figures
-
-
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise HitabError(
-            f"{out} cannot be made ({error.strerror}); choose another folder with --out"
-        ) from None
 
 
 def _remove_if_empty(out: Path) -> None:
@@ -161,7 +152,7 @@ def _evaluate(
         "missed_deadlines": world.wait().missed_deadlines,
         "behavior": demo.behavior,
         "library_digest": open_library(library).digest,
-        "seconds_of_episodes": values[LENGTH],
+        "seconds_of_episodes": values[SECONDS],
     }
 
 
@@ -191,7 +182,7 @@ def _draw_automata(library: Path, names: Sequence[str], path: Path) -> None:
 
 
 def _draw_episode_lengths(evaluation: Mapping[str, Any], demo: Demo, path: Path) -> None:
-    mean, _ = demo.references.get(LENGTH, (None, None))
+    mean, _ = demo.references.get(SECONDS, (None, None))
     plots.draw_measures(
         {"length of the episode, s": {"ours": evaluation["seconds_of_episodes"]}},
         f"{demo.behavior}: {quantity(evaluation['episodes'], 'episode')}, seed "

@@ -93,12 +93,7 @@ def film(game: GameSetup, episode: int, begin: float, seconds: float) -> Filmed:
 
 
 def draw_film(
-    filmed: Filmed,
-    path: Path,
-    advance: Advance,
-    *,
-    pixels: int = 360,
-    speed: float = 1.0,
+    filmed: Filmed, path: Path, advance: Advance, *, pixels: int = 360, speed: float = 1.0
 ) -> None:
     """Draw a film; the file is written when it is complete.
 

@@ -46,13 +46,10 @@ def restore(
         (version,) = versions
     path = there.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
-    tell_broken(there, name)
-    _read_again(there.folder)
+    _tell_of_change(there, name)
 
 
-def accept(
-    paths: list[Path],
-) -> None:
+def accept(paths: list[Path]) -> None:
     """Accept behavior files that were edited by hand: check them and update their digests.
 
     Args:
@@ -71,9 +68,8 @@ def accept(
         accepted = library.accept_edits(*(name.removesuffix(BEHAVIOR_SUFFIX) for name in names))
         for name in accepted:
             console.say(f"accepted {library.on_disk.file(name)}")
-            tell_broken(library, name)
         if accepted:
-            _read_again(folder)
+            _tell_of_change(library, *accepted)
         else:
             console.say(f"{path}: nothing to accept")
 
@@ -103,7 +99,7 @@ def delete(
         console.say(as_command(Fix.RESTORE(behavior=name, version=number, folder=there.folder)))
     else:
         console.say(f"kept the damaged file in {there.folder / '.versions' / name}")
-    _read_again(there.folder)
+    _tell_of_change(there)
 
 
 def rename(
@@ -135,7 +131,7 @@ def rename(
             f"{user} decides differently now, where its examples contradict each other; see "
             f"`{called()} library diff {user} -l {shlex.quote(str(there.folder))}`"
         )
-    _read_again(there.folder)
+    _tell_of_change(there)
 
 
 def export(
@@ -214,13 +210,11 @@ def import_(
         console.say(f"{name}: {told if name in changed else 'the same is there already'}")
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
-        tell_broken(there, *changed)
-        _read_again(folder)
+        _tell_of_change(there, *changed)
 
 
 def reload(
-    agents: Annotated[list[str] | None, typer.Argument()] = None,
-    swarm: SwarmName = None,
+    agents: Annotated[list[str] | None, typer.Argument()] = None, swarm: SwarmName = None
 ) -> None:
     """Have agents read their libraries again, after a change by other means.
 
@@ -288,8 +282,7 @@ def expect(
         kept = [*file.expectations, replace(new, blocks=blocks)]
     saved = there.expect(name, kept)
     console.say(f"{name} carries {quantity(len(saved.expectations), 'expectation')}")
-    tell_broken(there, name)
-    _read_again(there.folder)
+    _tell_of_change(there, name)
 
 
 def tell_broken(library: BehaviorLibrary, *names: str) -> None:
@@ -299,11 +292,12 @@ def tell_broken(library: BehaviorLibrary, *names: str) -> None:
             console.note(f"but: {text}")
 
 
-def _read_again(folder: Path) -> None:
-    """Have the agents that use a library read its change, and say what they answer."""
+def _tell_of_change(library: BehaviorLibrary, *names: str) -> None:
+    """Say what changed behaviors break; have the agents that use the library read it again."""
     from hitab_bringup import users_of
 
-    for swarm, agents in users_of(folder):
+    tell_broken(library, *names)
+    for swarm, agents in users_of(library.folder):
         told: list[tuple[str, str]] = []
         try:
             with connection(swarm) as swarm_up:

@@ -204,8 +204,8 @@ def _told(parts: Mapping[str, CastMember]) -> dict[str, Any]:
     return {
         name: {
             "behavior": str(part.behavior or ""),
-            "library": str(part.library or ""),
-            "digest": part.digest,
+            "library": str(part.opened.folder) if part.opened else "",
+            "digest": part.opened.digest if part.opened else "",
             "versions": dict(part.versions),
         }
         for name, part in parts.items()

@@ -170,8 +170,7 @@ def _leaf_lines(leaves: Sequence[Branch]) -> list[Any]:
         alike.setdefault((leaf.behavior or "nothing", _why_not(leaf)), []).append(leaf)
     return [
         console.line(
-            f"{quantity(len(same), 'agent')}, {same[0].name} ...: {doing}{why}",
-            _style(same[0]),
+            f"{quantity(len(same), 'agent')}, {same[0].name} ...: {doing}{why}", _style(same[0])
         )
         for (doing, why), same in alike.items()
     ]

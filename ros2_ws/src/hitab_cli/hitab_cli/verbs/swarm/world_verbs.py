@@ -45,10 +45,7 @@ def resume(swarm: SwarmName = None) -> None:
 
 
 @app.command()
-def step(
-    cycles: Annotated[int, typer.Argument(min=1)] = 1,
-    swarm: SwarmName = None,
-) -> None:
+def step(cycles: Annotated[int, typer.Argument(min=1)] = 1, swarm: SwarmName = None) -> None:
     """Run some cycles, then pause; ends when they have been run. Ctrl-C pauses at once.
 
     Args:
@@ -217,9 +214,7 @@ def _off_the_field(state: WorldState, places: Mapping[str, Mapping[str, float]])
 
 @app.command()
 def snapshot(
-    action: str,
-    name: Annotated[str, typer.Argument()] = "",
-    swarm: SwarmName = None,
+    action: str, name: Annotated[str, typer.Argument()] = "", swarm: SwarmName = None
 ) -> None:
     """Save the world's state under a name, restore it or delete it.
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     help="Train a team step by step: one agent learns among teammates that perform what it has "
-    "learned so far. Use it if the right behavior depends on what the others do.",
+    "learned so far. Use it if the right behavior depends on what the others do."
 )
 
 WAIT = 'Let the agent act afterwards until this holds, such as "{said: keeper_2}".'

@@ -39,10 +39,7 @@ FirstAgent = Annotated[
 
 
 def drive(
-    agent: FirstAgent = "",
-    speed: float = 0.2,
-    turn: float = 0.8,
-    swarm: SwarmName = None,
+    agent: FirstAgent = "", speed: float = 0.2, turn: float = 0.8, swarm: SwarmName = None
 ) -> None:
     """Train with one key per behavior, and drive robots by hand, in the terminal.
 

@@ -18,9 +18,7 @@ from hitab_core import Fix, HitabError, Remedy, quantity
 if TYPE_CHECKING:
     from hitab_client.lessons import LessonPlayer, LessonReport
 
-app = typer.Typer(
-    help="Play lessons: files that teach like a person, over the same topics.",
-)
+app = typer.Typer(help="Play lessons: files that teach like a person, over the same topics.")
 
 
 @app.command()
