@@ -57,7 +57,7 @@ def context(session: PageState) -> dict[str, Any]:
         "plots": plotted(session),
         "choices": choices(session) if nothing[0] else [],
         "launch": launch,
-        "making": session.shared.generations.making if live else None,
+        "making": session.shared.making if live else None,
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         **_to_start(session),
