@@ -167,15 +167,11 @@ def _buttons(session: PageState) -> list[dict[str, Any]]:
     if status is None or session.player is not None or not vocabulary.behaviors:
         return []
     keys = session.shared.keys
-    of_training: dict[str, Any] = {}
-    if session.is_training and training is not None:
-        of_training = {
-            "training": training.name,
-            "chosen": training.chosen,
-            "states": training.states,
-        }
     names = keys.commandable(
-        vocabulary.domain, vocabulary.behaviors, vocabulary.trained, **of_training
+        vocabulary.domain,
+        vocabulary.behaviors,
+        vocabulary.trained,
+        training if session.is_training else None,
     )
     active = status.active_path[0] if status.active_path else ""
     if status.mode == "performing":
