@@ -1,12 +1,18 @@
 """Behavior bootstrapping with real nodes: generations, scores, back, and what may go wrong."""
 
 import shutil
+from functools import partial
 
 import pytest
 from waiting import hanging
 
-from hitab_client import SwarmError
-from hitab_client.bootstrapping import Bootstrapping
+from hitab_client import LessonError, SwarmError
+from hitab_client.bootstrapping import (
+    Bootstrapping,
+    Generation,
+    generations_folder,
+    read_generations,
+)
 from hitab_client.run_folder import libraries_of
 
 ONE, TWO, THREE = "keeper_1", "keeper_2", "keeper_3"
@@ -36,6 +42,10 @@ def places(team) -> dict[str, tuple[float, float]]:
     return {e.name: (e.x, e.y) for e in team.world.state_at(0).entities}
 
 
+def kept(team) -> tuple[Generation, ...]:
+    return read_generations(generations_folder(team.folder.path, ONE), "Run")
+
+
 def digests(team) -> set[str]:
     return {status.library_digest for status in team.agents.statuses.values()}
 
@@ -48,7 +58,6 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
     assert (made.score.episodes, made.score.seed, made.examples) == (2, 5, 2)
     assert made.score.figures["seconds"].mean > 0.0
     assert made.score.figures["passes"].mean == 0.0
-    assert not made.unscored
     statuses = team.agents.statuses
     assert [statuses[n].mode for n in (ONE, TWO, THREE)] == ["training", *2 * ["performing"]]
     assert statuses[TWO].behavior == statuses[THREE].behavior == "Run"
@@ -67,9 +76,17 @@ def test_a_generation_is_given_to_the_team_and_scored_and_the_training_goes_on(t
     assert again.score == child.score, "the same seed gives the same score"
 
 
+def test_the_training_of_a_teammate_waits_while_it_performs_the_generation(team):
+    team.agents.begin(TWO, "Sit", features=["DistanceTo(ball)"])
+    steps(team, **NONE).next(ONE)
+    status = team.agents.statuses[TWO]
+    assert (status.mode, status.behavior, status.training) == ("performing", "Run", "Sit")
+    team.agents.discard(TWO)
+
+
 def test_one_goes_back_to_a_generation_with_the_team(team):
     first = steps(team, world=None).next(ONE)
-    assert first.unscored == "there is no world to play in"
+    assert first.score.episodes == 0, "there is no world to play in"
     rules = digests(team)
     team.agents.command(ONE, "Stop")
     last = steps(team, **NONE).next(ONE)
@@ -77,7 +94,7 @@ def test_one_goes_back_to_a_generation_with_the_team(team):
     team.agents.command(ONE, "GoSlow")
     with pytest.raises(SwarmError, match=r"1 change to its training .*--discard"):
         steps(team).back(ONE, "Run", first.version)
-    with pytest.raises(SwarmError, match="--wait"):
+    with pytest.raises(LessonError, match="--wait"):
         steps(team, wait="sad").back(ONE, "Run", first.version, discard=True)
     assert len(team.agents.training(ONE).examples) == 6, "nothing has changed"
 
@@ -94,47 +111,48 @@ def test_one_goes_back_to_a_generation_with_the_team(team):
 
 
 def test_ctrl_c_leaves_everything_sound(team):
+    said: list[str] = []
+
     def interrupted_at(doing: str, **fields):
         def progress(done: int, total: int, what: str) -> None:
             if what.startswith(doing):
                 raise KeyboardInterrupt
 
-        return steps(team, progress=progress, **fields)
+        return steps(team, progress=progress, say=said.append, **fields)
 
-    work = interrupted_at("evaluating", episodes=1000)
     with pytest.raises(KeyboardInterrupt):
-        work.next(ONE)
-    assert "is kept without a score" in work.left
-    assert "make a generation of what keeper_1 trains" in work.left
+        interrupted_at("evaluating", episodes=1000).next(ONE)
+    assert said[-1].endswith(": no score")
     assert team.agents.statuses[ONE].mode == "training"
     cycle = team.world.step().cycle
     assert team.world.step().cycle == cycle + 1, "the world stands still"
     assert team.world.wait().episodes_left == 0
+    assert [g.score.episodes for g in kept(team)] == [0]
 
-    work = interrupted_at("waiting", wait="said: keeper_2", **NONE)
     with pytest.raises(KeyboardInterrupt):
-        work.next(ONE)
-    assert "is complete and keeper_1 is in training mode" in work.left
+        interrupted_at("until", wait="said: keeper_2", **NONE).next(ONE)
+    assert said[-1] == "waiting until said: keeper_2 ..."
     assert team.agents.statuses[ONE].mode == "training"
     assert len(team.agents.training(ONE).examples) == 2
+    assert len(kept(team)) == 2
 
 
-def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team):
+def test_a_mate_that_refuses_or_is_silent_is_named_and_given_it_later(team, monkeypatch):
     folder = libraries_of(team.folder.path)[TWO]
     aside = folder.with_name("aside")
     folder.rename(aside)
     folder.write_text("not a folder")
-    work = steps(team, patience=1.0, **QUICK)
+    distribute = partial(team.agents.distribute, seconds=1.0)
+    monkeypatch.setattr(team.agents, "distribute", distribute)
     with pytest.raises(SwarmError) as wrong, hanging(team, THREE):
-        work.next(ONE)
+        steps(team, **QUICK).next(ONE)
     folder.unlink()
     aside.rename(folder)
     assert "keeper_2 refuses: " in str(wrong.value)
     assert "keeper_3 does not answer" in str(wrong.value)
     assert "make a generation of what keeper_1 trains" in str(wrong.value)
     assert team.agents.statuses[ONE].mode == "training"
-    path = team.folder.path / "generations" / ONE / "Run.yaml"
-    assert "keeper_2 refuses: " in path.read_text()
+    assert [g.score.episodes for g in kept(team)] == [0]
 
     made = steps(team, **QUICK).next(ONE)
     assert made.score.episodes == 2

@@ -16,7 +16,7 @@ def test_generations_of_a_team_are_made_listed_and_undone(swarm, person):
     person.type("generation-note", "run")
     person.click("generation-next")
     person.sees("generation-1", "run")
-    person.sees("made")
+    person.sees("making", "Done: keeper_1 is being trained further.")
     person.sees("generation-1", "current")
     assert "s" in person.text("generation-1")
     statuses = swarm.agents.statuses
@@ -37,14 +37,14 @@ def test_generations_of_a_team_are_made_listed_and_undone(swarm, person):
     person.click("generations-teach")
     person.type("generation-episodes", "0")
     person.click("back-1")  # examples that are in no generation are not given up unasked
-    person.sees("making-problem", "1 change to its training")
+    person.sees("refused", "1 change to its training")
     person.click("generation-next")
     person.sees("generation-2", "current")
-    person.sees("made")
+    person.sees("making", "Done: keeper_1 is being trained further.")
     person.page.wait_for_selector('[data-test="back-1"]:not([aria-disabled])')
     person.click("back-1")
     person.sees("generation-3", "version 1 again")
-    person.sees("made")
+    person.sees("making", "Done: keeper_1 is being trained further.")
     person.page.keyboard.press("Escape")
     person.sees("counts", "2 examples")
     assert len(swarm.agents.training(ONE).examples) == 2

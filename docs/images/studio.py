@@ -135,7 +135,7 @@ def generations(person: Any) -> None:
     person.type("generation-note", "runs to the ball")
     person.type("generation-episodes", "5")
     person.click("generation-next")
-    person.sees("made")
+    person.sees("making", "Done")
     person.page.wait_for_timeout(300)
     person.page.screenshot(path=HERE / "studio-generations.png")
     person.page.keyboard.press("Escape")

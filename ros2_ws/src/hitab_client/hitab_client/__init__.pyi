@@ -1,3 +1,4 @@
+from . import bootstrapping as bootstrapping
 from . import cli_options as cli_options
 from . import cli_remedies as cli_remedies
 from . import completion as completion

@@ -7,12 +7,15 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from hitab_msgs.msg import WorldState, WorldStatus
-from hitab_msgs.srv import Control
+from hitab_msgs.srv import Control, Snapshot
 
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_client.world_client import WorldClient
 from hitab_core import Fix
+
+ARRANGED = "as_arranged"
+"""The snapshot of a world as it was arranged, while it plays."""
 
 
 @contextlib.contextmanager
@@ -60,16 +63,41 @@ def standing_still(world: WorldClient | None) -> Iterator[WorldStatus | None]:
         yield before
 
 
+@contextlib.contextmanager
+def arranged_as_it_was(world: WorldClient) -> Iterator[None]:
+    """Restore where everything is in a paused world at the end, and that it plays no episodes.
+
+    Raises:
+        SwarmError: if the world can keep no more snapshots.
+    """
+    requests, seed = Snapshot.Request, world.wait().seed
+    world.snapshot(requests.SAVE, ARRANGED)
+    try:
+        yield
+    except BaseException:
+        _do_all(lambda: world.play(0, seed))  # without a limit, or the rest would be played
+        raise
+    finally:
+        _do_all(
+            lambda: world.shown(world.control(Control.Request.PAUSE)),
+            lambda: world.shown(world.snapshot(requests.RESTORE, ARRANGED)),
+            lambda: world.snapshot(requests.DELETE, ARRANGED),
+        )
+
+
 def _restore(world: WorldClient, before: WorldStatus) -> Exception | None:
     """Restore as much as possible; return the first error."""
-    paused = before.mode == WorldState.PAUSED
-    requests = Control.Request
-    steps: list[Callable[[], Any]] = [
-        lambda: world.control(requests.PACE, pace=before.pace, factor=before.factor),
-        lambda: world.control(requests.PAUSE if paused else requests.RESUME),
-    ]
     if not world.is_there():
         return SwarmError("it is gone")
+    requests, paused = Control.Request, before.mode == WorldState.PAUSED
+    return _do_all(
+        lambda: world.control(requests.PACE, pace=before.pace, factor=before.factor),
+        lambda: world.control(requests.PAUSE if paused else requests.RESUME),
+    )
+
+
+def _do_all(*steps: Callable[[], Any]) -> Exception | None:
+    """Take each step, whatever happens in one before; return the first error."""
     problems: list[Exception] = []
     with not_interrupted():
         for step in steps:

@@ -18,7 +18,6 @@ from hitab_ros.answering import what_went_wrong
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.field_frame import EMPTY, FieldFrame
-from hitab_studio.generations import GenerationMaker
 from hitab_studio.launching import NONE, Launcher
 from hitab_studio.notices import Notices
 from hitab_studio.people import told_apart
@@ -70,6 +69,25 @@ class ExamplesTable:
     hidden: set[str] = field(default_factory=set)
 
 
+@dataclass
+class Making:
+    """A generation that is being made or gone back to, or was.
+
+    Attributes:
+        agent: that is trained.
+        behavior: that is trained.
+        doing: present activity, for people; empty once it has ended.
+        said: what was done so far.
+        is_to_end: whether a page has asked to stop it.
+    """
+
+    agent: str
+    behavior: str
+    doing: str = "beginning"
+    said: list[str] = field(default_factory=list)
+    is_to_end: bool = False
+
+
 class StudioState:
     """The state that all pages share, including the list of pages.
 
@@ -79,7 +97,7 @@ class StudioState:
         held: by agent, the page that holds it: no other page may command it.
         keys: which key commands which behavior.
         launcher: starts and stops swarms.
-        generations: makes generations of what a team performs.
+        making: the generation that is being made, or was made last.
         present: the field as it is now.
         sessions: the pages that are open, by their ids.
     """
@@ -88,11 +106,19 @@ class StudioState:
         self.link = link
         self.store = SwarmStore()
         self.launcher = Launcher(startable, self.store.touch)
-        self.generations = GenerationMaker(link, self.store.touch)
+        self.making: Making | None = None
         self.held: dict[str, PageState] = {}
         self.keys = behavior_keys.Keys(behavior_keys.file())
         self.present = FieldFrame(self.store.palette)
         self.sessions: dict[str, PageState] = {}
+
+    @property
+    def why_busy(self) -> str:
+        """Why nothing else is to be done with the swarm at present; "" if it may be."""
+        made = self.making
+        if made is None or not made.doing:
+            return ""
+        return f"{made.agent} makes a generation of {made.behavior}: wait for that, or stop it."
 
 
 class PageState:
@@ -319,7 +345,7 @@ class PageState:
             raise SwarmError(f"The world {absent.what}.")
         if known.robots is not None:
             raise SwarmError(REAL)
-        if why := self.shared.generations.why_busy:
+        if why := self.shared.why_busy:
             raise SwarmError(why)
         return await self.ask(lambda swarm: job(swarm.world), needs=names.WORLD)
 
@@ -334,7 +360,7 @@ class PageState:
             raise SwarmError(CHOOSE_FIRST)
         if absent := absence(self.shared.store.known, agent):
             raise SwarmError(f"{agent} {absent.what}.")
-        if why := self.shared.generations.why_busy:
+        if why := self.shared.why_busy:
             raise SwarmError(why)
         self.hold(agent)
         return await self.ask(lambda swarm: job(swarm, agent), agent)

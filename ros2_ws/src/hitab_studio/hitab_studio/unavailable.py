@@ -33,7 +33,7 @@ def world(session: PageState) -> str:
         return "No world is up."
     if absent := absence(known, names.WORLD):
         return f"The world {absent.what}."
-    return session.shared.generations.why_busy
+    return session.shared.why_busy
 
 
 def agent(session: PageState) -> str:
@@ -47,7 +47,7 @@ def agent(session: PageState) -> str:
         return f"{name} {absent.what}."
     if session.locked:
         return f"{session.shared.held[name].name} holds {name}: take it over first."
-    return session.shared.generations.why_busy
+    return session.shared.why_busy
 
 
 def training(session: PageState) -> str:

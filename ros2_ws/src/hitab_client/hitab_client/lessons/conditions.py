@@ -15,6 +15,7 @@ Instead of a second name, ``closest taker`` (or another kind) means the one clos
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -208,11 +209,11 @@ class All(Condition):
 
     parts: list[Condition] = Field(alias="all", min_length=1)
     joined: ClassVar[str] = " and "
+    suffices: ClassVar[Callable[[list[bool]], bool]] = all
 
     def holds(self, view: WorldView) -> bool:
-        """Whether all of them hold; all are asked, so that a wrong name shows at once."""
-        held = [part.holds(view) for part in self.parts]
-        return all(held)
+        """Whether enough of them hold; all are asked, so that a wrong name shows at once."""
+        return type(self).suffices([part.holds(view) for part in self.parts])
 
     def describe(self, view: WorldView | None = None) -> str:
         """Return the parts, joined."""
@@ -228,11 +229,7 @@ class AnyOf(All):
 
     parts: list[Condition] = Field(alias="any", min_length=1)
     joined: ClassVar[str] = " or "
-
-    def holds(self, view: WorldView) -> bool:
-        """Whether any of them holds; all are asked."""
-        held = [part.holds(view) for part in self.parts]
-        return any(held)
+    suffices: ClassVar[Callable[[list[bool]], bool]] = any
 
 
 class Not(Condition):

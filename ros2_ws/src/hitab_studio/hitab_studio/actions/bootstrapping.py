@@ -1,4 +1,8 @@
-"""Behavior bootstrapping: generations of what a team performs."""
+"""Behavior bootstrapping: generations of what a team performs.
+
+Making one takes up to minutes, since the team plays episodes for a score. Meanwhile nothing else
+is done with the swarm, all pages see how far it is, and any of them may stop it.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +10,11 @@ from collections.abc import Callable
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_client.bootstrapping import Bootstrapping
+from hitab_client.bootstrapping import Bootstrapping, generations_folder, read_generations
+from hitab_studio import unavailable
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.generations import Making
-from hitab_studio.page_state import PageState
+from hitab_studio.page_state import Making, PageState
+from hitab_studio.swarm_link import Connected
 
 MOST_EPISODES = 1000
 LONGEST_NOTE = 200
@@ -19,47 +24,83 @@ LONGEST_NOTE = 200
 @action("generations-dialog")
 async def generations_dialog(session: PageState, data: Data) -> None:
     """List the generations of a behavior, to make the next one or to go back."""
-    agent, training = str(data.get("agent") or session.agent), session.training
+    session.look_at(str(data.get("agent") or session.agent))
+    training = session.training
     behavior = str(data.get("name") or (training.name if training is not None else ""))
     if not behavior:
         raise SwarmError("There is nothing to make a generation from yet: begin a training first.")
     session.close_dialog()
-    session.dialog = {"kind": "generations", "agent": agent, "behavior": behavior}
+    _show(session, session.agent, behavior)
 
 
-@action("generation-next")
+@action("generation-next", urgent=True)
 async def generation_next(session: PageState, data: Data) -> None:
     """Make the next generation of what is being trained."""
     agent, note = session.dialog["agent"], str(data["values"].get("note", "")).strip()
-    _begin(session, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
+    await _make(session, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
 
 
-@action("generation-back")
+@action("generation-back", urgent=True)
 async def generation_back(session: PageState, data: Data) -> None:
     """Go back to a generation: the team performs it again, and the training goes on from it."""
     agent, behavior = session.dialog["agent"], session.dialog["behavior"]
     version, discard = int(data["number"]), data["values"].get("discard") == "on"
-    _begin(session, data, lambda steps: steps.back(agent, behavior, version, discard))
+    await _make(session, data, lambda steps: steps.back(agent, behavior, version, discard))
 
 
-@action("generation-stop")
+@action("generation-stop", urgent=True)
 async def generation_stop(session: PageState, data: Data) -> None:
     """Stop what is under way at the next episode; the training goes on."""
-    if (making := session.shared.generations.making) is not None:
-        making.is_to_end = True
+    if session.shared.making is not None:
+        session.shared.making.is_to_end = True
 
 
-def _begin(session: PageState, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
-    known, agent = session.shared.store.known, session.dialog["agent"]
+def _show(session: PageState, agent: str, behavior: str) -> None:
+    target = session.shared.store.known.target
+    folder = generations_folder(target.folder if target is not None else None, agent)
+    known = read_generations(folder, behavior)
+    about = {"kind": "generations", "agent": agent, "behavior": behavior, "generations": known}
+    session.dialog |= about
+
+
+async def _make(session: PageState, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
+    shared, behavior = session.shared, session.dialog["behavior"]
+    known, target = shared.store.known, shared.store.known.target
     text = str(data["values"].get("episodes", "")).strip()
     if not text.isdigit() or int(text) > MOST_EPISODES:
         raise SwarmError(f"Give a number of episodes up to {MOST_EPISODES}; 0: no score.")
-    if session.player is not None:
-        raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
-    if not known.answers(agent):
-        raise SwarmError(f"{agent} does not respond: wait until it answers again.")
-    session.hold(agent)
-    making = Making(agent, session.dialog["behavior"])
-    session.shared.generations.begin(
-        making, step, known, episodes=int(text), who=session.demonstrator
-    )
+    session.look_at(session.dialog["agent"])
+    if why := unavailable.agent(session):
+        raise SwarmError(why)
+    session.hold(session.agent)
+    making = shared.making = Making(session.agent, behavior)
+
+    def job(swarm: Connected) -> None:
+        def progress(done: int, total: int, doing: str) -> None:
+            if making.is_to_end:
+                raise SwarmError("It was stopped.")
+            making.doing = f"{doing}, {done} of {total}"
+            shared.store.touch()
+
+        step(
+            Bootstrapping(
+                swarm.agents,
+                swarm.world if known.world is not None else None,
+                target.folder if target is not None else None,
+                episodes=int(text),
+                who=session.demonstrator,
+                say=making.said.append,
+                progress=progress,
+            )
+        )
+        making.said.append(f"Done: {making.agent} is being trained further.")
+
+    try:
+        # It needs nobody in the link's sense: a short silence of the agent should not end it.
+        await shared.link.do(job, making.agent)
+    finally:
+        making.doing = ""
+        shared.store.touch()
+        for page in shared.sessions.values():
+            if page.dialog.get("kind") == "generations":
+                _show(page, page.dialog["agent"], page.dialog["behavior"])

@@ -32,7 +32,7 @@ async def swarm_choose(session: PageState, data: Data) -> None:
     )
     if chosen is None:
         raise SwarmError("That swarm is not up any more.")
-    if why := session.shared.generations.why_busy:
+    if why := session.shared.why_busy:
         raise SwarmError(why)
     session.shared.link.choose(chosen.folder)
     for other in list(session.shared.sessions.values()):

@@ -12,7 +12,6 @@ from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
 from hitab_studio.page_state import PageState
 from hitab_studio.people import LONGEST_NAME
-from hitab_studio.views import generations
 from hitab_studio.views.numbers import counted, measure
 from hitab_studio.views.questions import WHEN_UNSURE
 from hitab_studio.views.strip import words
@@ -59,8 +58,6 @@ def context(session: PageState) -> dict[str, Any]:
             "same": dialog["chosen"] == dialog["used"],
             "graph": _graph(session),
         }
-    if kind == "generations":
-        found |= generations.context(session)
     if kind == "label":
         found |= words(dialog["domain"])
     if kind == "caution":

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_core import automaton_as_text
-from hitab_studio.generations import have_generations
 from hitab_studio.page_state import PageState
 
 
@@ -20,7 +19,4 @@ def context(session: PageState) -> dict[str, Any]:
         "trained": sorted(watched.vocabulary.trained),
         "behavior": behavior,
         "rules": text.splitlines(),
-        "generations": have_generations(session.shared.store.known.target, session.agent)
-        if session.agent
-        else [],
     }

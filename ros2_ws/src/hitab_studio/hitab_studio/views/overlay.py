@@ -57,7 +57,7 @@ def context(session: PageState) -> dict[str, Any]:
         "plots": plotted(session),
         "choices": choices(session) if nothing[0] else [],
         "launch": launch,
-        "making": session.shared.generations.making if live else None,
+        "making": session.shared.making if live else None,
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         **_to_start(session),
@@ -167,15 +167,11 @@ def _buttons(session: PageState) -> list[dict[str, Any]]:
     if status is None or session.player is not None or not vocabulary.behaviors:
         return []
     keys = session.shared.keys
-    of_training: dict[str, Any] = {}
-    if session.is_training and training is not None:
-        of_training = {
-            "training": training.name,
-            "chosen": training.chosen,
-            "states": training.states,
-        }
     names = keys.commandable(
-        vocabulary.domain, vocabulary.behaviors, vocabulary.trained, **of_training
+        vocabulary.domain,
+        vocabulary.behaviors,
+        vocabulary.trained,
+        training if session.is_training else None,
     )
     active = status.active_path[0] if status.active_path else ""
     if status.mode == "performing":

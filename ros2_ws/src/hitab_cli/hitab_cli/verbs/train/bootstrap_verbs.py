@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -13,23 +13,19 @@ from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import Fix, has
 
 if TYPE_CHECKING:
-    from hitab_client import RunFolder
-    from hitab_client.bootstrapping import Generations
+    from hitab_client.bootstrapping import Generation
 
 app = typer.Typer(
     help="Train a team step by step: one agent learns among teammates that perform what it has "
     "learned so far. Use it if the right behavior depends on what the others do."
 )
 
-WAIT = 'Let the agent act afterwards until this holds, such as "{said: keeper_2}".'
-WITHIN = "Give up waiting after so many s. Default: never."
-To = Annotated[
-    list[str] | None,
-    typer.Option(help="A teammate. Repeatable. Default: all others of the agent's domain."),
-]
+To = Annotated[list[str] | None, typer.Option(help="A teammate. Repeatable. Default: all others.")]
 Episodes = Annotated[int, typer.Option(help="Episodes to play for the score; 0: no score.", min=0)]
 Seed = Annotated[int, typer.Option(help="Seed of these episodes.", min=0)]
+WAIT = 'Let the agent act afterwards until this holds, such as "{said: keeper_2}".'
 Wait = Annotated[str, typer.Option(metavar="CONDITION", help=WAIT, show_default=False)]
+WITHIN = "Give up waiting after so many s. Default: never."
 Within = Annotated[float, typer.Option(help=WITHIN, min=0.0, show_default=False)]
 
 
@@ -41,7 +37,7 @@ def next_(
     seed: Seed = 1,
     note: str = "",
     wait: Wait = "",
-    within: Within = float("inf"),
+    within: Within = 1e9,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -72,7 +68,7 @@ def back(
     episodes: Episodes = 20,
     seed: Seed = 1,
     wait: Wait = "",
-    within: Within = float("inf"),
+    within: Within = 1e9,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
@@ -96,65 +92,57 @@ def back(
 def list_(
     agent: AgentName,
     behavior: Annotated[str, typer.Argument()] = "",
-    by: str = "seconds",
-    least: Annotated[bool, typer.Option("--least")] = False,
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """List the generations of an agent's behaviors, with their scores; the best is marked.
+    """List the generations of an agent's behaviors, with their scores.
 
-    The score is the mean of a figure in a few episodes, with its standard error: of the length of
-    an episode, or of what else the world reports.
+    A score is the mean of a figure in a few episodes, with its standard error: of the length of an
+    episode, and of what else the world reports.
 
     Args:
         behavior: A behavior. Default: all.
-        by: The figure that counts, such as passes.
-        least: Lower is better.
 
     Examples:
       hitab bootstrap list keeper_1
-      hitab bootstrap list keeper_1 Keepaway --by passes
+      hitab bootstrap list keeper_1 Keepaway
     """
-    from hitab_client.bootstrapping import folder_of, read_generations
+    from hitab_client.bootstrapping import generations_folder, read_generations
     from hitab_client.domain_ids import chosen_by_user
     from hitab_client.swarm_choice import find_meant
 
     found = find_meant(swarm, chosen_by_user())
-    folder = folder_of(_kept_in(found[0] if found else None), agent)
+    folder = generations_folder(found[0].path if found else None, agent)
     there = sorted(path.stem for path in folder.glob("*.yaml"))
     if not there or (behavior and behavior not in there):
         what = f"{behavior} of {agent}" if behavior else agent
         raise SwarmError(
-            f"{what} has no generations {has(there, behavior)}", Fix.NEXT_GENERATION(agent=agent)
+            f"{what} has no generations {has(there, behavior)}",
+            Fix.NEXT_GENERATION(agent=agent),
         )
     known = {name: read_generations(folder, name) for name in ([behavior] if behavior else there)}
-    best = {name: all_.best(by, least=least) for name, all_ in known.items()}
     plain = [
-        {"agent": agent, "behavior": name, "best": best[name], **all_.model_dump(by_alias=True)}
+        {"agent": agent, "behavior": name, "generations": [one.model_dump() for one in all_]}
         for name, all_ in known.items()
     ]
-    shown = [_table(agent, name, all_, by, best[name]) for name, all_ in known.items()]
-    ending = [f"* the best by {by}, of those evaluated alike"] * any(best.values())
-    console.show(json, plain, *shown, *ending)
+    console.show(json, plain, *(_table(agent, name, all_) for name, all_ in known.items()))
 
 
-def _table(agent: str, behavior: str, known: Generations, by: str, best: int) -> Any:
-    figures = {name for g in known.all for name in g.score.figures}
-    if figures and by not in figures:
-        raise SwarmError(f'no generation has a figure "{by}" {has(figures, by)}')
+def _table(agent: str, behavior: str, known: Sequence[Generation]) -> Any:
+    figures = list(dict.fromkeys(name for one in known for name in one.score.figures))
     rows = [
         (
-            f"{g.version}{' *' * (g.version == best)}",
-            str(g.score.figures.get(by, "")) or f"none: {g.unscored}",
-            f"{g.score.episodes}, seed {g.score.seed}" if g.score.episodes else "",
-            str(g.examples),
-            g.at.replace("T", " ")[:16],
-            g.by,
-            g.note,
+            str(one.version),
+            *(str(one.score.figures.get(name, "")) for name in figures),
+            one.score.played,
+            str(one.examples),
+            one.at.replace("T", " ")[:16],
+            one.by,
+            one.note,
         )
-        for g in known.all
+        for one in known
     ]
-    columns = ("generation", by, "episodes", "examples", "when (UTC)", "who", "note")
+    columns = ("generation", *figures, "score of", "examples", "when (UTC)", "who", "note")
     return console.table(columns, rows, f"{behavior}, trained on {agent}")
 
 
@@ -166,24 +154,14 @@ def _make(
     agent: str,
     *given: Any,
 ) -> None:
-    """Make a generation by a step of bootstrapping; say what an interruption leaves to be done."""
+    """Make a generation by a step of bootstrapping."""
     from hitab_client.bootstrapping import Bootstrapping
 
     options["say"] = console.note if json == "-" else console.say
     with connection(swarm) as there, console.progress("bootstrapping") as progress:
-        options["progress"], folder = progress, _kept_in(there.folder)
+        folder = there.folder.path if there.folder else None
+        options["progress"] = progress
         steps = Bootstrapping(there.agents, there.await_world(), folder, **options)
-        try:
-            generation = getattr(steps, step)(agent, *given)
-        except (KeyboardInterrupt, SystemExit):
-            console.note(steps.left or "nothing has changed")
-            raise
+        generation = getattr(steps, step)(agent, *given)
     told = f"{agent} is in training mode, with generation {generation.version}"
     console.show(json, [generation.model_dump()], told)
-
-
-def _kept_in(folder: RunFolder | None) -> Path:
-    """Return the folder that keeps the generations; one for all robots started by hand."""
-    from hitab_client.run_folder import state_home
-
-    return state_home() if folder is None else folder.path

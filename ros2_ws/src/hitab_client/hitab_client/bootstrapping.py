@@ -1,0 +1,269 @@
+"""Behavior bootstrapping: a team learns one generation of a behavior after the other.
+
+If the right behavior depends on the teammates, these have to act while one is trained. So what is
+being trained is saved and given to the team, which performs it, and the training goes on among
+them. A generation is a version of the behavior in the library of the trained agent, with a note
+and a score, which are in the run folder, as ``generations/keeper_1/Keepaway.yaml``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+from hitab_msgs.msg import AgentStatus, WorldStatus
+from pydantic import ConfigDict, Field
+
+from hitab_client.errors import LessonError, SwarmError
+from hitab_client.interruptions import not_interrupted
+from hitab_client.learned import Learned
+from hitab_client.lessons.lesson import Lesson, parse_lesson
+from hitab_client.lessons.lesson_player import LessonPlayer
+from hitab_client.run_folder import state_home
+from hitab_client.scores import Score, score_of
+from hitab_client.swarm_client import SwarmClient
+from hitab_client.world_as_it_was import arranged_as_it_was, standing_still
+from hitab_client.world_client import WorldClient
+from hitab_core import Fix, quantity, some
+from hitab_core.library import time_now
+from hitab_core.library.durable_files import file_errors, write_durably
+from hitab_core.library.yaml_models import Format, Record, Texts, open_record
+from hitab_core.library.yaml_places import open_yaml
+
+FORMAT = 2
+"""The format version that is written, and the newest that is read; 1 says more, which is left."""
+
+
+class Generation(Record):
+    """One version of a behavior that was given to the team and evaluated.
+
+    Attributes:
+        version: of the behavior in the library of the trained agent.
+        at: when it was made, ISO 8601.
+        by: the demonstrator.
+        examples: that it was learned from, default ones included.
+        arguments: what its parameters were bound to.
+        note: free text.
+        score: of its evaluation; without episodes if that was not completed.
+    """
+
+    model_config = ConfigDict(extra="ignore")  # earlier formats say more
+    version: int = Field(ge=1)
+    at: str
+    by: str
+    examples: int
+    arguments: Texts = ()
+    note: str = ""
+    score: Score = Score()
+
+
+class _File(Record):
+    model_config = ConfigDict(extra="ignore")
+    format: Format = FORMAT
+    generations: tuple[Generation, ...] = Field(strict=False)
+
+
+def generations_folder(run_folder: Path | str | None, agent: str) -> Path:
+    """Return the folder with a file for each behavior of an agent that has generations.
+
+    Args:
+        run_folder: of the swarm; robots that were started by hand have none, and share a folder.
+        agent: that is trained.
+    """
+    return Path(run_folder or state_home()) / "generations" / agent
+
+
+def read_generations(folder: Path, behavior: str) -> tuple[Generation, ...]:
+    """Return the generations of a behavior, by ascending version; none if there is no file.
+
+    Raises:
+        SwarmError: naming all that is wrong with the file, by line.
+    """
+    path = folder / f"{behavior}.yaml"
+    if not path.exists():
+        return ()
+    return open_record(_File, open_yaml(path, error=SwarmError), FORMAT).generations
+
+
+def _keep(folder: Path, behavior: str, made: Generation) -> None:
+    content = _File(generations=(*read_generations(folder, behavior), made))
+    text = yaml.safe_dump(content.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
+    with file_errors(path := folder / f"{behavior}.yaml", "write"):
+        write_durably(path, text.encode())
+
+
+@dataclass(frozen=True)
+class Bootstrapping:
+    """Makes generations with a swarm, and goes back to them.
+
+    Attributes:
+        swarm: the agents.
+        world: theirs; None: they have none.
+        run_folder: keeps the notes and scores; None as for `generations_folder`.
+        to: the teammates; none: all others of the domain of whoever is trained.
+        episodes: to play for the score; 0: no score.
+        seed: of these episodes.
+        wait: condition until which the agent then acts by itself, as in lessons, such as
+            ``{said: keeper_2}``; empty: none.
+        within: how long that may take, s.
+        who: demonstrates; empty: whoever the client says.
+        say: called with each thing that is done.
+        progress: called with the amount done, the total and the current activity.
+    """
+
+    swarm: SwarmClient
+    world: WorldClient | None
+    run_folder: Path | str | None
+    to: Sequence[str] = ()
+    episodes: int = 20
+    seed: int = 1
+    wait: str = ""
+    within: float = 1e9
+    who: str = ""
+    say: Callable[[str], None] = lambda text: None
+    progress: Callable[[int, int, str], None] = lambda done, total, doing: None
+
+    def next(self, agent: str, note: str = "") -> Generation:
+        """Make the next generation of what an agent is being trained, and train on.
+
+        It is saved, given to the teammates, who perform it, and evaluated, while the training
+        waits. Then that goes on with the same examples, in the world as it was.
+
+        Raises:
+            HitabError: naming what is wrong. Before it was saved nothing has changed.
+        """
+        training = self.swarm.training(agent)
+        name, bound = training.name, training.arguments
+        waiting = self._waiting(agent)
+        self.swarm.await_agents()
+        for mate in self.to or self.swarm.expected:
+            self.swarm.await_agent(mate)
+        mates = [mate for mate in self.to or self.swarm.mates_of(agent) if mate != agent]
+        folder = generations_folder(self.run_folder, agent)
+        read_generations(folder, name)  # refuses a damaged file before anything is changed
+        with standing_still(self.world) as before:
+            with not_interrupted():
+                self.swarm.save(agent, keep_unused=True)
+                version = self.swarm.behavior(agent, name).version
+                self._train(agent, training, bound, version)
+            made = Generation(
+                version=version,
+                at=time_now(),
+                by=self.who or self.swarm.demonstrator,
+                examples=len(training.examples),
+                arguments=bound,
+                note=note,
+            )
+            many = quantity(made.examples, "example")
+            self.say(f"generation {version} of {name}: saved with {many}")
+            try:
+                self._give(agent, name, bound, mates)
+                made = made.but(score=self._score())
+            finally:
+                with not_interrupted():
+                    _keep(folder, name, made)
+                    self.say(f"generation {version}: {made.score}")
+                    self.swarm.set_mode(agent, AgentStatus.TRAINING)
+            if waiting is not None:
+                self._await(waiting, before)
+        return made
+
+    def back(self, agent: str, behavior: str, version: int, discard: bool = False) -> Generation:
+        """Go back to a version of a behavior: it becomes the next generation.
+
+        What it uses stays as it is now.
+
+        Args:
+            agent: that is trained.
+            behavior: that is trained.
+            version: of the behavior.
+            discard: give up examples that are in no version.
+
+        Raises:
+            HitabError: naming what is wrong. Before it was saved nothing has changed.
+        """
+        earlier = self.swarm.behavior(agent, behavior, version=version)
+        self._waiting(agent)
+        if not discard and self.swarm.statuses[agent].training:
+            training = self.swarm.training(agent)
+            if training.done:
+                raise SwarmError(
+                    f"{agent} has {quantity(len(training.done), 'change')} to its training of "
+                    f"{training.name} that no generation has; give it up with --discard",
+                    Fix.NEXT_GENERATION(agent=agent),
+                )
+        known = read_generations(generations_folder(self.run_folder, agent), behavior)
+        bound = next((g.arguments for g in known if g.version == version), ())
+        self._train(agent, earlier, bound, version)
+        return self.next(agent, f"version {version} again")
+
+    # -- doing it ---------------------------------------------------------------------------
+
+    def _train(self, agent: str, what: Learned, bound: Sequence[str], version: int) -> None:
+        """Have an agent be trained from a version of a behavior."""
+        self.swarm.begin(
+            agent,
+            what.name,
+            states=list(what.chosen),
+            parameters=list(what.parameters) if bound else [],
+            arguments=list(bound),
+            resume=f"{what.name}@{version}",
+            classifier=what.classifier,
+            discard=True,
+        )
+
+    def _give(self, agent: str, name: str, bound: Sequence[str], mates: Sequence[str]) -> None:
+        """Have all perform what was saved.
+
+        Raises:
+            SwarmError: naming who of the team does not have it, and why.
+        """
+        if mates:
+            report = self.swarm.distribute(
+                agent,
+                name,
+                arguments=bound,
+                receivers=mates,
+                start=True,
+                progress=lambda done, total: self.progress(done, total, "distributing"),
+            )
+            if lacking := [f"{mate} {why}" for mate, why in report.missing.items()]:
+                raise SwarmError("\n".join(lacking), Fix.NEXT_GENERATION(agent=agent))
+            self.say(f"{some(mates, most=3)} perform{'s' * (len(mates) == 1)} it")
+        self.swarm.perform(agent, name, bound)
+
+    def _score(self) -> Score:
+        """Return the score of what the team performs; an empty one without a world or episodes."""
+        world = self.world
+        if world is None or not self.episodes:
+            return Score()
+        with arranged_as_it_was(world):
+            played = world.play(
+                self.episodes,
+                self.seed,
+                progress=lambda done: self.progress(done, self.episodes, "evaluating"),
+            )
+        return score_of(played, self.seed)
+
+    def _waiting(self, agent: str) -> Lesson | None:
+        """Return the lesson by which an agent acts until what is awaited; None if nothing is."""
+        if not self.wait:
+            return None
+        until = self.wait if self.wait.lstrip().startswith("{") else f"{{{self.wait}}}"
+        steps = f"{{test: a, restart: true}}, {{until: {until}, within: {self.within}}}"
+        text = f"{{lesson: wait, agent: {agent}, steps: [{steps}]}}"
+        return parse_lesson(text, Path("--wait"))
+
+    def _await(self, lesson: Lesson, before: WorldStatus | None) -> None:
+        """Have an agent act as it has learned until a condition holds; then take over."""
+        self.say(f"waiting until {self.wait} ...")
+        factor = before.factor if before and before.pace == WorldStatus.REALTIME else 0.0
+        try:
+            LessonPlayer(lesson, self.swarm, self.world, factor=factor).play(self.progress)
+        except LessonError as error:
+            raise LessonError(error.what, Fix.TEST(agent=lesson.agent)) from None
+        finally:
+            with not_interrupted():
+                self.swarm.set_mode(lesson.agent, AgentStatus.TRAINING)
