@@ -141,19 +141,16 @@ class BehaviorLibrary:
     # -- writing ----------------------------------------------------------------------------
 
     @contextmanager
-    def change(
-        self, *, patience: float = LOCK_TIMEOUT_S, sync: bool = True
-    ) -> Iterator[LibraryChange]:
+    def change(self, *, patience: float = LOCK_TIMEOUT_S) -> Iterator[LibraryChange]:
         """Lock the library to change it; nothing is written unless the change is committed.
 
         Args:
             patience: seconds to wait for another process to finish with it.
-            sync: whether the change will be committed rather than only announced.
 
         Raises:
             LibraryError: if it cannot be read, or another process keeps it locked.
         """
-        with held(self.folder, alone=True, patience=patience, sync=sync):
+        with held(self.folder, alone=True, patience=patience):
             yield LibraryChange(self.on_disk, self._clock, self._changed)
 
     def save(

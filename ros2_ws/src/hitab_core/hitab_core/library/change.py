@@ -8,7 +8,7 @@ from dataclasses import replace
 from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
-from hitab_core.library.commit import Changes, announce, commit
+from hitab_core.library.commit import Changes, commit
 from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.expectation import Expectation, broken_expectations
 from hitab_core.library.library_files import LibraryFiles
@@ -28,7 +28,6 @@ class LibraryChange:
         before, contents: of the library before the change, and after it.
         changed: the planned files, by name; None for a removed file.
         numbers: of the versions that the planned files will be, by name.
-        note: identifies the change once it is announced.
     """
 
     def __init__(
@@ -45,7 +44,6 @@ class LibraryChange:
             done: called once the change is made.
         """
         self.before = self.contents = on_disk.contents()
-        self.note = b""
         self.changed: dict[str, BehaviorFile | None] = {}
         self.numbers: dict[str, int] = {}
         self._on_disk = on_disk
@@ -218,18 +216,6 @@ class LibraryChange:
             LibraryError: if it cannot be written; nothing has changed.
         """
         commit(self._on_disk.path, self._changes)
-        self._done(self)
-
-    def announce(self) -> None:
-        """Write only the note of the change; the caller syncs the disk and carries it out.
-
-        `note` then identifies the change to `hitab_core.library.commit`; empty if nothing changes.
-
-        Raises:
-            LibraryError: if it cannot be written; nothing has changed.
-        """
-        if self._changes:
-            self.note = announce(self._on_disk.path, self._changes)
         self._done(self)
 
     # -- inside -----------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -12,7 +11,7 @@ from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX, BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.check import misfits
-from hitab_core.library.commit import Changes
+from hitab_core.library.commit import Changes, files_in
 from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.durable_files import file_errors
 from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
@@ -39,7 +38,7 @@ class LibraryFiles:
 
     def names(self) -> list[str]:
         """Return the names of the behaviors that have a file, sorted."""
-        return sorted(_names(self.path))
+        return sorted(self._files())
 
     def file(self, name: str) -> Path:
         """Return where the file of a behavior is, or would be.
@@ -55,15 +54,10 @@ class LibraryFiles:
 
     def versions(self, name: str) -> list[int]:
         """Return the numbers of the versions of a behavior, ascending."""
-        self.file(name)  # which refuses what is no name
-        return sorted(int(n) for n in _names(self.path / VERSIONS / name) if n.isdecimal())
-
-    def version_file(self, name: str, number: int) -> Path:
-        """Return where a version of a behavior is, or would be."""
-        return self.path / _version(name, number)
+        return sorted(self._versions(name))
 
     def unkept(self, name: str, number: int = 0) -> Changes:
-        """Return the change that keeps a behavior's file as a version, unless one equals it.
+        """Return the change that keeps a file as a version, unless the newest equals it.
 
         Files may be added or edited by other means.
 
@@ -71,17 +65,16 @@ class LibraryFiles:
             name: of the behavior.
             number: preferred number of the version, if it is free.
         """
-        path = self.file(name)
+        path = self._files().get(name)
+        if path is None:
+            return {}
+        versions = self._versions(name)
+        newest = max(versions, default=0)
         with file_errors(path, "read"):
-            if not path.exists():
-                return {}
             data = path.read_bytes()
-            numbers = self.versions(name)
-            newest = [n for n in (number,) if n in numbers]  # the likely match, so check it first
-            for n in (*newest, *reversed(numbers)):
-                if self.version_file(name, n).read_bytes() == data:
-                    return {}
-        return {_version(name, max([number, 1, *(n + 1 for n in numbers)])): data}
+            if newest and versions[newest].read_bytes() == data:
+                return {}
+        return {_version(name, max(number, newest + 1)): data}
 
     def next_number(self, name: str, planned: Changes) -> int:
         """Return the number of the next version after the ``planned`` changes."""
@@ -101,10 +94,9 @@ class LibraryFiles:
         """Read all files, reusing unchanged ones."""
         readable: dict[str, BehaviorFile] = {}
         unreadable: dict[str, LibraryError] = {}
-        for name in self.names():
+        for name, path in sorted(self._files().items()):
             try:
-                path = self.file(name)
-                readable[name] = self.reader.read(read_text(path), path.name)
+                readable[name] = self.reader.read(read_text(path), self.file(name).name)
             except LibraryError as error:
                 unreadable[name] = error
         return self.contents_of(readable, unreadable)
@@ -137,13 +129,12 @@ class LibraryFiles:
         Raises:
             LibraryError: if it is missing or faulty.
         """
-        versions = self.versions(name)
+        versions = self._versions(name)
         if number not in versions:
-            there = f'{self.path}: has no version {number} of "{name}" {has(versions)}'
+            there = f'{self.path}: has no version {number} of "{name}" {has(sorted(versions))}'
             raise LibraryError(there)
-        path = self.version_file(name, number)
-        domain = self.reader.domain
-        return read_behavior(read_text(path), f"{name}/{path.name}", domain, name=name)
+        file = f"{name}/{number:04}{BEHAVIOR_SUFFIX}"
+        return read_behavior(read_text(versions[number]), file, self.reader.domain, name=name)
 
     def sound_version(self, name: str) -> int | None:
         """Return the newest version of a behavior that can be read; None if there is none."""
@@ -154,6 +145,20 @@ class LibraryFiles:
                     return number
         return None
 
+    # -- where they are ---------------------------------------------------------------------
+
+    def _files(self, inside: str = "") -> dict[str, Path]:
+        return {
+            name.removesuffix(BEHAVIOR_SUFFIX): path
+            for name, path in files_in(self.path, inside).items()
+            if name.endswith(BEHAVIOR_SUFFIX) and not name.startswith(".")
+        }
+
+    def _versions(self, name: str) -> dict[int, Path]:
+        self.file(name)  # which refuses what is no name
+        found = self._files(f"{VERSIONS}/{name}")
+        return {int(number): path for number, path in found.items() if number.isdecimal()}
+
 
 def _version(name: str, number: int) -> str:
     return f"{VERSIONS}/{name}/{number:04}{BEHAVIOR_SUFFIX}"
@@ -161,16 +166,3 @@ def _version(name: str, number: int) -> str:
 
 def _is_of(path: str, name: str) -> bool:
     return path.startswith(f"{VERSIONS}/{name}/")
-
-
-def _names(folder: Path) -> list[str]:
-    with file_errors(folder, "read"):
-        try:
-            found = os.listdir(folder)
-        except FileNotFoundError:
-            return []
-    return [
-        name.removesuffix(BEHAVIOR_SUFFIX)
-        for name in found
-        if name.endswith(BEHAVIOR_SUFFIX) and not name.startswith(".")
-    ]
