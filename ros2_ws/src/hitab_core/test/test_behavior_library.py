@@ -275,23 +275,22 @@ def test_transition_functions_that_are_not_what_the_examples_teach_are_refused(
         library.save(mixed)
 
 
-def test_an_edit_is_accepted_once_it_is_right(library: BehaviorLibrary) -> None:
+def test_an_edited_file_is_what_it_says_once_it_is_right(library: BehaviorLibrary) -> None:
     path = library.folder / "Approach.hfa.yaml"
-    first = library.file("Approach").checksum
-    path.write_text(path.read_text().replace("4.5", "four"))
+    saved = path.read_text()
+    path.write_text(saved.replace("4.5", "four"))
     with pytest.raises(LibraryError, match="must be a number"):
-        again(library).accept_edits("Approach")
-    path.write_text(path.read_text().replace("four", "2.5"))
-    losses = again(library).loaded(strict=False).losses
-    assert losses.remedies["Approach"][0] == Fix.ACCEPT(file=path)
-    assert again(library).accept_edits("Approach") == ["Approach"]
-    accepted = again(library).file("Approach")
-    assert accepted.automaton.examples[2].features == (2.5,)
-    assert (accepted.provenance.version, accepted.provenance.earlier) == (2, first)
-    assert accepted.provenance.note == "edited by hand"
-    before = snapshot(library.folder)
-    assert again(library).accept_edits("Approach") == []
-    assert snapshot(library.folder) == before, "there is nothing more to accept"
+        again(library).load()
+    path.write_text(saved.replace("4.5", "2.5"))
+    edited = again(library).file("Approach")
+    assert edited.automaton.examples[2].features == (2.5,)
+    tree, whole = edited.edits
+    assert 'what is learned for state "GoFast" differs from what was saved' in tree
+    assert "the file was edited or damaged after it was saved" in whole
+    assert again(library).file("Control").edits == ()
+    library.restore("Approach", 1)
+    assert again(library).file("Approach").edits == ()
+    assert library.on_disk.version("Approach", 2).checksum == edited.checksum, "it is kept"
 
 
 def test_a_file_changed_by_other_means_is_kept_before_it_is_replaced(

@@ -175,16 +175,13 @@ def test_behaviors_that_use_each_other_are_lost_and_others_are_not(
         agent.perform(Use("Low"))
 
 
-def test_a_file_that_was_edited_can_be_accepted_as_the_fault_proposes(
-    trained: Agent, make: Make
-) -> None:
+def test_a_file_that_was_edited_is_used_as_it_is(trained: Agent, make: Make) -> None:
     path = file_of(trained, "Low")
     path.write_text(path.read_text().replace('description: ""', 'description: "mine"'))
     agent = make()
-    assert Fix.ACCEPT(file=path) in agent.loaded.losses.remedies["Low"]
-    agent.library.accept_edits("Low")
-    agent.reload()
     assert agent.faults == ()
+    assert agent.repertoire.automata["Low"].description == "mine"
+    assert "was edited" in agent.loaded.files["Low"].edits[0]
 
 
 def test_nothing_is_saved_in_place_of_what_is_lost(trained: Agent, make: Make) -> None:

@@ -1,4 +1,4 @@
-"""Verbs that change libraries: restore, accept, delete, rename, export, import, reload."""
+"""Verbs that change libraries: restore, expect, delete, rename, export, import, reload."""
 
 from __future__ import annotations
 
@@ -48,34 +48,6 @@ def restore(
     console.say(f"restored version {version} of {name} to {path}")
     tell_broken(there, name)
     _read_again(there.folder)
-
-
-def accept(
-    paths: list[Path],
-) -> None:
-    """Accept behavior files that were edited by hand: check them and update their digests.
-
-    Args:
-        paths: Behavior files, or folders of them.
-
-    Examples:
-      hitab library accept my_library/ApproachBall.hfa.yaml
-      hitab library accept my_library
-    """
-    from hitab_bringup.opened_library import open_library
-    from hitab_core.library import BEHAVIOR_SUFFIX
-
-    for path in paths:
-        folder, names = (path, ()) if path.is_dir() else (path.parent, (path.name,))
-        library = open_library(folder)
-        accepted = library.accept_edits(*(name.removesuffix(BEHAVIOR_SUFFIX) for name in names))
-        for name in accepted:
-            console.say(f"accepted {library.on_disk.file(name)}")
-            tell_broken(library, name)
-        if accepted:
-            _read_again(folder)
-        else:
-            console.say(f"{path}: nothing to accept")
 
 
 def delete(
@@ -259,8 +231,8 @@ def expect(
 ) -> None:
     """Have a behavior carry an expectation: in this state and situation, it goes to that state.
 
-    Whenever the behavior is tested in a training, saved, distributed, reloaded, or accepted after
-    an edit, each expectation that is broken is named with what is decided instead.
+    Whenever the behavior is tested in a training, saved, distributed, reloaded, or checked, each
+    expectation that is broken is named with what is decided instead.
 
     Args:
         decision: The state, the state to go to or to stay in, and the situation; angles in

@@ -74,7 +74,6 @@ class LibraryChange:
         classifier: str,
         provenance: Provenance,
         *,
-        edited: bool = False,
         restored: bool = False,
         expectations: Sequence[Expectation] | None = None,
     ) -> BehaviorFile:
@@ -84,7 +83,6 @@ class LibraryChange:
             automaton: to save.
             classifier: that learned it.
             provenance: where it comes from.
-            edited: whether a person has made its file, and accepts it now.
             restored: whether a person brings an earlier version back.
             expectations: to store; None to keep the present ones.
 
@@ -94,7 +92,7 @@ class LibraryChange:
         """
         name = automaton.name
         path = self._on_disk.file(name)
-        if not (edited or restored) and name in self.contents.problems:
+        if not restored and name in self.contents.problems:
             losses = self.losses
             raise LibraryError(refused_name(name, "saved", losses), *losses.remedies[name])
         if expectations is None:
@@ -106,8 +104,7 @@ class LibraryChange:
                 f'"{name}" cannot be saved: {"; ".join(wrong)}; correct it, or take back what is '
                 "expected"
             )
-        # An edited file becomes the new version itself, so do not keep it as an earlier one.
-        kept = {} if edited else self._unkept(name)
+        kept = self._unkept(name)
         number = self._on_disk.next_number(name, kept)
         text = text_of(
             automaton,
@@ -116,7 +113,7 @@ class LibraryChange:
             uses={used: self._as_it_is(used) for used in automaton.behaviors_used},
             provenance=replace(
                 provenance,
-                version=max(number, provenance.version + 1) if edited else number,
+                version=number,
                 created=self._clock(),
                 tool=tool_name(),
                 earlier=self._earlier(name),
@@ -127,10 +124,11 @@ class LibraryChange:
             new = self._reader.read(text, path.name)
         except LibraryError as error:
             raise LibraryError(f'"{name}" cannot be saved:\n{error}') from None
+        if new.edits:
+            raise LibraryError("\n".join((f'"{name}" cannot be saved:', *new.edits)))
         self._check_fit({name: new})
-        self.numbers[name] = new.provenance.version
-        addition = self._on_disk.addition(name, new.provenance.version, text)
-        self._plan({**kept, **addition}, {name: new})
+        self.numbers[name] = number
+        self._plan({**kept, **self._on_disk.addition(name, number, text)}, {name: new})
         return new
 
     def install(self, texts: Mapping[str, str]) -> list[str]:
