@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
+from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, text_of
 from hitab_core.library.commit import Changes, commit
 from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.expectation import Expectation, broken_expectations
@@ -104,8 +104,7 @@ class LibraryChange:
                 f'"{name}" cannot be saved: {"; ".join(wrong)}; correct it, or take back what is '
                 "expected"
             )
-        kept = self._unkept(name)
-        number = self._on_disk.next_number(name, kept)
+        number = self._on_disk.next_number(name, self._stated(name))
         text = text_of(
             automaton,
             self._domain,
@@ -116,7 +115,7 @@ class LibraryChange:
                 version=number,
                 created=self._clock(),
                 tool=tool_name(),
-                earlier=self._earlier(name),
+                earlier=self.contents.usable[name].checksum if self._stated(name) else "",
             ),
             expectations=expectations,
         )
@@ -127,8 +126,7 @@ class LibraryChange:
         if new.edits:
             raise LibraryError("\n".join((f'"{name}" cannot be saved:', *new.edits)))
         self._check_fit({name: new})
-        self.numbers[name] = number
-        self._plan({**kept, **self._on_disk.addition(name, number, text)}, {name: new})
+        self._plan_additions({name: new})
         return new
 
     def install(self, texts: Mapping[str, str]) -> list[str]:
@@ -148,12 +146,7 @@ class LibraryChange:
         # Compare texts, comments included, as senders and receivers do.
         there = self.contents.readable
         changed = sorted(n for n in new if n not in there or there[n].text != new[n].text)
-        changes: dict[str, bytes | None] = {}
-        for name in changed:
-            changes |= self._unkept(name)
-            number = self.numbers[name] = self._on_disk.next_number(name, changes)
-            changes |= self._on_disk.addition(name, number, texts[name])
-        self._plan(changes, new)
+        self._plan_additions({name: new[name] for name in changed})
         return changed
 
     def remove(self, name: str, *, anyway: bool = False) -> list[str]:
@@ -175,7 +168,7 @@ class LibraryChange:
                 f'{self._on_disk.path}: has no behavior "{name}" {has(names, name)}'
             )
         before = self.contents.problems
-        self._plan({**self._unkept(name), file_name(name): None}, {name: None})
+        self._plan(self._on_disk.removal(name, self._stated(name)), {name: None})
         broken = sorted(self.contents.problems.keys() - before.keys())
         if broken and not anyway:
             raise LibraryError(
@@ -231,20 +224,23 @@ class LibraryChange:
         unreadable = {name: text for name, text in now.unreadable.items() if name not in files}
         return self._on_disk.contents_of(readable, unreadable)
 
-    def _unkept(self, name: str) -> Changes:
+    def _plan_additions(self, files: Mapping[str, BehaviorFile]) -> None:
+        changes: Changes = {}
+        for name, file in files.items():
+            stated = self._stated(name)
+            self.numbers[name] = self._on_disk.next_number(name, stated)
+            changes |= self._on_disk.addition(name, file.text, stated)
+        self._plan(changes, files)
+
+    def _stated(self, name: str) -> int:
+        """Return which version the file of a behavior says to be; 0 if it cannot be used."""
         there = self.contents.usable.get(name)
-        return self._on_disk.unkept(name, 0 if there is None else there.provenance.version)
+        return 0 if there is None else there.provenance.version
 
     def _as_it_is(self, used: str) -> str:
         if used in self.contents.usable:
             return self.contents.usable[used].checksum
         return BASIC if used in self._domain.behaviors else HAND_WRITTEN
-
-    def _earlier(self, name: str) -> str:
-        if name in self.contents.usable:
-            return self.contents.usable[name].checksum
-        sound = self._on_disk.sound_version(name)
-        return "" if sound is None else self._on_disk.version(name, sound).checksum
 
     def _check_fit(self, new: Mapping[str, BehaviorFile]) -> None:
         """Refuse files that do not fit together, so that a library never gets worse."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -29,7 +29,7 @@ from hitab_core.library.durable_files import (
 CHANGE = ".change"
 """The folder of a change that was made and is not in its places yet."""
 
-Changes = Mapping[str, bytes | None]
+Changes = dict[str, bytes | None]
 """New contents of files, by path in the folder; None to remove the file."""
 
 _SLASH = "+"

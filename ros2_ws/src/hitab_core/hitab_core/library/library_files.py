@@ -56,14 +56,30 @@ class LibraryFiles:
         """Return the numbers of the versions of a behavior, ascending."""
         return sorted(self._versions(name))
 
-    def unkept(self, name: str, number: int = 0) -> Changes:
-        """Return the change that keeps a file as a version, unless the newest equals it.
-
-        Files may be added or edited by other means.
+    def next_number(self, name: str, stated: int) -> int:
+        """Return the number of the next version of a behavior.
 
         Args:
             name: of the behavior.
-            number: preferred number of the version, if it is free.
+            stated: number of the version that its file says to be; 0 if it says none.
+        """
+        return 1 + max([0, *self._versions(name), *self._unkept(name, stated)])
+
+    def addition(self, name: str, text: str, stated: int) -> Changes:
+        """Return the change that makes ``text`` a behavior's file and keeps it as a version."""
+        number = self.next_number(name, stated)
+        data = text.encode()
+        return self.removal(name, stated) | {_version(name, number): data, file_name(name): data}
+
+    def removal(self, name: str, stated: int) -> Changes:
+        """Return the change that removes a behavior's file, which is kept as a version."""
+        kept = self._unkept(name, stated)
+        return {_version(name, n): kept[n] for n in kept} | {file_name(name): None}
+
+    def _unkept(self, name: str, stated: int) -> dict[int, bytes]:
+        """Return a behavior's file by its number, unless the newest version equals it.
+
+        Files may be added or edited by other means.
         """
         path = self._files().get(name)
         if path is None:
@@ -74,19 +90,7 @@ class LibraryFiles:
             data = path.read_bytes()
             if newest and versions[newest].read_bytes() == data:
                 return {}
-        return {_version(name, max(number, newest + 1)): data}
-
-    def next_number(self, name: str, planned: Changes) -> int:
-        """Return the number of the next version after the ``planned`` changes."""
-        kept = [
-            int(Path(p).name.removesuffix(BEHAVIOR_SUFFIX)) for p in planned if _is_of(p, name)
-        ]
-        return 1 + max([0, *self.versions(name), *kept])
-
-    def addition(self, name: str, number: int, text: str) -> Changes:
-        """Return the change that makes ``text`` a behavior's file and keeps it as a version."""
-        data = text.encode()
-        return {_version(name, number): data, self.file(name).name: data}
+        return {max(stated, newest + 1): data}
 
     # -- what they hold ---------------------------------------------------------------------
 
@@ -162,7 +166,3 @@ class LibraryFiles:
 
 def _version(name: str, number: int) -> str:
     return f"{VERSIONS}/{name}/{number:04}{BEHAVIOR_SUFFIX}"
-
-
-def _is_of(path: str, name: str) -> bool:
-    return path.startswith(f"{VERSIONS}/{name}/")
