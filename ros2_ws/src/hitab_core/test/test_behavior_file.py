@@ -362,7 +362,8 @@ def test_a_hand_written_automaton_cannot_be_stored(robot: Domain) -> None:
 def test_a_library_is_read_without_scikit_learn_or_matplotlib() -> None:
     code = (
         "import sys; import hitab_core.library.behavior_library, hitab_core.library.bundle; "
-        "import hitab_core.library.trimming, hitab_core.drawing.text, hitab_core.drawing.picture; "
+        "import hitab_core.learning.trimming; "
+        "import hitab_core.drawing.text, hitab_core.drawing.picture; "
         "print([m for m in ('sklearn', 'matplotlib', 'scipy', 'rclpy') if m in sys.modules])"
     )
     found = subprocess.run(
