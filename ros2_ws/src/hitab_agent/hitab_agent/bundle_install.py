@@ -24,6 +24,9 @@ from hitab_core.library import (
 )
 from hitab_ros.answering import what_went_wrong
 
+AT_ONCE = 16
+"""Maximum number of libraries that are written at the same time, which the disk does together."""
+
 TakenIn = Callable[[Any, int, str, str], None]
 """Called with an agent's node, the sequence of a distribution, the digest of the agent's files as
 they are now, empty if it was refused, and why it was refused or what went wrong at the start."""
@@ -94,9 +97,13 @@ class BundleInstall:
     def job(self) -> Job:
         """Do the whole intake, in slices."""
         yield from self._read()
-        for shelf in self._shelves:
-            if not shelf.refused:
-                yield from self._write(shelf)
+        sound = [shelf for shelf in self._shelves if not shelf.refused]
+        for first in range(0, len(sound), AT_ONCE):
+            writing = [self._write(shelf) for shelf in sound[first : first + AT_ONCE]]
+            while begun := [(job, step) for job in writing if (step := next(job, None))]:
+                for _, step in begun:
+                    yield step
+                writing = [job for job, _ in begun]
         for shelf in self._shelves:
             for receiver in shelf.receivers:
                 self._swap(shelf, receiver)

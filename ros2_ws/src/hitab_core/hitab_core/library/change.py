@@ -227,9 +227,10 @@ class LibraryChange:
     def _plan_additions(self, files: Mapping[str, BehaviorFile]) -> None:
         changes: Changes = {}
         for name, file in files.items():
-            stated = self._stated(name)
-            self.numbers[name] = self._on_disk.next_number(name, stated)
-            changes |= self._on_disk.addition(name, file.text, stated)
+            self.numbers[name], change = self._on_disk.addition(
+                name, file.text, self._stated(name)
+            )
+            changes |= change
         self._plan(changes, files)
 
     def _stated(self, name: str) -> int:

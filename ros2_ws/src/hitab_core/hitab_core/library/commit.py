@@ -23,6 +23,7 @@ from hitab_core.library.durable_files import (
     locked,
     make_folder,
     sync_folder,
+    sync_together,
     write_new,
 )
 
@@ -83,8 +84,8 @@ def commit(folder: Path, changes: Changes) -> None:
             os.mkdir(beside)
             for path, data in changes.items():
                 name = path.replace("/", _SLASH)
-                write_new(beside / (name + _REMOVED * (data is None)), data or b"")
-            sync_folder(beside)
+                write_new(beside / (name + _REMOVED * (data is None)), data or b"", sync=False)
+            sync_together([beside, *beside.iterdir()])
             os.rename(beside, change)
             sync_folder(folder)
         except OSError:
@@ -110,7 +111,8 @@ def files_in(folder: Path, inside: str = "") -> dict[str, Path]:
     with file_errors(folder / CHANGE, "read"):
         made = _listed(folder / CHANGE)
     with file_errors(folder, "read"):
-        found = {name: folder / inside / name for name in _listed(folder / inside)}
+        place_of = folder / inside
+        found = {name: place_of / name for name in _listed(place_of)}
         for path in (folder / CHANGE / name for name in made):
             place, _, name = path.name.replace(_SLASH, "/").rpartition("/")
             if place == inside and path.exists():  # it may be put in place meanwhile

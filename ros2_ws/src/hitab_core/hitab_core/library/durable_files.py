@@ -11,7 +11,7 @@ import fcntl
 import os
 import secrets
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -22,6 +22,9 @@ UNFINISHED = ".tmp"
 
 LOCK_TIMEOUT_S = 10.0
 """Seconds to wait for another process to finish with a folder."""
+
+SYNCED_AT_ONCE = 16
+"""Maximum number of threads that wait for the disk together."""
 
 _REMEDIES = {
     errno.EACCES: "check its permissions, or use another folder",
@@ -59,13 +62,21 @@ def file_errors(
         raise error(f"{path}: cannot {doing} it: {reason}; {remedy}") from wrong
 
 
-def sync_folder(folder: Path) -> None:
-    """Sync the names in a folder to disk."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+def sync_folder(path: Path) -> None:
+    """Sync the names in a folder, or the contents of a file, to disk."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     try:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def sync_together(paths: Iterable[Path]) -> None:
+    """Sync files and folders to disk at the same time, which takes about as long as one."""
+    from concurrent.futures import ThreadPoolExecutor  # which takes a while to load
+
+    with ThreadPoolExecutor(SYNCED_AT_ONCE) as pool:
+        list(pool.map(sync_folder, paths))
 
 
 def make_folder(folder: Path, *, sync: bool = True) -> None:

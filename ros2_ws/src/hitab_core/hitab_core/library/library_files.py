@@ -65,16 +65,15 @@ class LibraryFiles:
         """
         return 1 + max([0, *self._versions(name), *self._unkept(name, stated)])
 
-    def addition(self, name: str, text: str, stated: int) -> Changes:
-        """Return the change that makes ``text`` a behavior's file and keeps it as a version."""
-        number = self.next_number(name, stated)
-        data = text.encode()
-        return self.removal(name, stated) | {_version(name, number): data, file_name(name): data}
+    def addition(self, name: str, text: str, stated: int) -> tuple[int, Changes]:
+        """Return the number of the next version, and the change that makes it from ``text``."""
+        kept, data = self._unkept(name, stated), text.encode()
+        number = 1 + max([0, *self._versions(name), *kept])
+        return number, _kept(name, kept | {number: data}) | {file_name(name): data}
 
     def removal(self, name: str, stated: int) -> Changes:
         """Return the change that removes a behavior's file, which is kept as a version."""
-        kept = self._unkept(name, stated)
-        return {_version(name, n): kept[n] for n in kept} | {file_name(name): None}
+        return _kept(name, self._unkept(name, stated)) | {file_name(name): None}
 
     def _unkept(self, name: str, stated: int) -> dict[int, bytes]:
         """Return a behavior's file by its number, unless the newest version equals it.
@@ -164,5 +163,6 @@ class LibraryFiles:
         return {int(number): path for number, path in found.items() if number.isdecimal()}
 
 
-def _version(name: str, number: int) -> str:
-    return f"{VERSIONS}/{name}/{number:04}{BEHAVIOR_SUFFIX}"
+def _kept(name: str, versions: dict[int, bytes]) -> Changes:
+    """Return the change that keeps versions of a behavior, given by number."""
+    return {f"{VERSIONS}/{name}/{n:04}{BEHAVIOR_SUFFIX}": data for n, data in versions.items()}
