@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-CHANGING = ("write", "fsync", "replace", "rename", "unlink", "mkdir", "ftruncate")
+CHANGING = ("write", "fsync", "replace", "rename", "unlink", "mkdir", "rmdir", "ftruncate")
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT
 
 

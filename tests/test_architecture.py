@@ -49,7 +49,7 @@ BUDGET = {
     "hitab_cli": 2950,
     "hitab_client": 4250,
     "hitab_commander": 1050,
-    "hitab_core": 9450,
+    "hitab_core": 9300,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
@@ -58,7 +58,7 @@ BUDGET = {
     "hitab_studio": 4650,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29000,
+    "tests": 28950,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -58,7 +58,6 @@ def test_a_remedy_survives_the_way_to_each_face(monkeypatch):
     assert corrected.endswith(
         "`scripts/hitab train ann`, then `scripts/hitab demonstrate ann 'Go(a b)'`"
     )
-    assert as_command(Fix.ACCEPT(file="a b.yaml")).endswith("library accept 'a b.yaml'`")
 
 
 def test_a_remedy_of_another_version_is_left_out():

@@ -1,27 +1,19 @@
 """Installs a distribution for all agents of a process at once.
 
-It is verified, read and learned once per domain, written once per library, and synced to disk for
-all libraries together, so that a thousand folders take as long as one. Then each agent swaps its
-repertoire.
-
-A library is changed by a note that is valid for all processes as soon as it exists (see
-`hitab_core.library.commit`), so no lock is held between two slices: the next process that opens
-the folder carries the note out.
+It is verified, read and learned once per domain, and written once per library. Then each agent
+swaps its repertoire. A library is read and written in another thread, which holds its lock, so
+that no callback waits for the disk or for another process.
 """
 
 from __future__ import annotations
 
-import time
-from collections import deque
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from hitab_agent.scheduler import Job, in_background
-from hitab_core import BehaviorLibrary, FolderInUseError, HitabError, Use
+from hitab_core import BehaviorLibrary, HitabError, Use
 from hitab_core.library import (
     Bundle,
     LibraryReader,
@@ -30,16 +22,10 @@ from hitab_core.library import (
     plan_bundle,
     read_bundle,
 )
-from hitab_core.library.commit import carry_out, forget, withdraw
-from hitab_core.library.durable_files import LOCK_TIMEOUT_S, file_errors, sync_trees
 from hitab_ros.answering import what_went_wrong
 
-_RETRY_S = 0.01
-"""How long to wait before retrying a folder that another process holds."""
-
-_BREATH_S = 0.001
-"""How long a thread releases Python's lock to the callbacks after each folder."""
-
+AT_ONCE = 16
+"""Maximum number of libraries that are written at the same time, which the disk does together."""
 
 TakenIn = Callable[[Any, int, str, str], None]
 """Called with an agent's node, the sequence of a distribution, the digest of the agent's files as
@@ -54,17 +40,24 @@ class _LibraryInstall:
     receivers: list[Any] = field(default_factory=list)
     refused: dict[Any, str] = field(default_factory=dict)
     edition: LoadedLibrary | None = None
-    note: bytes = b""
     generation: int = 0
 
     def refuse_all(self, error: Exception) -> None:
         self.refused |= dict.fromkeys(self.receivers, what_went_wrong(error))
-        self.edition, self.note = None, b""
 
     def current(self) -> LoadedLibrary:
         """Return what the library holds now, even if it was changed after the plan."""
         if self.edition is None or self.generation != self.library.generation:
             self.edition = self.library.loaded(strict=False)
+            self.generation = self.library.generation
+        return self.edition
+
+    def plan(self, bundle: Bundle, *, write: bool) -> LoadedLibrary:
+        """Return the library with the bundle, after writing it if wanted."""
+        with self.library.change() as change:
+            self.edition = plan_bundle(change, bundle)
+            if write:
+                change.commit()
             self.generation = self.library.generation
         return self.edition
 
@@ -104,15 +97,17 @@ class BundleInstall:
     def job(self) -> Job:
         """Do the whole intake, in slices."""
         yield from self._read()
-        yield from self._announce_all()
-        yield from self._make_durable()
+        sound = [shelf for shelf in self._shelves if not shelf.refused]
+        for first in range(0, len(sound), AT_ONCE):
+            writing = [self._write(shelf) for shelf in sound[first : first + AT_ONCE]]
+            while begun := [(job, step) for job in writing if (step := next(job, None))]:
+                for _, step in begun:
+                    yield step
+                writing = [job for job, _ in begun]
         for shelf in self._shelves:
             for receiver in shelf.receivers:
                 self._swap(shelf, receiver)
                 yield None
-        if notes := [(shelf.library.folder, shelf.note) for shelf in self._noted()]:
-            # The files are brought up to date; no agent waits for this.
-            yield in_background(partial(_carry_out, notes))
 
     def _read(self) -> Job:
         """Verify and learn the bundle, once per domain."""
@@ -128,54 +123,25 @@ class BundleInstall:
                 for shelf in shelves:
                     shelf.refuse_all(error)
 
-    def _announce_all(self) -> Job:
-        """Check each library and its agents, and announce its change to all processes."""
-        waiting = deque(shelf for shelf in self._shelves if not shelf.refused)
-        deadline = time.monotonic() + LOCK_TIMEOUT_S
-        while waiting:
-            shelf = waiting.popleft()
-            try:
-                self._announce(shelf)
-            except FolderInUseError as error:
-                if time.monotonic() > deadline:
-                    shelf.refuse_all(error)
-                else:
-                    waiting.append(shelf)
-                    yield in_background(partial(time.sleep, _RETRY_S))
-            except Exception as error:
-                shelf.refuse_all(error)
-            yield None
-
-    def _announce(self, shelf: _LibraryInstall) -> None:
-        library = shelf.library
-        with library.change(patience=0.0, sync=False) as change:
-            edition = plan_bundle(change, self._bundle)
+    def _write(self, shelf: _LibraryInstall) -> Job:
+        """Write the bundle to a library, unless none of its agents can take it in."""
+        try:
+            planning = in_background(partial(shelf.plan, self._bundle, write=False))
+            yield planning
+            edition = planning.result()
             for receiver in shelf.receivers:
                 try:
                     receiver.agent.check_fit(edition, self._start)
                 except HitabError as error:
                     shelf.refused[receiver] = str(error)
-            if len(shelf.refused) == len(shelf.receivers):
-                return
-            change.announce()
-        shelf.edition, shelf.note, shelf.generation = edition, change.note, library.generation
-        for receiver, why in shelf.refused.items():
-            shelf.refused[receiver] = f"{why}; {_SHARED}"
-
-    def _make_durable(self) -> Job:
-        """Sync all changes to disk; withdraw those that fail."""
-        folders = [shelf.library.folder for shelf in self._noted()]
-        if not folders:
-            return
-        syncing = in_background(partial(_force_to_disk, folders))
-        yield syncing
-        try:
-            syncing.result()
+            if len(shelf.refused) < len(shelf.receivers):
+                writing = in_background(partial(shelf.plan, self._bundle, write=True))
+                yield writing
+                writing.result()
+                for receiver, why in shelf.refused.items():
+                    shelf.refused[receiver] = f"{why}; {_SHARED}"
         except Exception as error:
-            for shelf in self._noted():
-                if withdraw(shelf.library.folder, shelf.note):
-                    shelf.refuse_all(error)
-                    shelf.library.load(strict=False)
+            shelf.refuse_all(error)
 
     def _swap(self, shelf: _LibraryInstall, receiver: Any) -> None:
         agent = receiver.agent
@@ -197,26 +163,6 @@ class BundleInstall:
             self._digests[edition] = digest_in(edition, names)
         return self._digests[edition]
 
-    def _noted(self) -> list[_LibraryInstall]:
-        return [shelf for shelf in self._shelves if shelf.note]
-
 
 _SHARED = "other agents that share its library have it; reload the library to use it here"
 _SAVED = "it is in the library; reload the library to use it"
-
-
-def _force_to_disk(folders: list[Path]) -> None:
-    with file_errors(folders[0], "write to"):
-        sync_trees(folders)
-
-
-def _carry_out(notes: list[tuple[Path, bytes]]) -> None:
-    """Carry out notes; if the disk fails they stay, and the next process carries them out."""
-    for folder, note in notes:
-        carry_out(folder, note)
-        time.sleep(_BREATH_S)
-    with suppress(OSError):
-        sync_trees(folder for folder, _ in notes)
-        for folder, note in notes:
-            forget(folder, note)
-            time.sleep(_BREATH_S)

@@ -11,17 +11,15 @@ import pytest
 from bodies import Body
 from hitab_msgs import msg, srv
 
-from hitab_agent import bundle_install
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.host_resources import HostResources
 from hitab_agent.scheduler import JobQueue
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.library import bundle, loaded_library
+from hitab_core.library import bundle, change, loaded_library
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle
-from hitab_core.library.commit import COMMIT
 from hitab_core.library.durable_files import locked
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
@@ -124,10 +122,6 @@ class Host:
         self.process.until(lambda: len(acks()) == self.size)
         return acks()
 
-    def settled(self) -> None:
-        """Wait until the files are up to date, too."""
-        self.process.until(lambda: not list(self.folder.rglob(COMMIT)))
-
 
 @pytest.fixture(params=[False, True], ids=["one library", "a library each"])
 def host(request: Any, process: Any, start: Any, tmp_path: Path) -> Host:
@@ -152,12 +146,11 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     count(loaded_library, "read_behavior", "readings")
     count(TransitionTree, "fit", "trees")
     count(loaded_library, "Repertoire", "repertoires")
-    count(bundle_install, "sync_trees", "syncs")
-    count(os, "fsync", "fsyncs")
+    count(change, "commit", "writes")
     return counts
 
 
-def test_what_is_distributed_is_read_learned_and_forced_to_disk_once_for_all(
+def test_what_is_distributed_is_read_and_learned_once_and_written_once_per_library(
     host, counted, tmp_path
 ):
     taught(tmp_path / "teacher", "Low", "Left", "Right")
@@ -173,12 +166,8 @@ def test_what_is_distributed_is_read_learned_and_forced_to_disk_once_for_all(
     assert counted["trees"] <= 3 + 2  # one for each state of each behavior
     assert counted["repertoires"] == 1
     assert counted["digests"] == 2  # verified, and what the library has then
-    assert counted["syncs"] <= 2  # before the answers, and after the files are written
-    # The files of one library are forced one by one, many libraries by their file system.
-    assert counted["fsyncs"] < SIZE, "no agent has the disk wait for its own sake"
+    assert counted["writes"] == (SIZE if host.own_libraries else 1)
     assert len({id(agent.repertoire) for agent in host.agents}) == 1
-    host.settled()
-    assert counted["syncs"] == 2
     for agent in host.agents:
         again = BehaviorLibrary(agent.library.folder, DOMAIN)
         assert again.texts() == dict(high.files)
@@ -274,7 +263,6 @@ def test_distributions_are_taken_in_in_the_order_in_which_they_came(host, tmp_pa
     host.send(second)
     host.answers()
     assert {agent.loaded.texts["Low"] for agent in host.agents} == {dict(second.files)["Low"]}
-    host.settled()
     for agent in host.agents:
         assert BehaviorLibrary(agent.library.folder, DOMAIN).texts() == dict(second.files)
 
@@ -303,7 +291,6 @@ def test_whoever_performs_what_would_not_fit_keeps_what_it_knew_and_says_so(host
     assert {ack.success for ack in answers.values()} == {True}
     assert busy.loaded is before
     assert busy.behavior == "Go(ball)"
-    host.settled()
     kept = BehaviorLibrary(busy.library.folder, DOMAIN).texts()
     if host.own_libraries:
         assert kept == before.texts
@@ -321,15 +308,15 @@ def test_a_disk_that_does_not_take_it_leaves_memory_and_libraries_as_they_were(
 ):
     host.send(taught(tmp_path / "teacher", "Low", "Left"))
     host.answers()
-    host.settled()
     before = host.agents[0].loaded.texts
+    low = taught(tmp_path / "teacher", "Low", "Right")
 
-    def failing(folders):
+    def failing(descriptor):
         raise OSError(5, "Input/output error")
 
     with monkeypatch.context() as patch:
-        patch.setattr(bundle_install, "sync_trees", failing)
-        host.send(taught(tmp_path / "teacher", "Low", "Right"))
+        patch.setattr(os, "fsync", failing)
+        host.send(low)
         for ack in host.answers().values():
             assert not ack.success
             assert "Input/output error" in ack.message
@@ -368,7 +355,6 @@ def test_a_save_while_a_distribution_is_under_way_loses_neither(host, tmp_path):
     first.take_up = save_first
     host.send(low)
     host.answers()
-    host.settled()
     assert {"Low", "Own"} == {*saver.loaded.files}
     assert BehaviorLibrary(saver.library.folder, DOMAIN).texts() == saver.loaded.texts
 

@@ -30,7 +30,6 @@ REMEDY_COMMANDS = {
     Fix.PERFORM: "perform {agent} {behavior}",
     Fix.IDLE: "perform {agent}",
     Fix.CHECK_LIBRARY: "library check",
-    Fix.ACCEPT: "library accept {file}",
     Fix.RESTORE: "library restore {behavior} {version} -l {folder}",
     Fix.DELETE: "library delete {behavior} -l {folder}",
     Fix.SEND: "distribute {agent} {behavior}",

@@ -37,7 +37,6 @@ class Fix(Enum):
     IDLE = "make {agent} idle"
     # libraries
     CHECK_LIBRARY = "check the library"
-    ACCEPT = "accept {file}, if it was edited on purpose"
     RESTORE = 'bring version {version} of "{behavior}" back in {folder}'
     DELETE = 'give "{behavior}" up in {folder}'
     MOVE_AWAY = "move {file} away"

@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 from hitab_core.automaton import Automaton
 from hitab_core.errors import VocabularyError
+from hitab_core.learning.trimming import check_bound, rebind, trim
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.loaded_library import LoadedLibrary
-from hitab_core.library.trimming import check_bound, rebind, trim
 from hitab_core.training.training_session import TrainingSession
 
 

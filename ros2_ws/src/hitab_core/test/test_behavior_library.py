@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import errno
+import itertools
 import os
 import shutil
 import signal
@@ -13,16 +14,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from faulty_disk import FaultyDisk, Killed
 
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.library.commit import COMMIT, commit
+from hitab_core.library.commit import CHANGE, commit, files_in
 from hitab_core.library.differences import difference
 from hitab_core.library.durable_files import locked
-from hitab_core.library.provenance import Provenance
 from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
 
@@ -274,23 +275,22 @@ def test_transition_functions_that_are_not_what_the_examples_teach_are_refused(
         library.save(mixed)
 
 
-def test_an_edit_is_accepted_once_it_is_right(library: BehaviorLibrary) -> None:
+def test_an_edited_file_is_what_it_says_once_it_is_right(library: BehaviorLibrary) -> None:
     path = library.folder / "Approach.hfa.yaml"
-    first = library.file("Approach").checksum
-    path.write_text(path.read_text().replace("4.5", "four"))
+    saved = path.read_text()
+    path.write_text(saved.replace("4.5", "four"))
     with pytest.raises(LibraryError, match="must be a number"):
-        again(library).accept_edits("Approach")
-    path.write_text(path.read_text().replace("four", "2.5"))
-    losses = again(library).loaded(strict=False).losses
-    assert losses.remedies["Approach"][0] == Fix.ACCEPT(file=path)
-    assert again(library).accept_edits("Approach") == ["Approach"]
-    accepted = again(library).file("Approach")
-    assert accepted.automaton.examples[2].features == (2.5,)
-    assert (accepted.provenance.version, accepted.provenance.earlier) == (2, first)
-    assert accepted.provenance.note == "edited by hand"
-    before = snapshot(library.folder)
-    assert again(library).accept_edits("Approach") == []
-    assert snapshot(library.folder) == before, "there is nothing more to accept"
+        again(library).load()
+    path.write_text(saved.replace("4.5", "2.5"))
+    edited = again(library).file("Approach")
+    assert edited.automaton.examples[2].features == (2.5,)
+    tree, whole = edited.edits
+    assert 'what is learned for state "GoFast" differs from what was saved' in tree
+    assert "the file was edited or damaged after it was saved" in whole
+    assert again(library).file("Control").edits == ()
+    library.restore("Approach", 1)
+    assert again(library).file("Approach").edits == ()
+    assert library.on_disk.version("Approach", 2).checksum == edited.checksum, "it is kept"
 
 
 def test_a_file_changed_by_other_means_is_kept_before_it_is_replaced(
@@ -327,56 +327,58 @@ def test_installing_is_all_or_nothing(
     assert other.on_disk.versions("Control") == [1, 2]
 
 
-def test_a_change_that_was_interrupted_is_finished_by_the_next_to_come(
-    library: BehaviorLibrary,
-    tmp_path: Path,
-    robot: Domain,
-    teach: Teach,
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("how", ["once", "full", "killed"])
+def test_a_change_of_several_behaviors_is_made_or_not_whichever_operation_fails(
+    library: BehaviorLibrary, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, how: str
 ) -> None:
-    library.save(teach("Approach", ["DistanceTo(ball)"], [("Start", [3], "GoSlow")]))
-    other = BehaviorLibrary(tmp_path / "other", robot)
-    replaced: list[object] = []
+    """Renaming writes two files, keeps their versions and removes one file."""
+    before = again(library).load()
+    for number in itertools.count(1):
+        copied = shutil.copytree(library.folder, tmp_path / str(number) / "library")
+        copy = BehaviorLibrary(copied, library.domain)
+        answer, why = "made", str(copied)
+        with monkeypatch.context() as patch:
+            disk = FaultyDisk(patch, copied.parent, number, how)
+            try:
+                copy.rename("Approach", "ComeNear", with_users=True)
+            except LibraryError as error:
+                answer, why = "refused", str(error)
+            except Killed:
+                answer = "killed"
+        assert str(copied) in why, "it names the place"
+        made = "ComeNear" in again(copy).load()
+        assert made == (answer == "made") or answer == "killed"
+        assert again(copy).load().keys() == (
+            {"ComeNear", "Control", "Keepaway"} if made else before.keys()
+        )
+        assert again(copy).on_disk.versions("Control") == ([1, 2] if made else [1])
+        again(copy).remove("Keepaway")  # the next to write removes what is left
+        assert not [path for path in copied.rglob(".*") if path.name != ".versions"]
+        if not disk.failed:
+            assert answer == "made"
+            break
+    assert number > 10
 
-    def failing(source: Path, target: Path, count: list[object] = replaced) -> None:
-        count.append(target)
-        if len(count) == 4:
-            raise OSError(5, "the disk is gone")
-        os.rename(source, target)
 
-    with monkeypatch.context() as patch:
-        patch.setattr("hitab_core.library.durable_files.os.replace", failing)
-        # The change is on disk in one piece, and nobody sees it half done: it is made.
-        assert other.install(library.texts()) == ["Approach", "Control", "Keepaway"]
-    assert (other.folder / COMMIT).exists()
-    assert again(other).load().keys() == {"Approach", "Control", "Keepaway"}
-    assert again(other).digest == library.digest
-    assert not (other.folder / COMMIT).exists()
-
-
-def test_whoever_reads_is_told_if_an_interrupted_change_cannot_be_finished(
+def test_a_change_that_cannot_be_put_in_place_counts_for_whoever_reads(
     library: BehaviorLibrary, teach: Teach, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with library.change() as change:
-        change.save(teach("New", [], [("Start", [], "GoSlow")]), "tree", Provenance())
-        change.announce()
+    library.save(teach("Wait", [], [("Start", [], "Stop")]))
 
     def read_only(*args: object) -> None:
         raise OSError(errno.EROFS, "read-only")
 
     with monkeypatch.context() as patch:
-        patch.setattr("hitab_core.library.durable_files.os.replace", read_only)
+        patch.setattr("hitab_core.library.commit.os.replace", read_only)
+        library.save(teach("New", [], [("Start", [], "GoSlow")]))
+        assert (library.folder / CHANGE).is_dir()
+        assert "New" in again(library).load()
+        assert again(library).on_disk.version("New", 1).automaton.labels == ("GoSlow",)
         with pytest.raises(LibraryError, match="the disk is read-only; copy it to a writable one"):
-            again(library).load()
+            library.remove("Wait")
     assert "New" in again(library).load()
-
-
-def test_a_note_of_changes_that_leads_out_of_the_folder_is_refused(
-    library: BehaviorLibrary,
-) -> None:
-    (library.folder / COMMIT).write_text('{"../stolen": "x"}')
-    with pytest.raises(LibraryError, match="is not a valid note of a change"):
-        library.load()
+    assert (library.folder / "New.hfa.yaml").exists()
+    assert not (library.folder / CHANGE).exists()
 
 
 def test_a_failed_save_changes_nothing(
@@ -473,9 +475,10 @@ def read_together(folder: Path) -> bytes:
     from hitab_core.library.commit import held
 
     with held(folder, alone=False):
+        top, inside = files_in(folder), files_in(folder, ".versions/A")
         found = {
-            path.read_bytes() if path.exists() else b""
-            for path in (folder / name for name in ("One.txt", "Two.txt", ".versions/A/1.txt"))
+            path.read_bytes() if path is not None else b""
+            for path in (top.get("One.txt"), top.get("Two.txt"), inside.get("1.txt"))
         }
     assert len(found) == 1
     return found.pop()

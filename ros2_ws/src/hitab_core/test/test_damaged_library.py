@@ -175,16 +175,13 @@ def test_behaviors_that_use_each_other_are_lost_and_others_are_not(
         agent.perform(Use("Low"))
 
 
-def test_a_file_that_was_edited_can_be_accepted_as_the_fault_proposes(
-    trained: Agent, make: Make
-) -> None:
+def test_a_file_that_was_edited_is_used_as_it_is(trained: Agent, make: Make) -> None:
     path = file_of(trained, "Low")
     path.write_text(path.read_text().replace('description: ""', 'description: "mine"'))
     agent = make()
-    assert Fix.ACCEPT(file=path) in agent.loaded.losses.remedies["Low"]
-    agent.library.accept_edits("Low")
-    agent.reload()
     assert agent.faults == ()
+    assert agent.repertoire.automata["Low"].description == "mine"
+    assert "was edited" in agent.loaded.files["Low"].edits[0]
 
 
 def test_nothing_is_saved_in_place_of_what_is_lost(trained: Agent, make: Make) -> None:
@@ -344,11 +341,11 @@ def test_a_training_that_cannot_be_resumed_can_be_given_up_and_is_kept(
 def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_overwritten(
     trained: Agent, make: Make
 ) -> None:
-    note = trained.library.folder / ".commit.json"
-    note.write_text("{}")
+    change = trained.library.folder / ".change"
+    change.write_text("not a folder")
     agent = make()
     (fault,) = agent.faults
-    assert fault.startswith(f"the library cannot be read: {note}: is not a valid note of a change")
+    assert fault.startswith(f"the library cannot be read: {change}: cannot read it: Not a direc")
     agent.perform(Use("Left"))
     for name, reason in (
         ("Low", "the library cannot be read"),
@@ -357,9 +354,9 @@ def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_over
         with pytest.raises(LostBehaviorError, match=f"^{reason}"):
             agent.perform(Use(name))
     teach(agent, "New", "Left", save=False)
-    with pytest.raises(LibraryError, match="is not a valid note of a change"):
+    with pytest.raises(LibraryError, match="cannot read it: Not a directory"):
         agent.save()
-    note.unlink()
+    change.unlink()
     assert agent.reload() == ["High", "Low", "Middle", "Other"]
     assert agent.faults == ()
     agent.save()

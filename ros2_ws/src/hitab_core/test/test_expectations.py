@@ -107,14 +107,14 @@ def test_an_edited_line_that_is_wrong_is_told_by_line(library, line, says):
     lines[number - 1] = f"    {line}"
     path.write_text("\n".join(lines) + "\n")
     with pytest.raises(LibraryError) as refused:
-        library.accept_edits("Shuttle")
+        library.load()
     at = number - 1 if says == "must be a list" else number
     assert any(t.startswith(f"Shuttle.hfa.yaml:{at}:") for t in str(refused.value).splitlines())
     assert says in str(refused.value)
 
 
-def test_an_edit_of_an_expectation_is_accepted_like_any_other(library):
+def test_an_edit_of_an_expectation_counts_like_any_other(library):
     path = library.on_disk.file("Shuttle")
     path.write_text(path.read_text().replace("Position: 9.0", "Position: 1.0"))
-    library.accept_edits("Shuttle")
+    library.load()
     assert "it decides Right, not Left" in library.file("Shuttle").broken[0]

@@ -102,7 +102,7 @@ def test_numbers_are_saved_as_data_and_learned_again_from_the_file(tmp_path):
     assert again.step([0.0, 9.0]) == pytest.approx((170.0, 1.0))
     (tmp_path / "Cruise.hfa.yaml").write_text(text.replace("170.0, 1.0", "170.0, 2.0"))
     with pytest.raises(LibraryError, match="has 2 as speed; give speed from 0 to 1 m/s"):
-        agent.agent.library.accept_edits("Cruise")
+        agent.agent.library.load()
 
 
 def test_what_was_learned_differs_if_only_a_number_does(tmp_path):

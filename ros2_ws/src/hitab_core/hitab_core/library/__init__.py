@@ -1,4 +1,4 @@
-"""Behaviors as files: folders, loaded libraries, bundles, trimming, differences."""
+"""Behaviors as files: folders, loaded libraries, bundles, differences."""
 
 import lazy_loader
 

@@ -51,6 +51,7 @@ class BehaviorFile:
         text: of the file.
         state_lines: line of each state, in the automaton's order.
         expectations: stored in the file.
+        edits: what shows that it was edited after it was saved, by line.
     """
 
     automaton: Automaton = field(compare=False)
@@ -63,6 +64,7 @@ class BehaviorFile:
     text: str = field(compare=False, repr=False)
     state_lines: tuple[int, ...] = field(compare=False, repr=False)
     expectations: tuple[Expectation, ...] = field(default=(), compare=False)
+    edits: tuple[str, ...] = field(default=(), compare=False)
 
     @property
     def name(self) -> str:

@@ -19,7 +19,6 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile
-from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.commit import held
 from hitab_core.library.contents import LibraryContents
@@ -30,7 +29,6 @@ from hitab_core.library.library_files import LibraryFiles
 from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.library.provenance import Provenance, time_now
 from hitab_core.library.renaming import plan_renaming
-from hitab_core.library.yaml_places import read_text
 from hitab_core.vocabulary import has
 
 
@@ -141,19 +139,16 @@ class BehaviorLibrary:
     # -- writing ----------------------------------------------------------------------------
 
     @contextmanager
-    def change(
-        self, *, patience: float = LOCK_TIMEOUT_S, sync: bool = True
-    ) -> Iterator[LibraryChange]:
+    def change(self, *, patience: float = LOCK_TIMEOUT_S) -> Iterator[LibraryChange]:
         """Lock the library to change it; nothing is written unless the change is committed.
 
         Args:
             patience: seconds to wait for another process to finish with it.
-            sync: whether the change will be committed rather than only announced.
 
         Raises:
             LibraryError: if it cannot be read, or another process keeps it locked.
         """
-        with held(self.folder, alone=True, patience=patience, sync=sync):
+        with held(self.folder, alone=True, patience=patience):
             yield LibraryChange(self.on_disk, self._clock, self._changed)
 
     def save(
@@ -214,45 +209,6 @@ class BehaviorLibrary:
             done = plan_renaming(change, self.domain, old, new, with_users=with_users)
             change.commit()
         return done
-
-    def accept_edits(self, *names: str) -> list[str]:
-        """Accept files edited by hand, all or none: check them and update their digests.
-
-        Each becomes a new version. Comments added by hand are lost.
-
-        Args:
-            names: of the behaviors; none: all.
-
-        Returns:
-            The names of those whose files were not as they had been saved.
-
-        Raises:
-            LibraryError: naming what is wrong with one; nothing has changed.
-        """
-        with self.change() as change:
-            edited = {}
-            for name in names or self.on_disk.names():
-                path = self.on_disk.file(name)
-                text = read_text(path)
-                edited[name] = read_behavior(text, path.name, self.domain, accepting=True)
-            accepted = []
-            while edited:  # each after its parts; if they are recursive, saving refuses them
-                made_of = {name: file.automaton.behaviors_used for name, file in edited.items()}
-                name = min(edited, key=lambda name: len(made_of[name] & made_of.keys()))
-                file = edited.pop(name)
-                if name not in change.contents.usable:
-                    provenance = replace(file.provenance, note="edited by hand")
-                    change.save(
-                        file.automaton,
-                        file.classifier,
-                        provenance,
-                        edited=True,
-                        expectations=file.expectations,
-                    )
-                    accepted.append(name)
-            if accepted:
-                change.commit()
-        return accepted
 
     def expect(self, name: str, expectations: Sequence[Expectation]) -> BehaviorFile:
         """Have a behavior carry these expectations and no others; return its new version.

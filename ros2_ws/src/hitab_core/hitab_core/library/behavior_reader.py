@@ -27,7 +27,6 @@ from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, Place, read_yaml
 from hitab_core.number import wrong_with
 from hitab_core.regression import learn_numbers
-from hitab_core.remedies import Fix, Remedy
 from hitab_core.transition_function import LearnedTransition
 from hitab_core.use import Use
 from hitab_core.vocabulary import has, unknown
@@ -35,19 +34,19 @@ from hitab_core.wording import quantity
 
 
 def read_behavior(
-    text: str, file: str, domain: Domain, *, name: str | None = None, accepting: bool = False
+    text: str, file: str, domain: Domain, *, name: str | None = None
 ) -> BehaviorFile:
     """Read a behavior from the text of its file.
 
-    The transition functions are learned again from the examples and compared with the digests in
-    the file. Whether the used behaviors exist is not checked here; the library does that.
+    The transition functions are learned again from the examples. A file that was edited is what it
+    says; its digests only show that it was edited. Whether the used behaviors exist is not checked
+    here; the library does that.
 
     Args:
         text: of the file.
         file: its name, for errors.
         domain: in which it must have been trained.
         name: required of the behavior; by default that of the file.
-        accepting: accept an edited text whatever its digests.
 
     Raises:
         LibraryError: naming every fault, by line.
@@ -55,12 +54,6 @@ def read_behavior(
     document = read_yaml(text, file)
     content, complaints = document.value, Complaints(document)
     _check_format(content, complaints)
-    if not accepting and "checksum" in content and content["checksum"] != checksum(content):
-        complaints.add(
-            ("checksum",),
-            "the checksum does not match the file: it was edited or damaged",
-            Fix.ACCEPT(file=file),
-        )
     # Here because pydantic is slow to import.
     from hitab_core.library.behavior_model import BehaviorRecord
     from hitab_core.library.yaml_models import read_record
@@ -68,7 +61,7 @@ def read_behavior(
     record = read_record(BehaviorRecord, content, complaints)
     if record is None:
         complaints.raise_any()  # what follows relies on the form
-    reader = _Reader(document, record, domain, complaints, accepting)
+    reader = _Reader(document, record, domain, complaints)
     return reader.read(name or file.removesuffix(BEHAVIOR_SUFFIX), text)
 
 
@@ -89,12 +82,10 @@ class _Reader:
     _record: Any
     _domain: Domain
     _complaints: Complaints
-    _accepting: bool
 
     def __post_init__(self) -> None:
         self._content: dict[str, Any] = self._document.value
-        self._before = len(self._complaints)
-        self._accept = Fix.ACCEPT(file=self._document.file)
+        self._checksum = checksum(self._content)
 
     def read(self, name: str, text: str) -> BehaviorFile:
         content = self._content
@@ -103,17 +94,13 @@ class _Reader:
         states = self._states()
         features, scales = self._features()
         self._check_meaning(states, features)
-        self._stop_if_wrong()  # examples make no sense without these
+        self._complaints.raise_any()  # examples make no sense without these
         readable, readings = self._readings()
         examples = self._examples(states, scales, readings)
         expectations = self._expectations()
-        self._stop_if_wrong()
+        self._complaints.raise_any()
         functions = self._learn(examples, features, scales)
         trees = {state: function.digest() for state, function in functions.items()}
-        if not self._accepting:
-            self._check_trees(trees)
-            self._check_uses({s.name for s in states if s.name not in FLAGS})
-        self._complaints.raise_any()
         automaton = Automaton(
             content["name"],
             tuple(states),
@@ -133,20 +120,15 @@ class _Reader:
             dict(content["uses"]),
             Provenance(**content["provenance"]),
             learned_digest(content, trees),
-            checksum(content),
+            self._checksum,
             text,
             tuple(self._document.line(("states", i)) for i in range(len(states))),
             expectations,
+            self._edits(trees),
         )
 
-    def _complain(self, wrong: str, *path: str | int, remedy: Remedy | None = None) -> None:
-        place: Place = path
-        self._complaints.add(place, wrong, *([] if remedy is None else [remedy]))
-
-    def _stop_if_wrong(self) -> None:
-        """Stop if anything but the checksum is wrong."""
-        if len(self._complaints) > self._before:
-            self._complaints.raise_any()
+    def _complain(self, wrong: str, *path: str | int) -> None:
+        self._complaints.add(path, wrong)
 
     def _check_domain(self) -> None:
         stated, domain = self._content["domain"]["name"], self._domain.name
@@ -163,17 +145,16 @@ class _Reader:
         """Check that all used words mean the same as before; unused ones may have changed."""
         stated, domain = self._content["domain"], self._domain
         ours = meaning_of(states, features, domain)
-        # An edited file may use other words than it says.
-        same = bool(self._before) or stated["signature"] == ours["signature"]
-        same &= stated["version"] in (ours["version"], domain.version)
-        if not same and not self._accepting:
+        # An edited file may use other words than when it was saved; `_edits` shows that.
+        self._same_words = stated["signature"] == ours["signature"]
+        same = self._same_words or self._is_edited
+        if not same or stated["version"] not in (ours["version"], domain.version):
             self._complain(
                 f'was trained with domain "{domain.name}" version {stated["version"]} (signature '
                 f"{stated['signature']} of its parts), but this is version {ours['version']} "
-                f"(signature {ours['signature']}); if its parts no longer mean the same, give "
-                "it up and train it again",
+                f"(signature {ours['signature']}); if its parts still mean the same, write that "
+                "here, and otherwise give it up and train it again",
                 "domain",
-                remedy=self._accept,
             )
 
     def _check_names(self, expected: str) -> None:
@@ -319,26 +300,29 @@ class _Reader:
             self._complaints.raise_any()
             raise
 
-    def _check_trees(self, learned: Mapping[str, str]) -> None:
-        stated = self._content["trees"]
-        for state in {**learned, **stated}:
-            if stated.get(state) != learned.get(state):
-                self._complain(
-                    f'what is learned for state "{state}" from the examples differs from what was '
-                    "saved: they were edited, or this version of HiTAB learns differently",
-                    "trees",
-                    state,
-                    remedy=self._accept,
-                )
+    @property
+    def _is_edited(self) -> bool:
+        return bool(self._checksum != self._content["checksum"])
 
-    def _check_uses(self, used: Iterable[str]) -> None:
-        if {*used} != {*self._content["uses"]}:
-            self._complain(
-                f"lists {', '.join(self._content['uses']) or 'nothing'}, but the states use "
-                f"{', '.join(sorted(used)) or 'nothing'}",
-                "uses",
-                remedy=self._accept,
+    def _edits(self, learned: Mapping[str, str]) -> tuple[str, ...]:
+        """Return what differs from what was saved, by line."""
+        stated = self._content["trees"]
+        places = [("trees", state) for state in stated.keys() | learned.keys()]
+        found: list[tuple[Place, str]] = [
+            (
+                place,
+                f'what is learned for state "{place[1]}" differs from what was saved: its '
+                "examples were edited, or this version of HiTAB learns differently",
             )
+            for place in places
+            if stated.get(place[1]) != learned.get(place[1])
+        ]
+        if not self._same_words:
+            found += [(("domain",), "the signature is not that of the words that it uses")]
+        if self._is_edited:
+            found += [(("checksum",), "the file was edited or damaged after it was saved")]
+        by_line = sorted((self._document.line(place), told) for place, told in found)
+        return tuple(f"{self._document.file}:{line}: {told}" for line, told in by_line)
 
 
 def _wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale]) -> Iterable[str]:

@@ -42,8 +42,8 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
         rules: readable rules by state.
     """
     lines = [
-        "# A behavior trained by demonstration. It may be edited; then accept the edit with",
-        f"#   hitab library accept {content['name']}.hfa.yaml",
+        "# A behavior trained by demonstration. It may be edited: then it is what it says, and",
+        "# `hitab library check` says that it was edited.",
     ]
     for key, value in content.items():
         if key in _APART:

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from hitab_core.automaton import Automaton
 from hitab_core.errors import LibraryError
-from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, file_name, text_of
-from hitab_core.library.commit import Changes, announce, commit
+from hitab_core.library.behavior_file import BASIC, HAND_WRITTEN, BehaviorFile, text_of
+from hitab_core.library.commit import Changes, commit
 from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.expectation import Expectation, broken_expectations
 from hitab_core.library.library_files import LibraryFiles
@@ -28,7 +28,6 @@ class LibraryChange:
         before, contents: of the library before the change, and after it.
         changed: the planned files, by name; None for a removed file.
         numbers: of the versions that the planned files will be, by name.
-        note: identifies the change once it is announced.
     """
 
     def __init__(
@@ -45,7 +44,6 @@ class LibraryChange:
             done: called once the change is made.
         """
         self.before = self.contents = on_disk.contents()
-        self.note = b""
         self.changed: dict[str, BehaviorFile | None] = {}
         self.numbers: dict[str, int] = {}
         self._on_disk = on_disk
@@ -76,7 +74,6 @@ class LibraryChange:
         classifier: str,
         provenance: Provenance,
         *,
-        edited: bool = False,
         restored: bool = False,
         expectations: Sequence[Expectation] | None = None,
     ) -> BehaviorFile:
@@ -86,7 +83,6 @@ class LibraryChange:
             automaton: to save.
             classifier: that learned it.
             provenance: where it comes from.
-            edited: whether a person has made its file, and accepts it now.
             restored: whether a person brings an earlier version back.
             expectations: to store; None to keep the present ones.
 
@@ -96,7 +92,7 @@ class LibraryChange:
         """
         name = automaton.name
         path = self._on_disk.file(name)
-        if not (edited or restored) and name in self.contents.problems:
+        if not restored and name in self.contents.problems:
             losses = self.losses
             raise LibraryError(refused_name(name, "saved", losses), *losses.remedies[name])
         if expectations is None:
@@ -108,9 +104,7 @@ class LibraryChange:
                 f'"{name}" cannot be saved: {"; ".join(wrong)}; correct it, or take back what is '
                 "expected"
             )
-        # An edited file becomes the new version itself, so do not keep it as an earlier one.
-        kept = {} if edited else self._unkept(name)
-        number = self._on_disk.next_number(name, kept)
+        number = self._on_disk.next_number(name, self._stated(name))
         text = text_of(
             automaton,
             self._domain,
@@ -118,10 +112,10 @@ class LibraryChange:
             uses={used: self._as_it_is(used) for used in automaton.behaviors_used},
             provenance=replace(
                 provenance,
-                version=max(number, provenance.version + 1) if edited else number,
+                version=number,
                 created=self._clock(),
                 tool=tool_name(),
-                earlier=self._earlier(name),
+                earlier=self.contents.usable[name].checksum if self._stated(name) else "",
             ),
             expectations=expectations,
         )
@@ -129,10 +123,10 @@ class LibraryChange:
             new = self._reader.read(text, path.name)
         except LibraryError as error:
             raise LibraryError(f'"{name}" cannot be saved:\n{error}') from None
+        if new.edits:
+            raise LibraryError("\n".join((f'"{name}" cannot be saved:', *new.edits)))
         self._check_fit({name: new})
-        self.numbers[name] = new.provenance.version
-        addition = self._on_disk.addition(name, new.provenance.version, text)
-        self._plan({**kept, **addition}, {name: new})
+        self._plan_additions({name: new})
         return new
 
     def install(self, texts: Mapping[str, str]) -> list[str]:
@@ -152,12 +146,7 @@ class LibraryChange:
         # Compare texts, comments included, as senders and receivers do.
         there = self.contents.readable
         changed = sorted(n for n in new if n not in there or there[n].text != new[n].text)
-        changes: dict[str, bytes | None] = {}
-        for name in changed:
-            changes |= self._unkept(name)
-            number = self.numbers[name] = self._on_disk.next_number(name, changes)
-            changes |= self._on_disk.addition(name, number, texts[name])
-        self._plan(changes, new)
+        self._plan_additions({name: new[name] for name in changed})
         return changed
 
     def remove(self, name: str, *, anyway: bool = False) -> list[str]:
@@ -179,7 +168,7 @@ class LibraryChange:
                 f'{self._on_disk.path}: has no behavior "{name}" {has(names, name)}'
             )
         before = self.contents.problems
-        self._plan({**self._unkept(name), file_name(name): None}, {name: None})
+        self._plan(self._on_disk.removal(name, self._stated(name)), {name: None})
         broken = sorted(self.contents.problems.keys() - before.keys())
         if broken and not anyway:
             raise LibraryError(
@@ -220,18 +209,6 @@ class LibraryChange:
         commit(self._on_disk.path, self._changes)
         self._done(self)
 
-    def announce(self) -> None:
-        """Write only the note of the change; the caller syncs the disk and carries it out.
-
-        `note` then identifies the change to `hitab_core.library.commit`; empty if nothing changes.
-
-        Raises:
-            LibraryError: if it cannot be written; nothing has changed.
-        """
-        if self._changes:
-            self.note = announce(self._on_disk.path, self._changes)
-        self._done(self)
-
     # -- inside -----------------------------------------------------------------------------
 
     def _plan(self, changes: Changes, files: Mapping[str, BehaviorFile | None]) -> None:
@@ -247,20 +224,24 @@ class LibraryChange:
         unreadable = {name: text for name, text in now.unreadable.items() if name not in files}
         return self._on_disk.contents_of(readable, unreadable)
 
-    def _unkept(self, name: str) -> Changes:
+    def _plan_additions(self, files: Mapping[str, BehaviorFile]) -> None:
+        changes: Changes = {}
+        for name, file in files.items():
+            self.numbers[name], change = self._on_disk.addition(
+                name, file.text, self._stated(name)
+            )
+            changes |= change
+        self._plan(changes, files)
+
+    def _stated(self, name: str) -> int:
+        """Return which version the file of a behavior says to be; 0 if it cannot be used."""
         there = self.contents.usable.get(name)
-        return self._on_disk.unkept(name, 0 if there is None else there.provenance.version)
+        return 0 if there is None else there.provenance.version
 
     def _as_it_is(self, used: str) -> str:
         if used in self.contents.usable:
             return self.contents.usable[used].checksum
         return BASIC if used in self._domain.behaviors else HAND_WRITTEN
-
-    def _earlier(self, name: str) -> str:
-        if name in self.contents.usable:
-            return self.contents.usable[name].checksum
-        sound = self._on_disk.sound_version(name)
-        return "" if sound is None else self._on_disk.version(name, sound).checksum
 
     def _check_fit(self, new: Mapping[str, BehaviorFile]) -> None:
         """Refuse files that do not fit together, so that a library never gets worse."""

@@ -1,17 +1,17 @@
-"""Changes several files of a folder atomically, even if the power fails.
+"""Changes several files of a folder by one rename, even if the power fails.
 
-The whole change is first written to one file, the note. Once the note is in place the change
-counts as made. The next process that opens the folder and finds the note carries it out again from
-the beginning.
+The new files are written to a folder beside and synced to disk. Then that folder is renamed to
+`CHANGE`, which makes the change: what is in it counts before the files in their places. At last
+its files are moved to their places. A move changes nothing for readers, so an interruption only
+leaves moves to the next process that uses the folder.
 """
 
 from __future__ import annotations
 
-import json
 import os
-import re
-import zlib
-from collections.abc import Iterator, Mapping
+import secrets
+import shutil
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -23,228 +23,134 @@ from hitab_core.library.durable_files import (
     locked,
     make_folder,
     sync_folder,
-    write_durably,
+    sync_together,
+    write_new,
 )
 
-COMMIT = ".commit.json"
-"""The note, which describes the change to make."""
+CHANGE = ".change"
+"""The folder of a change that was made and is not in its places yet."""
 
-Changes = Mapping[str, bytes | None]
+Changes = dict[str, bytes | None]
 """New contents of files, by path in the folder; None to remove the file."""
 
-_INSIDE = re.compile(r"(\.?[A-Za-z0-9][A-Za-z0-9_.-]*/)*\.?[A-Za-z0-9][A-Za-z0-9_.-]*\Z")
-_HEAD = re.compile(rb"([0-9a-f]{8}) ([0-9]+)\n")
+_SLASH = "+"
+"""Stands for the slash of a path in names of files in `CHANGE`."""
+
+_REMOVED = ".removed"
+"""Ending of the name of a file in `CHANGE` whose place becomes empty."""
 
 
 @contextmanager
-def held(
-    folder: Path, *, alone: bool, patience: float = LOCK_TIMEOUT_S, sync: bool = True
-) -> Iterator[None]:
+def held(folder: Path, *, alone: bool, patience: float = LOCK_TIMEOUT_S) -> Iterator[None]:
     """Lock a folder: exclusively (``alone``) to write, or shared to read. Do not nest.
-
-    A pending change is carried out first.
 
     Args:
         folder: of the files; made if it is to be written.
         alone: lock exclusively, to write.
         patience: seconds to wait for other processes.
-        sync: if the folder is made, sync it to disk.
 
     Raises:
         LibraryError: if it cannot be made, or another process keeps it locked.
     """
     with file_errors(folder, "use"):
         if alone:
-            make_folder(folder, sync=sync)
+            make_folder(folder)
         is_there = folder.exists()
+    if is_there and not alone and (folder / CHANGE).exists():
+        with suppress(LibraryError, OSError), locked(folder, alone=True, patience=0.0):
+            _put_in_place(folder)  # for people who look into the folder
     if not is_there:
         yield
         return
-    while True:
-        with locked(folder, alone=alone, patience=patience):
-            if alone:
-                finish(folder)
-            if alone or not is_unfinished(folder):
-                yield
-                return
-        with locked(folder, alone=True, patience=patience):
-            finish(folder)
+    with locked(folder, alone=alone, patience=patience):
+        yield
 
 
 def commit(folder: Path, changes: Changes) -> None:
     """Write and remove files, all or none. The caller must hold the exclusive lock.
 
-    When this returns, the note is on disk and the change counts as made, even if the files
-    themselves could not be written yet.
+    When this returns, the change is on disk.
+
+    Raises:
+        LibraryError: if it cannot be written; nothing has changed.
+    """
+    change = folder / CHANGE
+    beside = folder / f".{secrets.token_hex(4)}{UNFINISHED}"
+    with file_errors(folder, "write to"):
+        _put_in_place(folder)
+        if not changes:
+            return
+        try:
+            os.mkdir(beside)
+            for path, data in changes.items():
+                name = path.replace("/", _SLASH)
+                write_new(beside / (name + _REMOVED * (data is None)), data or b"", sync=False)
+            sync_together([beside, *beside.iterdir()])
+            os.rename(beside, change)
+            sync_folder(folder)
+        except OSError:
+            with suppress(OSError):
+                os.rename(change, beside)
+            shutil.rmtree(beside, ignore_errors=True)
+            if not change.exists():  # otherwise it cannot be taken back, so it is made
+                raise
+    with suppress(OSError):
+        _put_in_place(folder)
+
+
+def files_in(folder: Path, inside: str = "") -> dict[str, Path]:
+    """Return where the files of a folder are, by name.
 
     Args:
-        folder: of the files.
-        changes: to make.
+        folder: that `commit` changes.
+        inside: path of a folder in it; empty for the folder itself.
 
     Raises:
-        LibraryError: if it cannot be written; nothing has changed.
+        LibraryError: if it cannot be read.
     """
-    finish(folder)
-    if not changes:
-        return
-    with file_errors(folder, "write to"):
-        try:
-            write_durably(folder / COMMIT, _note(changes))
-        except OSError:
-            if not _withdrawn(folder):
-                return  # the next process finds the note: the change is made
-            raise
-    # The next process carries out what fails here.
-    with suppress(OSError, LibraryError):
-        _carry_out(folder, pending(folder))
-        _remove_note(folder)
+    with file_errors(folder / CHANGE, "read"):
+        made = _listed(folder / CHANGE)
+    with file_errors(folder, "read"):
+        place_of = folder / inside
+        found = {name: place_of / name for name in _listed(place_of)}
+        for path in (folder / CHANGE / name for name in made):
+            place, _, name = path.name.replace(_SLASH, "/").rpartition("/")
+            if place == inside and path.exists():  # it may be put in place meanwhile
+                if name.endswith(_REMOVED):
+                    found.pop(name.removesuffix(_REMOVED), None)
+                else:
+                    found[name] = path
+    return found
 
 
-def announce(folder: Path, changes: Changes) -> bytes:
-    """Put a note in place without syncing the disk; return its contents.
-
-    The caller must hold the exclusive lock and have carried out earlier changes. From now on the
-    change survives this process, and a power failure once the caller has synced the file system.
-    Then call `carry_out`, sync again, and call `forget`.
-
-    Raises:
-        LibraryError: if it cannot be written; nothing has changed.
-    """
-    note = _note(changes)
-    with file_errors(folder, "write to"):
-        write_durably(folder / COMMIT, note, sync=False)
-    return note
-
-
-def withdraw(folder: Path, note: bytes) -> bool:
-    """Withdraw an announced note; return whether that was still possible."""
+def _listed(folder: Path) -> list[str]:
     try:
-        with file_errors(folder, "use"), locked(folder, alone=True, patience=0.0):
-            return _is_there(folder, note) and _withdrawn(folder)
-    except LibraryError:
-        return False
+        return os.listdir(folder)
+    except FileNotFoundError:
+        return []
 
 
-def carry_out(folder: Path, note: bytes) -> None:
-    """Carry out a note, unless that is done already, without syncing the disk.
-
-    If the folder is locked or the disk fails, a later process carries it out.
-    """
-    with suppress(OSError, LibraryError), locked(folder, alone=True, patience=0.0):
-        if _is_there(folder, note):
-            _carry_out(folder, pending(folder), sync=False)
-
-
-def forget(folder: Path, note: bytes) -> None:
-    """Remove a note that was carried out, also on disk, unless that is done already."""
-    with suppress(OSError, LibraryError), locked(folder, alone=True, patience=0.0):
-        if _is_there(folder, note):
-            (folder / COMMIT).unlink()
-
-
-def is_unfinished(folder: Path) -> bool:
-    """Return whether there is a note that may not be carried out yet."""
-    return (folder / COMMIT).exists()
-
-
-def finish(folder: Path) -> None:
-    """Carry out the note, if there is one. The caller must hold the exclusive lock.
-
-    Raises:
-        LibraryError: if the note makes no sense, or cannot be carried out.
-    """
-    note = folder / COMMIT
-    with file_errors(folder, "write to"):
-        there = os.listdir(folder) if folder.is_dir() else []
-        for name in there:
-            if name.startswith(".") and name.endswith(UNFINISHED):
-                (folder / name).unlink(missing_ok=True)
-        if COMMIT not in there:
-            return
-        for left_over in folder.glob(f".*/*/.*{UNFINISHED}"):  # beside versions
-            left_over.unlink(missing_ok=True)
-        plan = pending(folder)
-        if plan:
-            # The note may only be announced; it must not get lost half-way through.
-            descriptor = os.open(note, os.O_RDONLY | os.O_CLOEXEC)
-            try:
-                os.fsync(descriptor)
-            finally:
-                os.close(descriptor)
-            sync_folder(folder)
-            _carry_out(folder, plan)
-        _remove_note(folder)
-
-
-def pending(folder: Path) -> dict[str, bytes | None]:
-    """Return the changes of a note that may not be carried out yet; empty if there is none.
-
-    Raises:
-        LibraryError: if the note makes no sense.
-    """
-    note = folder / COMMIT
-    with file_errors(note, "read"):
-        try:
-            data = note.read_bytes()
-        except FileNotFoundError:
-            return {}
-    head = _HEAD.match(data)
-    body = data[head.end() :] if head is not None else b""
-    if b"\0" in data or not data or (head is not None and len(body) < int(head[2])):
-        return {}  # the power failed before the note was on disk: the change was never made
-    try:
-        if head is None or zlib.crc32(body) != int(head[1], 16):
-            raise ValueError("checksum mismatch")
-        plan = json.loads(body)
-        for path, content in plan.items():
-            if _INSIDE.match(path) is None or not isinstance(content, str | None):
-                raise ValueError(path)
-        return {
-            path: None if content is None else content.encode("latin-1")
-            for path, content in plan.items()
-        }
-    except (ValueError, AttributeError, TypeError, RecursionError) as error:
-        raise LibraryError(
-            f"{note}: is not a valid note of a change ({error}); "
-            "it was edited by hand: remove it and check the folder's files"
-        ) from None
-
-
-def _note(changes: Changes) -> bytes:
-    plan = {
-        path: None if data is None else data.decode("latin-1") for path, data in changes.items()
-    }
-    body = json.dumps(plan).encode()
-    return b"%08x %d\n" % (zlib.crc32(body), len(body)) + body
-
-
-def _is_there(folder: Path, note: bytes) -> bool:
-    try:
-        return (folder / COMMIT).read_bytes() == note
-    except OSError:
-        return False
-
-
-def _withdrawn(folder: Path) -> bool:
-    """Remove the note, if any; return whether it is gone."""
-    try:
-        (folder / COMMIT).unlink(missing_ok=True)
-    except OSError:
-        return not is_unfinished(folder)
-    return True
-
-
-def _carry_out(folder: Path, plan: Changes, *, sync: bool = True) -> None:
-    for path, content in plan.items():
-        place = folder / path
-        if content is not None:
-            write_durably(place, content, sync=sync)
-        elif place.exists():
-            place.unlink()
-            if sync:
-                sync_folder(place.parent)
-
-
-def _remove_note(folder: Path) -> None:
-    (folder / COMMIT).unlink()
-    sync_folder(folder)
+def _put_in_place(folder: Path) -> None:
+    """Move the files of a change to their places, and remove what an interruption left."""
+    for left_over in folder.glob(f".*{UNFINISHED}"):
+        if left_over.is_dir():
+            shutil.rmtree(left_over)
+        else:
+            left_over.unlink()
+    change = folder / CHANGE
+    made = _listed(change)
+    removed = [name for name in made if name.endswith(_REMOVED)]
+    for name in removed:
+        path = name.removesuffix(_REMOVED).replace(_SLASH, "/")
+        (folder / path).unlink(missing_ok=True)
+    if removed:
+        sync_folder(folder)  # before that is forgotten
+    for name in made:
+        if name in removed:
+            (change / name).unlink()
+        else:
+            place = folder / name.replace(_SLASH, "/")
+            make_folder(place.parent, sync=False)
+            os.replace(change / name, place)
+    if change.exists():
+        change.rmdir()

@@ -127,11 +127,8 @@ class LibraryContents:
         file = folder / file_name(cause)
         if VOCABULARY_NAME.match(cause) is None or cause in RESERVED_NAMES:
             return (Fix.MOVE_AWAY(file=file),)
-        accepted: list[Remedy] = []
         gone = frozenset({cause})
-        if cause in self.unreadable:
-            accepted = [Fix.ACCEPT(file=file) for _ in self.unreadable[cause].remedies]
-        else:  # its own file is sound; perhaps a part was deleted
+        if cause in self.readable:  # its own file is sound; perhaps a part was deleted
             gone = self.readable[cause].automaton.behaviors_used - self.readable.keys()
         restored = [
             Fix.RESTORE(behavior=name, version=version, folder=folder)
@@ -140,7 +137,7 @@ class LibraryContents:
         ]
         others = [Fix.SEND(behavior=cause), Fix.PUT_INTACT(file=file)] if cause in gone else []
         given_up = Fix.DELETE(behavior=cause, folder=folder)
-        return (*accepted, *(restored or others), given_up)
+        return (*(restored or others), given_up)
 
     def _reason(self, folder: Path, way: list[str]) -> str:
         """Return why the first on a way of parts cannot be used: its last is the cause."""

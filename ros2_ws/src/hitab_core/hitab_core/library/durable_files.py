@@ -6,7 +6,6 @@ which holds the name, is synced too.
 
 from __future__ import annotations
 
-import ctypes
 import errno
 import fcntl
 import os
@@ -23,6 +22,9 @@ UNFINISHED = ".tmp"
 
 LOCK_TIMEOUT_S = 10.0
 """Seconds to wait for another process to finish with a folder."""
+
+SYNCED_AT_ONCE = 16
+"""Maximum number of threads that wait for the disk together."""
 
 _REMEDIES = {
     errno.EACCES: "check its permissions, or use another folder",
@@ -60,13 +62,21 @@ def file_errors(
         raise error(f"{path}: cannot {doing} it: {reason}; {remedy}") from wrong
 
 
-def sync_folder(folder: Path) -> None:
-    """Sync the names in a folder to disk."""
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+def sync_folder(path: Path) -> None:
+    """Sync the names in a folder, or the contents of a file, to disk."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     try:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+def sync_together(paths: Iterable[Path]) -> None:
+    """Sync files and folders to disk at the same time, which takes about as long as one."""
+    from concurrent.futures import ThreadPoolExecutor  # which takes a while to load
+
+    with ThreadPoolExecutor(SYNCED_AT_ONCE) as pool:
+        list(pool.map(sync_folder, paths))
 
 
 def make_folder(folder: Path, *, sync: bool = True) -> None:
@@ -74,7 +84,7 @@ def make_folder(folder: Path, *, sync: bool = True) -> None:
 
     Args:
         folder: to make.
-        sync: sync the names to disk; otherwise the caller must.
+        sync: sync the names to disk.
     """
     if not folder.is_dir():
         make_folder(folder.parent, sync=sync)
@@ -90,33 +100,24 @@ def write_all(descriptor: int, data: bytes) -> None:
         view = view[os.write(descriptor, view) :]
 
 
-def sync_trees(folders: Iterable[Path]) -> None:
-    """Sync everything in some folders to disk, with all else on their file systems.
+def write_new(path: Path, data: bytes, *, sync: bool = True) -> None:
+    """Write a file that is not there yet.
 
-    That takes about as long as `os.fsync` of one file, however many folders there are.
+    Args:
+        path: of the file.
+        data: its contents.
+        sync: sync them to disk; syncing its name is up to the caller.
 
     Raises:
-        OSError: if that fails.
+        OSError: if it fails, or the file is there.
     """
-    seen: set[int] = set()
-    for folder in folders:
-        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
-        try:
-            device = os.fstat(descriptor).st_dev
-            if device not in seen:
-                seen.add(device)
-                _sync_filesystem(descriptor)
-        finally:
-            os.close(descriptor)
-
-
-def _sync_filesystem(descriptor: int) -> None:
-    syncfs = getattr(ctypes.CDLL(None, use_errno=True), "syncfs", None)
-    if syncfs is None:
-        os.sync()
-    elif syncfs(descriptor):
-        code = ctypes.get_errno()
-        raise OSError(code, os.strerror(code))
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
+    try:
+        write_all(descriptor, data)
+        if sync:
+            os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 def write_durably(path: Path, data: bytes, *, sync: bool = True) -> None:
@@ -125,21 +126,15 @@ def write_durably(path: Path, data: bytes, *, sync: bool = True) -> None:
     Args:
         path: of the file, which may be missing.
         data: the new contents.
-        sync: sync it to disk; otherwise the caller must, with `sync_trees`.
+        sync: sync it to disk; otherwise it may get lost if the power fails.
 
     Raises:
         OSError: if it fails; the old contents are kept, unless only syncing the new name failed.
     """
     make_folder(path.parent, sync=sync)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}{UNFINISHED}")
-    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o666)
     try:
-        try:
-            write_all(descriptor, data)
-            if sync:
-                os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+        write_new(beside, data, sync=sync)
         os.replace(beside, path)
     except BaseException:
         with suppress(OSError):

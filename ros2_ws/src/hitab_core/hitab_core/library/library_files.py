@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -12,7 +11,7 @@ from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BEHAVIOR_SUFFIX, BehaviorFile, file_name
 from hitab_core.library.behavior_reader import read_behavior
 from hitab_core.library.check import misfits
-from hitab_core.library.commit import Changes
+from hitab_core.library.commit import Changes, files_in
 from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.durable_files import file_errors
 from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
@@ -39,7 +38,7 @@ class LibraryFiles:
 
     def names(self) -> list[str]:
         """Return the names of the behaviors that have a file, sorted."""
-        return sorted(_names(self.path))
+        return sorted(self._files())
 
     def file(self, name: str) -> Path:
         """Return where the file of a behavior is, or would be.
@@ -55,45 +54,42 @@ class LibraryFiles:
 
     def versions(self, name: str) -> list[int]:
         """Return the numbers of the versions of a behavior, ascending."""
-        self.file(name)  # which refuses what is no name
-        return sorted(int(n) for n in _names(self.path / VERSIONS / name) if n.isdecimal())
+        return sorted(self._versions(name))
 
-    def version_file(self, name: str, number: int) -> Path:
-        """Return where a version of a behavior is, or would be."""
-        return self.path / _version(name, number)
-
-    def unkept(self, name: str, number: int = 0) -> Changes:
-        """Return the change that keeps a behavior's file as a version, unless one equals it.
-
-        Files may be added or edited by other means.
+    def next_number(self, name: str, stated: int) -> int:
+        """Return the number of the next version of a behavior.
 
         Args:
             name: of the behavior.
-            number: preferred number of the version, if it is free.
+            stated: number of the version that its file says to be; 0 if it says none.
         """
-        path = self.file(name)
+        return 1 + max([0, *self._versions(name), *self._unkept(name, stated)])
+
+    def addition(self, name: str, text: str, stated: int) -> tuple[int, Changes]:
+        """Return the number of the next version, and the change that makes it from ``text``."""
+        kept, data = self._unkept(name, stated), text.encode()
+        number = 1 + max([0, *self._versions(name), *kept])
+        return number, _kept(name, kept | {number: data}) | {file_name(name): data}
+
+    def removal(self, name: str, stated: int) -> Changes:
+        """Return the change that removes a behavior's file, which is kept as a version."""
+        return _kept(name, self._unkept(name, stated)) | {file_name(name): None}
+
+    def _unkept(self, name: str, stated: int) -> dict[int, bytes]:
+        """Return a behavior's file by its number, unless the newest version equals it.
+
+        Files may be added or edited by other means.
+        """
+        path = self._files().get(name)
+        if path is None:
+            return {}
+        versions = self._versions(name)
+        newest = max(versions, default=0)
         with file_errors(path, "read"):
-            if not path.exists():
-                return {}
             data = path.read_bytes()
-            numbers = self.versions(name)
-            newest = [n for n in (number,) if n in numbers]  # the likely match, so check it first
-            for n in (*newest, *reversed(numbers)):
-                if self.version_file(name, n).read_bytes() == data:
-                    return {}
-        return {_version(name, max([number, 1, *(n + 1 for n in numbers)])): data}
-
-    def next_number(self, name: str, planned: Changes) -> int:
-        """Return the number of the next version after the ``planned`` changes."""
-        kept = [
-            int(Path(p).name.removesuffix(BEHAVIOR_SUFFIX)) for p in planned if _is_of(p, name)
-        ]
-        return 1 + max([0, *self.versions(name), *kept])
-
-    def addition(self, name: str, number: int, text: str) -> Changes:
-        """Return the change that makes ``text`` a behavior's file and keeps it as a version."""
-        data = text.encode()
-        return {_version(name, number): data, self.file(name).name: data}
+            if newest and versions[newest].read_bytes() == data:
+                return {}
+        return {max(stated, newest + 1): data}
 
     # -- what they hold ---------------------------------------------------------------------
 
@@ -101,10 +97,9 @@ class LibraryFiles:
         """Read all files, reusing unchanged ones."""
         readable: dict[str, BehaviorFile] = {}
         unreadable: dict[str, LibraryError] = {}
-        for name in self.names():
+        for name, path in sorted(self._files().items()):
             try:
-                path = self.file(name)
-                readable[name] = self.reader.read(read_text(path), path.name)
+                readable[name] = self.reader.read(read_text(path), self.file(name).name)
             except LibraryError as error:
                 unreadable[name] = error
         return self.contents_of(readable, unreadable)
@@ -137,13 +132,12 @@ class LibraryFiles:
         Raises:
             LibraryError: if it is missing or faulty.
         """
-        versions = self.versions(name)
+        versions = self._versions(name)
         if number not in versions:
-            there = f'{self.path}: has no version {number} of "{name}" {has(versions)}'
+            there = f'{self.path}: has no version {number} of "{name}" {has(sorted(versions))}'
             raise LibraryError(there)
-        path = self.version_file(name, number)
-        domain = self.reader.domain
-        return read_behavior(read_text(path), f"{name}/{path.name}", domain, name=name)
+        file = f"{name}/{number:04}{BEHAVIOR_SUFFIX}"
+        return read_behavior(read_text(versions[number]), file, self.reader.domain, name=name)
 
     def sound_version(self, name: str) -> int | None:
         """Return the newest version of a behavior that can be read; None if there is none."""
@@ -154,23 +148,21 @@ class LibraryFiles:
                     return number
         return None
 
+    # -- where they are ---------------------------------------------------------------------
 
-def _version(name: str, number: int) -> str:
-    return f"{VERSIONS}/{name}/{number:04}{BEHAVIOR_SUFFIX}"
+    def _files(self, inside: str = "") -> dict[str, Path]:
+        return {
+            name.removesuffix(BEHAVIOR_SUFFIX): path
+            for name, path in files_in(self.path, inside).items()
+            if name.endswith(BEHAVIOR_SUFFIX) and not name.startswith(".")
+        }
+
+    def _versions(self, name: str) -> dict[int, Path]:
+        self.file(name)  # which refuses what is no name
+        found = self._files(f"{VERSIONS}/{name}")
+        return {int(number): path for number, path in found.items() if number.isdecimal()}
 
 
-def _is_of(path: str, name: str) -> bool:
-    return path.startswith(f"{VERSIONS}/{name}/")
-
-
-def _names(folder: Path) -> list[str]:
-    with file_errors(folder, "read"):
-        try:
-            found = os.listdir(folder)
-        except FileNotFoundError:
-            return []
-    return [
-        name.removesuffix(BEHAVIOR_SUFFIX)
-        for name in found
-        if name.endswith(BEHAVIOR_SUFFIX) and not name.startswith(".")
-    ]
+def _kept(name: str, versions: dict[int, bytes]) -> Changes:
+    """Return the change that keeps versions of a behavior, given by number."""
+    return {f"{VERSIONS}/{name}/{n:04}{BEHAVIOR_SUFFIX}": data for n, data in versions.items()}

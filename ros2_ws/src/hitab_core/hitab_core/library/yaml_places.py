@@ -17,7 +17,6 @@ import yaml
 
 from hitab_core.errors import HitabError, LibraryError
 from hitab_core.library.durable_files import file_errors
-from hitab_core.remedies import Remedy
 
 Place = tuple[str | int, ...]
 """A place in a document: keys and indices from the root inwards."""
@@ -76,15 +75,13 @@ class Complaints:
         """Start without complaints about ``document``."""
         self.document = document
         self._found: list[tuple[int, str]] = []
-        self._remedies: list[Remedy] = []
 
     def __len__(self) -> int:
         """Return how many complaints there are."""
         return len(self._found)
 
-    def add(self, path: Place, text: str, *remedies: Remedy) -> None:
+    def add(self, path: Place, text: str) -> None:
         """Note a fault at ``path``, and what a person can do about it."""
-        self._remedies += [remedy for remedy in remedies if remedy not in self._remedies]
         found = (self.document.line(path), text)
         if found not in self._found:
             self._found.append(found)
@@ -95,8 +92,7 @@ class Complaints:
             raise self.document.error(
                 "\n".join(
                     f"{self.document.file}:{line}: {text}" for line, text in sorted(self._found)
-                ),
-                *self._remedies,
+                )
             )
 
 

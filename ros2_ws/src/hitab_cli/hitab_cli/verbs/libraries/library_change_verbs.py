@@ -1,4 +1,4 @@
-"""Verbs that change libraries: restore, accept, delete, rename, export, import, reload."""
+"""Verbs that change libraries: restore, expect, delete, rename, export, import, reload."""
 
 from __future__ import annotations
 
@@ -47,31 +47,6 @@ def restore(
     path = there.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
     _tell_of_change(there, name)
-
-
-def accept(paths: list[Path]) -> None:
-    """Accept behavior files that were edited by hand: check them and update their digests.
-
-    Args:
-        paths: Behavior files, or folders of them.
-
-    Examples:
-      hitab library accept my_library/ApproachBall.hfa.yaml
-      hitab library accept my_library
-    """
-    from hitab_bringup import open_library
-    from hitab_core.library import BEHAVIOR_SUFFIX
-
-    for path in paths:
-        folder, names = (path, ()) if path.is_dir() else (path.parent, (path.name,))
-        library = open_library(folder)
-        accepted = library.accept_edits(*(name.removesuffix(BEHAVIOR_SUFFIX) for name in names))
-        for name in accepted:
-            console.say(f"accepted {library.on_disk.file(name)}")
-        if accepted:
-            _tell_of_change(library, *accepted)
-        else:
-            console.say(f"{path}: nothing to accept")
 
 
 def delete(
@@ -252,8 +227,8 @@ def expect(
 ) -> None:
     """Have a behavior carry an expectation: in this state and situation, it goes to that state.
 
-    Whenever the behavior is tested in a training, saved, distributed, reloaded, or accepted after
-    an edit, each expectation that is broken is named with what is decided instead.
+    Whenever the behavior is tested in a training, saved, distributed, reloaded, or checked, each
+    expectation that is broken is named with what is decided instead.
 
     Args:
         decision: The state, the state to go to or to stay in, and the situation; angles in

@@ -159,7 +159,7 @@ def _known(name: str, loaded: Any, problems: Mapping[str, str]) -> str:
 def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None) -> None:
     """Check all files of a library, or of all libraries of the swarm that is up.
 
-    This covers their format, their digests and whether they fit together.
+    This covers their format and whether they fit together, and says which were edited by hand.
 
     Example:
       hitab library check -l hitab-demo/library
@@ -186,6 +186,9 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
         if not losses:
             names = quantity(len(sorted(there.files)), "behavior")
             console.say(f"{there.folder}: {names}, nothing is wrong")
+        for name in sorted(there.files):
+            for text in there.file(name).edits:
+                console.say(text)
     if wrong:
         raise LibraryError("\n".join(wrong), *remedies)
 
@@ -203,7 +206,7 @@ def diff(
 
     Args:
         before: A version. Default: the one before.
-        after: Another. Default: the newest.
+        after: Another. Default: the newest, or the file if it was edited since.
 
     Examples:
       hitab library diff Keepaway
@@ -216,17 +219,21 @@ def diff(
     versions = there.on_disk.versions(name)
     if not versions:
         _known(name, sorted(there.files), {})
-    if len(versions) < 2 and before is None:
+    now = there.files.get(name)
+    if versions and not before and now and now != there.on_disk.version(name, versions[-1]):
+        old, new = there.on_disk.version(name, versions[-1]), now
+        console.say(f"{name}: version {versions[-1]} to the edited file")
+    elif len(versions) < 2 and before is None:
         raise LibraryError(f'{there.folder}: "{name}" has no earlier version to compare with')
-    old = there.on_disk.version(name, before if before is not None else versions[-2])
-    new = there.on_disk.version(name, after if after is not None else versions[-1])
-    console.say(f"{name}: version {old.provenance.version} to {new.provenance.version}")
+    else:
+        first, last = before or versions[-2], after or versions[-1]
+        old, new = (there.on_disk.version(name, number) for number in (first, last))
+        console.say(f"{name}: version {first} to {last}")
     console.say(difference(old, new, there.domain))
 
 
 for changes in (
     library_changes.restore,
-    library_changes.accept,
     library_changes.expect,
     library_changes.delete,
     library_changes.rename,
