@@ -4,17 +4,50 @@ import errno
 import fcntl
 import io
 import os
+import resource
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 CHANGING = ("write", "fsync", "replace", "rename", "unlink", "mkdir", "rmdir", "ftruncate")
+CHANGING_TABLES = ("INSERT", "REPLACE", "UPDATE", "COMMIT", "CREATE")
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT
+
+
+@contextmanager
+def files_end_at(size: int) -> Iterator[None]:
+    """Cut off what this process writes behind so many bytes of any file, and fail."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 class Killed(BaseException):
     """The process ends here."""
+
+
+class Statements(sqlite3.Connection):
+    """A database of which any statement can be made to fail; see `use_statements`."""
+
+    def before(self, statement: str) -> None:
+        """Do nothing; a `FaultyDisk` replaces it."""
+
+    def execute(self, statement: str, *args: Any) -> sqlite3.Cursor:
+        self.before(statement)
+        return super().execute(statement.replace("= FULL", "= OFF"), *args)
+
+
+def use_statements(patch: pytest.MonkeyPatch) -> None:
+    """Have databases that are opened from now on be `Statements`, without power failures."""
+    connect = sqlite3.connect
+    patch.setattr(sqlite3, "connect", lambda *a, **k: connect(*a, **k, factory=Statements))
 
 
 class FaultyDisk:
@@ -44,6 +77,8 @@ class FaultyDisk:
         patch.setattr(os, "open", self._faulty(opened, lambda p, f, *a, **k: bool(f & WRITING)))
         for module, name in ((io, "open"), (fcntl, "flock")):
             patch.setattr(module, name, self._faulty(getattr(module, name), lambda *a, **k: False))
+        before = self._faulty(Statements.before, lambda _, s: s.startswith(CHANGING_TABLES))
+        patch.setattr(Statements, "before", before)
 
     @property
     def failed(self) -> bool:

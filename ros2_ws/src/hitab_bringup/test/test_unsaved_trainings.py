@@ -33,46 +33,71 @@ def start(folder: Path, library: str = "") -> None:
     prepare(with_library(swarm, library) if library else swarm, folder)
 
 
-def journal(folder: Path) -> Path:
-    path = folder / "state" / "lone" / "training.jsonl"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return path
+def train(folder: Path, name: str) -> None:
+    """Begin a training and end the process."""
+    journal = TrainingJournal(folder / "state" / "lone", "keepaway")
+    journal.begin(Curriculum(name, ()), (), ())
+    journal.close()
+
+
+def resumes(folder: Path) -> str:
+    """Return the training that the next start resumes; empty if none."""
+    unsaved = TrainingJournal(folder / "state" / "lone").unsaved()
+    return "" if unsaved is None else unsaved.automaton
 
 
 def test_a_training_does_not_resume_with_another_library_and_comes_back_with_its_own(folder):
     start(folder)
-    journal(folder).write_text("own")
+    train(folder, "Own")
     start(folder)
-    assert journal(folder).read_text() == "own"
+    assert resumes(folder) == "Own"
 
     other = str(folder.parent / "other")
     start(folder, other)
-    assert not journal(folder).exists()
+    assert resumes(folder) == ""
     assert announcements([], folder) == [
         "lone has another unsaved training; start the swarm without --library to resume it"
     ]
-    journal(folder).write_text("other")
+    train(folder, "Other")
 
     start(folder)
-    assert journal(folder).read_text() == "own"
+    assert resumes(folder) == "Own"
     assert list(waiting(folder)) == [("lone", Path(other))]
     assert announcements([], folder)[0].endswith(
         f"start the swarm with --library {other} to resume it"
     )
 
-    journal(folder).unlink()
+    train(folder, "Another")  # in place of its own
     start(folder, other)
-    assert journal(folder).read_text() == "other"
-    assert list(waiting(folder)) == []
+    assert resumes(folder) == "Other"
+
+
+def test_what_waits_for_a_library_is_known_while_the_agent_trains(folder):
+    start(folder)
+    train(folder, "Own")
+    other = folder.parent / "other"
+    start(folder, str(other))
+    journal = TrainingJournal(folder / "state" / "lone", "keepaway")
+    journal.begin(Curriculum("Other", ()), (), ())
+    assert list(waiting(folder)) == [("lone", folder / "libraries" / "lone")]
+    journal.close()
 
 
 def test_a_start_that_is_killed_between_loses_no_training(folder):
     start(folder)
-    journal(folder).write_text("own")
+    train(folder, "Own")
     own, other = folder / "libraries" / "lone", folder.parent / "other"
     set_aside({"lone": own}, {"lone": other}, folder)
     start(folder)
-    assert journal(folder).read_text() == "own"
+    assert resumes(folder) == "Own"
+
+
+def test_a_damaged_database_does_not_keep_a_swarm_from_starting(folder):
+    start(folder)
+    train(folder, "Own")
+    (folder / "state" / "lone" / "agent.db").write_bytes(b"damaged" * 1000)
+    start(folder)
+    assert left_to_resume(folder) == []
 
 
 def test_a_training_that_resumes_is_announced_with_the_ways_out(folder):
@@ -104,7 +129,6 @@ def test_a_swarm_that_goes_down_names_the_trainings_that_it_keeps(folder):
         "start of the swarm resumes it"
         for agent, examples in (("a", "2 examples"), ("b", "1 example"))
     ]
-    TrainingJournal(folder / "state" / "a", "keepaway").archive()
     saved = TrainingJournal(folder / "state" / "b", "keepaway")
     saved.begin(Curriculum("Chase", ()), [Example("Stop", (), "Stop", number=1, command=1)], ())
     saved.write({"do": "save", "automaton": "Chase", "checksum": "0"})

@@ -40,7 +40,6 @@ from hitab_core.running.running_automaton import RunContext, Running
 from hitab_core.saving import SavedBehavior, loaded_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.people_file import read_people, write_people
 from hitab_core.training.recent_percepts import KEPT_SECONDS
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import TrainingJournal
@@ -122,8 +121,7 @@ class Agent:
             number_range=self.monitor.number_range,
         )
         self.journal = TrainingJournal(journal_folder, domain.name)
-        self._folder = journal_folder
-        self.people = read_people(journal_folder)
+        self.people = self.journal.people
         self.session = self._resumed()
         if self.session is not None:
             self.mode = Mode.TRAINING
@@ -131,7 +129,7 @@ class Agent:
     # -- its library ------------------------------------------------------------------------
 
     def _resumed(self) -> TrainingSession | None:
-        return self.journal.resume(self.context, self.library.has_saved, self.people)
+        return self.journal.resume(self.context, self.library.has_saved)
 
     @property
     def repertoire(self) -> Repertoire:
@@ -499,7 +497,6 @@ class Agent:
             self.journal.write(record)
             change.commit()
         self.journal.archive()
-        write_people(self._folder, self.people)
         self._latest_saved = saved.name
         notes += self._swap(state, self.library, ends_training=True)
         replaced = change.replaced(saved.name)
@@ -517,7 +514,6 @@ class Agent:
         if self.session is None and not self.journal.damage:
             raise TrainingError("it has no training to discard")
         self.journal.discard()
-        write_people(self._folder, self.people)
         self._stop()
         self.session = self.top = self._performance = None
         self.mode = Mode.IDLE

@@ -1,12 +1,20 @@
 """An agent without its robot: modes, what it keeps, what it refuses."""
 
 import math
+import os
 import re
 import shutil
+import sqlite3
+import subprocess
+import sys
+from collections import Counter
+from contextlib import closing, nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from bodies import Body, pulsed
+from faulty_disk import files_end_at
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import Domain, Feature
@@ -110,8 +118,46 @@ def test_a_discarded_training_is_over_and_its_journal_kept(make, tmp_path):
         agent.discard()
     again = make()
     assert (again.mode, again.training) == (Mode.IDLE, "")
-    assert list(tmp_path.rglob("training.1.jsonl"))
+    with closing(sqlite3.connect(tmp_path / "ann" / "agent.db")) as tables:
+        assert tables.execute("SELECT count(*) FROM record").fetchone() == (3,), "it is kept"
     again.begin(HOME)
+
+
+def test_only_an_agent_in_training_has_its_database_open(make, tmp_path):
+    agents = [make(f"agent_{number}") for number in range(3)]
+    teach_home(agents[0])
+    teach_home(agents[1])
+    assert open_files(tmp_path) == {"agent.db": 2, "agent.db-wal": 2}
+    agents[0].save()
+    agents[0].journal.costs()
+    agents[1].discard()
+    make("agent_0")
+    assert open_files(tmp_path) == {}
+    assert not (tmp_path / "agent_2" / "agent.db").exists()
+
+
+def open_files(folder):
+    """Count the files of a folder that this process has open, by name."""
+    links = Path("/proc/self/fd").iterdir()
+    paths = [Path(os.readlink(link)) for link in links if link.exists()]
+    return Counter(path.name for path in paths if folder in path.parents)
+
+
+STARTING = """
+import sys
+from pathlib import Path
+from hitab_core import Agent, BehaviorLibrary, plain_domain
+folder = Path(sys.argv[1])
+domain = plain_domain("cart", {"Go": [1.0]}, ["x"])
+agent = Agent("ann", domain, BehaviorLibrary(folder / "library", domain), folder / "state")
+assert agent.journal.costs() == [] and agent.journal.unsaved() is None
+print("sqlite3" in sys.modules, (folder / "state").exists())
+"""
+
+
+def test_an_agent_that_never_trained_needs_no_database(tmp_path):
+    told = subprocess.check_output([sys.executable, "-c", STARTING, str(tmp_path)], text=True)
+    assert told.split() == ["False", "False"]
 
 
 def test_a_training_survives_the_process_with_everything_that_was_done_to_it(make):
@@ -196,26 +242,16 @@ def test_the_same_seed_and_episode_give_the_same_decisions(make):
     assert draws[0] != draws[3], "each agent has its own"
 
 
-def fail_to_write(monkeypatch):
-    """Have every write to a journal fail, as on a full disk."""
-
-    def full(descriptor, data):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("hitab_core.training.example_journal.write_all", full)
-
-
-def test_a_command_that_cannot_be_written_down_changes_nothing(make, monkeypatch):
+def test_a_command_that_cannot_be_written_down_changes_nothing(make):
     agent = make()
     teach_home(agent)
     before = (agent.session.examples, agent.active_path)
-    with monkeypatch.context() as patch:
-        fail_to_write(patch)
-        with pytest.raises(LibraryError, match="make room on the disk"):
+    with files_end_at(100):
+        with pytest.raises(LibraryError, match=r"agent.db: .*check the disk and try again"):
             agent.command(Use("Right"))
-        with pytest.raises(LibraryError, match="make room on the disk"):
+        with pytest.raises(LibraryError, match=r"agent.db: .*check the disk and try again"):
             agent.session.undo()
-        with pytest.raises(LibraryError, match="make room on the disk"):
+        with pytest.raises(LibraryError, match=r"agent.db: .*check the disk and try again"):
             agent.test(restart=True)
     assert (agent.session.examples, agent.active_path) == before
     assert agent.mode is Mode.TRAINING
@@ -254,32 +290,27 @@ def test_in_training_an_agent_without_a_required_value_waits_for_the_next_comman
     [
         ("has no value", math.nan, ()),
         ("is not among the states chosen", 5.0, ("Left", "Right")),
-        ("make room on the disk", 5.0, ()),
+        ("check the disk", 5.0, ()),
     ],
 )
-def test_what_stands_still_is_obeyed_whatever_keeps_it_from_being_recorded(
-    robot, monkeypatch, why, x, chosen
-):
+def test_what_stands_still_is_obeyed_whatever_keeps_it_from_being_recorded(robot, why, x, chosen):
     robot.begin(Curriculum("Home", (Use("x"),), states=tuple(map(Use, chosen))))
     see(robot, 5.0)
     robot.command(Use("Left"))
     see(robot, x)
-    with monkeypatch.context() as patch:
-        if "disk" in why:
-            fail_to_write(patch)
+    with files_end_at(100) if "disk" in why else nullcontext():
         assert robot.command(Use("Stay")) == []
         assert why in robot.session.note
     assert do(robot, x) == do(robot, math.nan) == "Stay"
     assert len(robot.session.examples) == 2
 
 
-def test_a_training_that_cannot_be_written_down_leaves_the_earlier_one_safe(make, monkeypatch):
+def test_a_training_that_cannot_be_written_down_leaves_the_earlier_one_safe(make):
     agent = make()
     teach_home(agent)
-    with monkeypatch.context() as patch:
-        fail_to_write(patch)
-        with pytest.raises(LibraryError, match="make room on the disk"):
-            agent.begin(Curriculum("Other", (Use("x"),)), discard=True)
+    disk = r"agent.db: .*check the disk and try again"
+    with files_end_at(100), pytest.raises(LibraryError, match=disk):
+        agent.begin(Curriculum("Other", (Use("x"),)), discard=True)
     assert agent.behavior == "Home"
     agent.command(Use("Right"))
     expected = agent.session.examples
@@ -333,7 +364,7 @@ def test_an_interrupted_training_that_does_not_fit_is_told_with_its_file(make, t
     (tmp_path / "ann" / "library" / "Home.hfa.yaml").unlink()
     again = make()
     (fault,) = again.faults
-    assert re.search(r'training.jsonl: .*"Home".*move this file away', fault)
+    assert re.search(r'agent.db: .*"Home".*move this file away', fault)
     assert again.session is None
 
 

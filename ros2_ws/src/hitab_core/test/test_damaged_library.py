@@ -321,21 +321,43 @@ def test_a_training_that_cannot_be_resumed_can_be_given_up_and_is_kept(
 ) -> None:
     teach(trained, "New", "High", save=False)
     end(trained)
-    journal = tmp_path / "ann" / "training.jsonl"
-    journal.write_bytes(journal.read_bytes().replace(b"High", b"Hihg"))
-    data = journal.read_bytes()
+    path = tmp_path / "ann" / "agent.db"
+    path.write_bytes(path.read_bytes().replace(b"High", b"Hihg"))
     agent = make()
     (fault,) = agent.faults
-    assert "training.jsonl:2: was damaged or edited" in fault
+    assert "agent.db: record 2 of training 5 was damaged or edited; discard the training" in fault
     if how == "begin":
         agent.begin(Curriculum("Another", (Use("x"),)), discard=True)
     else:
         agent.discard()
     assert agent.faults == ()
-    kept = [path for path in journal.parent.glob("training.*.jsonl") if path.read_bytes() == data]
-    assert len(kept) == 1
     end(agent)
+    assert b"Hihg" in path.read_bytes()
     assert make().faults == ()
+
+
+@pytest.mark.parametrize("how", ["begin", "discard"])
+@pytest.mark.parametrize("size", [100, 4096, 4097, 8192])
+def test_a_damaged_database_is_named_and_put_aside_and_the_agent_goes_on(
+    trained: Agent, make: Make, tmp_path: Path, how: str, size: int
+) -> None:
+    for number in (1, 2):
+        teach(trained, "New", "High", save=False)
+        end(trained)
+        path = tmp_path / "ann" / "agent.db"
+        with path.open("r+b") as file:
+            file.truncate(size)
+        data = path.read_bytes()
+        agent = make()
+        (fault,) = agent.faults
+        assert "agent.db: cannot use it" in fault
+        assert "discard the training, or move this file away to start without it" in fault
+        if how == "begin":
+            agent.begin(Curriculum("Another", (Use("x"),)), discard=True)
+        agent.discard()
+        assert path.with_name(f"agent.{number}.db").read_bytes() == data
+        trained = make()
+        assert trained.faults == ()
 
 
 def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_overwritten(

@@ -5,13 +5,14 @@ import os
 
 import pytest
 from bodies import Body, pulsed
-from faulty_disk import FaultyDisk, Killed
+from faulty_disk import FaultyDisk, Killed, use_statements
 
 from hitab_core.agent import Agent, Mode
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import HitabError, LibraryError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import digest_in, make_bundle, plan_bundle
+from hitab_core.training.training_journal import TrainingJournal
 from hitab_core.training.training_session import Curriculum
 from hitab_core.use import Use
 
@@ -48,13 +49,6 @@ def teach(agent, name, *states, parameters=(), save=True):
         agent.sense([float(x)], [])
         agent.command(Use.parse(state))
     return agent.save() if save else None
-
-
-def end_of(agent, journal=None):
-    """Let go of what the kernel lets go of when a process ends."""
-    for held in (journal, agent.journal._file):
-        if held is not None:
-            held.close()
 
 
 def known(agent):
@@ -94,6 +88,7 @@ def test_disk_memory_and_answer_agree_whichever_operation_fails(
     make, change, how, monkeypatch, tmp_path
 ):
     monkeypatch.setattr(os, "fsync", lambda descriptor: None)  # there is no power failure here
+    use_statements(monkeypatch)
     for number in itertools.count(1):
         folder = f"round_{number}"
 
@@ -104,7 +99,7 @@ def test_disk_memory_and_answer_agree_whichever_operation_fails(
         teach(agent, "Home", "Left", "Right")
         teach(agent, "Away", "Right", save=False)
         act = change(agent, make_one)
-        before, journal = known(agent), agent.journal._file
+        before = known(agent)
         with monkeypatch.context() as patch:
             disk = FaultyDisk(patch, tmp_path, number, how)
             answer, why = "done", str(tmp_path)
@@ -120,7 +115,7 @@ def test_disk_memory_and_answer_agree_whichever_operation_fails(
             assert after == before
         if answer == "done":
             assert after[:3] != before[:3]
-        end_of(agent, journal)
+        agent.journal.close()  # as the end of the process does
         again = make_one("ann")
         if answer == "killed":
             now = known(again)
@@ -147,23 +142,21 @@ def test_the_training_that_was_saved_is_not_offered_again_if_the_journal_could_n
 ):
     agent = make()
     teach(agent, "Home", "Left", "Right", save=False)
-    journal = agent.journal._file
-    archived = "hitab_core.training.example_journal.ExampleJournal.archive"
     with monkeypatch.context() as patch:
 
         def killed(journal):
             raise Killed
 
-        patch.setattr(archived, killed)
+        patch.setattr(TrainingJournal, "archive", killed)
         with pytest.raises(Killed):
             agent.save()
-    end_of(agent, journal)
+    agent.journal.close()
     again = make()
     assert again.session is None
     assert again.mode is Mode.IDLE
     assert "Home" in again.repertoire
     teach(again, "Away", "Left", save=False)
-    end_of(again)
+    again.journal.close()
     assert make().session.curriculum.name == "Away"
 
 
@@ -179,7 +172,7 @@ def test_the_training_is_offered_again_if_it_was_about_to_be_saved_and_was_not(m
         patch.setattr("hitab_core.library.change.commit", killed)
         with pytest.raises(Killed):
             agent.save()
-    end_of(agent)
+    agent.journal.close()
     again = make()
     assert again.session.examples == expected
     again.save()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -238,10 +240,10 @@ def test_a_feature_without_any_value_is_refused_by_name(cart: Driven) -> None:
     assert session is not None
     before = cart.examples()
     # A training by an older HiTAB kept no readings.
-    path = agent.journal.damage or cart.folder / "journal" / "training.jsonl"
     agent.journal.close()
-    records = [json.loads(line)["record"] for line in Path(path).read_text().splitlines()]
-    assert records[1]["examples"][0]["readings"][0] == 4.0
+    with closing(sqlite3.connect(cart.folder / "journal" / "agent.db")) as tables:
+        texts = [text for (text,) in tables.execute("SELECT text FROM record ORDER BY key")]
+    assert json.loads(texts[1])["examples"][0]["readings"][0] == 4.0
     session.log.make(
         session.log.replacement(
             [

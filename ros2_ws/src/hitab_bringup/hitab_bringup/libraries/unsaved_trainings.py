@@ -1,17 +1,13 @@
 """Keeps unsaved trainings apart by library: each resumes only with its own library.
 
-An agent keeps the training under way in its folder for state, whatever its library. Started with
-another library, it would resume the training there, and save it into the wrong library. So the
-journal is set aside before such a start, and brought back before a start with its own library:
-
-    state/keeper_1/training.jsonl                          resumes at the next start
-    state/keeper_1/unsaved/my_library-3f9a2c1e/training.jsonl  waits for its library
-    state/keeper_1/unsaved/my_library-3f9a2c1e/library         the path of that
+An agent's database keeps the training under way, whatever the agent's library. Started with
+another library, the agent would resume the training there, and save it into the wrong library. So
+the training is set aside before such a start, and brought back before a start with its own
+library.
 """
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 
@@ -19,10 +15,8 @@ from hitab_msgs.msg import AgentStatus
 
 from hitab_client.cli_remedies import with_commands
 from hitab_core import Fix, natural, quantity
-from hitab_core.training import JOURNAL_FILE, TrainingJournal
+from hitab_core.training import TrainingJournal
 
-UNSAVED_STATUS = "unsaved"
-LIBRARY = "library"
 TOLD_MAX = 5
 """Trainings that are described individually."""
 
@@ -36,30 +30,24 @@ def set_aside(before: Mapping[str, Path], now: Mapping[str, Path], folder: Path)
         folder: of the run.
     """
     for agent, library in now.items():
-        journal = _state(folder, agent) / JOURNAL_FILE
-        own = before.get(agent)
-        if own is None or own == library or not journal.exists():
-            continue
-        place = _place(folder, agent, own)
-        place.mkdir(parents=True, exist_ok=True)
-        (place / LIBRARY).write_text(f"{own}\n", encoding="utf-8")
-        journal.replace(place / JOURNAL_FILE)
+        own = before.get(agent, library)
+        if own != library:
+            TrainingJournal(folder / "state" / agent).wait(str(own))
 
 
 def bring_back(now: Mapping[str, Path], folder: Path) -> None:
     """Bring back the trainings that were set aside and are for the libraries of this start."""
     for agent, library in now.items():
-        kept = _place(folder, agent, library) / JOURNAL_FILE
-        journal = _state(folder, agent) / JOURNAL_FILE
-        if kept.exists() and not journal.exists():
-            kept.replace(journal)
+        journal = TrainingJournal(folder / "state" / agent)
+        if str(library) in journal.waiting():
+            journal.wait("", instead_of=str(library))
 
 
 def waiting(folder: Path) -> Iterator[tuple[str, Path]]:
     """Yield the agents that have trainings set aside, each with the library of one."""
-    for kept in sorted(folder.glob(f"state/*/{UNSAVED_STATUS}/*/{JOURNAL_FILE}")):
-        library = (kept.parent / LIBRARY).read_text(encoding="utf-8").strip()
-        yield kept.parents[2].name, Path(library)
+    for state in sorted(folder.glob("state/*")):
+        for library in TrainingJournal(state).waiting():
+            yield state.name, Path(library)
 
 
 def announcements(
@@ -97,13 +85,11 @@ def left_to_resume(folder: Path) -> list[str]:
         folder: of the run, which has ended.
     """
     sentences = []
-    for journal in sorted(
-        folder.glob(f"state/*/{JOURNAL_FILE}"), key=lambda path: natural(str(path))
-    ):
-        unsaved = TrainingJournal(journal.parent, "").unsaved()
+    for state in sorted(folder.glob("state/*"), key=lambda path: natural(path.name)):
+        unsaved = TrainingJournal(state).unsaved()
         if unsaved is not None and unsaved.examples:
             sentences.append(
-                f'{journal.parent.name} has an unsaved training of "{unsaved.automaton}" '
+                f'{state.name} has an unsaved training of "{unsaved.automaton}" '
                 f"({quantity(unsaved.examples, 'example')}); it is kept, and the next start of "
                 "the swarm resumes it"
             )
@@ -113,12 +99,3 @@ def left_to_resume(folder: Path) -> list[str]:
 def _first(sentences: list[str]) -> list[str]:
     more = len(sentences) - TOLD_MAX
     return [*sentences[:TOLD_MAX], *([f"... and {more} more"] if more > 0 else [])]
-
-
-def _state(folder: Path, agent: str) -> Path:
-    return folder / "state" / agent
-
-
-def _place(folder: Path, agent: str, library: Path) -> Path:
-    digest = hashlib.sha256(str(library).encode()).hexdigest()[:8]
-    return _state(folder, agent) / UNSAVED_STATUS / f"{library.name}-{digest}"

@@ -1,48 +1,57 @@
-"""The journal of an agent's training, from its beginning until it is saved or discarded."""
+"""The journal of an agent's trainings, each from its beginning until it is saved or discarded."""
 
 from __future__ import annotations
 
+import json
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of, example_record
 from hitab_core.running.running_automaton import RunContext
+from hitab_core.training.agent_database import MOVE_AWAY, AgentDatabase
 from hitab_core.training.cost import RESUMED, TrainingCost, has_steps, training_cost
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.example_journal import ExampleJournal, archive, records_in
-from hitab_core.training.lateness import Lateness
+from hitab_core.training.lateness import MEDIANS, SPREADS, Lateness
 from hitab_core.training.training_session import TrainingSession
 from hitab_core.use import Use
 
-JOURNAL_FILE = "training.jsonl"
+if TYPE_CHECKING:
+    import sqlite3
+
+_CURRENT = "(SELECT max(id) FROM training WHERE waits = '')"
+_END = f"UPDATE training SET waits = NULL WHERE id = {_CURRENT}"
 
 
 class TrainingJournal:
-    """Keeps the current training on disk, where it survives the process.
+    """Keeps trainings and what is known of people on disk, where they survive the process.
 
     Without a folder it keeps nothing.
 
     Attributes:
+        people: how late the commands of each person come, as far as it is known.
         damage: why the training on disk cannot be resumed, and the way out; empty if none is
             there, or it was resumed.
     """
 
-    def __init__(self, folder: Path | None, domain: str) -> None:
-        """Name the journal; nothing is read or written yet.
+    def __init__(self, folder: Path | None, domain: str = "") -> None:
+        """Name the database; nothing is read or written yet.
 
         Args:
-            folder: of the journal; None to keep no journal.
-            domain: name of the agent's domain.
+            folder: of the agent's database; None to keep no journal.
+            domain: name of the agent's domain, to begin or resume trainings.
         """
-        self._path = None if folder is None else folder / JOURNAL_FILE
+        self._database = None if folder is None else AgentDatabase(folder)
+        self.people: dict[str, Lateness] = {}
         self.damage = ""
         self._domain = domain
-        self._file: ExampleJournal | None = None
+        self._training = self._written = 0  # the one under way here, and how many records it has
 
     def begin(
         self, curriculum: Curriculum, examples: Iterable[Example], readable: Iterable[Use]
@@ -57,21 +66,24 @@ class TrainingJournal:
         Raises:
             LibraryError: if it cannot be written; then the one before is still there.
         """
-        if self._path is None:
+        if self._database is None:
             return
-        file = ExampleJournal.begin(
-            self._path,
-            {
-                "do": "begin",
-                "domain": self._domain,
-                "curriculum": curriculum.to_record(),
-                "examples": [example_record(e) for e in examples],
-                "readable": [str(use) for use in readable],
-                "at": time.time(),
-            },
-        )
-        self.close()
-        self._file, self.damage = file, ""
+        first = {
+            "do": "begin",
+            "domain": self._domain,
+            "curriculum": curriculum.to_record(),
+            "examples": [example_record(e) for e in examples],
+            "readable": [str(use) for use in readable],
+            "at": time.time(),
+        }
+        if self.damage:
+            self._database.put_aside_if_damaged()
+        with self._database.transaction(keep=True) as tables:
+            tables.execute(_END)
+            training = tables.execute("INSERT INTO training (waits) VALUES ('')").lastrowid
+            assert training is not None
+            self._database.append(tables, training, 1, first)
+        self._training, self._written, self.damage = training, 1, ""
 
     def write(self, record: Mapping[str, object]) -> None:
         """Write what was done; it is on disk when this returns.
@@ -79,155 +91,185 @@ class TrainingJournal:
         Raises:
             LibraryError: if it cannot be written.
         """
-        if self._file is not None:
-            self._file.append({**record, "at": time.time()})
+        if self._database is not None and self._training:
+            record = {**record, "at": time.time()}
+            with self._database.transaction(keep=True) as tables:
+                self._database.append(tables, self._training, self._written + 1, record)
+            self._written += 1
 
     def costs(self) -> list[TrainingCost]:
         """Return what the trainings on disk cost, oldest first.
 
-        Those of which nothing is known, in which nothing was done, or whose journals are damaged,
+        Those of which nothing is known, in which nothing was done, or whose records are damaged,
         are left out.
         """
-        if self._path is None:
-            return []
-        paths = self._path.parent.glob(f"{self._path.stem}*{self._path.suffix}")
-        # Only the training that this process has open goes on.
-        going_on = self._path if self._file is not None else None
+        # Only the training that this process has under way goes on.
         costs = (
-            _cost_in(path, time.time() if path == going_on else None, begun=False)
-            for path in paths
+            _cost(records, time.time() if training == self._training else None)
+            for training, records in self._kept()
+            if has_steps(records)
         )
         return sorted(filter(None, costs), key=lambda cost: cost.began)
 
     def unsaved(self) -> TrainingCost | None:
-        """Return what the training under way has cost so far, whichever process it is in.
+        """Return what the training that the next start resumes has cost so far.
 
-        None: there is none, it is saved already, or its journal is damaged.
+        None: there is none, it is saved already, or it is damaged.
         """
-        cost = _cost_in(self._path) if self._path is not None else None
-        return cost if cost is not None and not cost.finished else None
+        costs = [_cost(records) for _, records in self._kept(f"WHERE id = {_CURRENT}")]
+        return next((cost for cost in costs if cost is not None and not cost.finished), None)
 
-    def discard(self) -> None:
-        """Archive the journal of a training that is given up.
+    def _kept(self, which: str = "") -> list[tuple[int, list[dict[str, Any]]]]:
+        """Return trainings on disk and their records; damaged ones are left out."""
+        kept = []
+        if self._database is not None and self._database.exists:
+            with suppress(LibraryError), self._database.transaction() as tables:
+                for (training,) in tables.execute(f"SELECT id FROM training {which}").fetchall():
+                    with suppress(LibraryError):
+                        kept.append((training, self._database.records(tables, training)))
+        return kept
+
+    def waiting(self) -> list[str]:
+        """Return the libraries that trainings wait for; see `wait`."""
+        return [] if self._database is None else self._database.waiting()
+
+    def wait(self, library: str, instead_of: str = "") -> None:
+        """Have a training wait for its library, while the agent uses another.
+
+        Args:
+            library: the library's folder; empty to resume the training at the next start.
+            instead_of: what the training waits for so far.
 
         Raises:
-            LibraryError: if it cannot be moved.
+            LibraryError: if that cannot be written.
         """
-        if self._file is not None:
-            self._file.archive()
-            self._file = None
-        elif self._path is not None and self.damage:
-            archive(self._path)
+        if self._database is not None and self._database.exists:
+            with self._database.transaction() as tables:
+                tables.execute(
+                    "UPDATE training SET waits = ? WHERE waits = ?", (library, instead_of)
+                )
+
+    def discard(self) -> None:
+        """End a training that is given up; its records are kept.
+
+        Raises:
+            LibraryError: if that cannot be written.
+        """
+        if self._database is not None and (self._training or self.damage):
+            if self.damage:
+                self._database.put_aside_if_damaged()
+            self._end(self._database)
         self.damage = ""
 
     def archive(self) -> None:
-        """Archive the journal of a saved training; if that fails, the next start does it."""
-        file, self._file = self._file, None
-        if file is not None:
+        """End a saved training; if that fails, the next start does it."""
+        if self._database is not None and self._training:
             with suppress(LibraryError):
-                file.archive()
-            file.close()
+                self._end(self._database)
+        self.close()
+
+    def _end(self, database: AgentDatabase) -> None:
+        known = [
+            (who, json.dumps(lateness.odds.round(6).tolist()))
+            for who, lateness in self.people.items()
+        ]
+        with database.transaction() as tables:
+            tables.execute(_END)
+            tables.executemany("REPLACE INTO person VALUES (?, ?)", known)
+        self.close()
 
     def close(self) -> None:
-        """Close the file; it stays where it is."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        """Close the database; a training under way stays there."""
+        self._training = 0
+        if self._database is not None:
+            self._database.close()
 
     def resume(
-        self,
-        context: RunContext,
-        has_saved: Callable[[str, str], bool],
-        people: dict[str, Lateness],
+        self, context: RunContext, has_saved: Callable[[str, str], bool]
     ) -> TrainingSession | None:
         """Return the interrupted training; None if there is none, or `damage` says why not.
 
         Args:
             context: of the agent.
             has_saved: whether the library has a behavior of this name and checksum.
-            people: see `TrainingSession`.
 
         Raises:
             FolderInUseError: if another process uses it.
         """
         self.damage = ""
+        database = self._database
+        if database is None or not database.exists:
+            return None
+        session = None
         try:
-            return self._resumed(context, has_saved, people)
+            with database.transaction(keep=True) as tables:
+                self._read_people(tables)
+                (training,) = tables.execute(f"SELECT {_CURRENT}").fetchone()
+                if training is not None:
+                    records = database.records(tables, training)
+                    session = self._session(records, context, has_saved)
+                    if session is None:
+                        tables.execute(_END)
         except FolderInUseError:
             raise
         except LibraryError as error:
             self.damage = str(error)
-            return None
-
-    def _resumed(
-        self,
-        context: RunContext,
-        has_saved: Callable[[str, str], bool],
-        people: dict[str, Lateness],
-    ) -> TrainingSession | None:
-        path = self._path
-        if path is None or not path.exists():
-            return None
-        file = ExampleJournal.open(path)
-        records = file.records
-        if not records:
-            file.discard()
-            return None
-        last = next((r for r in reversed(records) if r.get("do") != RESUMED), records[-1])
-        if last.get("do") == "save" and has_saved(
-            str(last.get("automaton")), str(last.get("checksum"))
-        ):
-            # The process ended after saving the behavior and before archiving the journal.
-            self._file = file
-            self.archive()
-            return None
-        try:
-            session = self._replayed(records, context, people)
         except (HitabError, KeyError, TypeError, ValueError) as error:
-            file.close()
-            raise LibraryError(
-                f"{path}: the interrupted training cannot be resumed: {error}; "
-                "fix that, or move this file away to start without that training"
-            ) from error
-        self._file = file
+            self.damage = (
+                f"{database.path}: the interrupted training cannot be resumed: {error}; fix that, "
+                f"or {MOVE_AWAY}"
+            )
+        if session is None:
+            self.close()
+            return None
+        self._training, self._written = training, len(records)
         with suppress(LibraryError):  # only what the training took depends on it
             self.write({"do": RESUMED})
         return session
 
-    def _replayed(
+    def _read_people(self, tables: sqlite3.Connection) -> None:
+        """Read how late each person's commands come; what cannot be used is left out."""
+        for who, text in tables.execute("SELECT name, lateness FROM person"):
+            with suppress(ValueError):
+                odds = np.array(json.loads(text), np.float64)
+                if odds.shape == (len(MEDIANS), len(SPREADS)) and (odds >= 0).all() and odds.any():
+                    self.people[who] = Lateness(odds / odds.sum())
+
+    def _session(
         self,
-        records: Iterable[Mapping[str, Any]],
+        records: Sequence[Mapping[str, Any]],
         context: RunContext,
-        people: dict[str, Lateness],
-    ) -> TrainingSession:
+        has_saved: Callable[[str, str], bool],
+    ) -> TrainingSession | None:
+        """Return the training that its records describe; None if it was saved."""
         begin, *rest = (record for record in records if record.get("do") != RESUMED)
+        last = rest[-1] if rest else begin
+        if last["do"] == "save" and has_saved(str(last["automaton"]), str(last["checksum"])):
+            # The process was killed after saving the behavior and before ending the training.
+            return None
         if begin["domain"] != self._domain:
             raise TrainingError(
                 f'it is of domain "{begin["domain"]}", and the agent has "{self._domain}"'
             )
-        curriculum = Curriculum.from_record(begin["curriculum"])
         session = TrainingSession(
             context,
-            curriculum,
+            Curriculum.from_record(begin["curriculum"]),
             map(example_of, begin["examples"]),
             self.write,
             tuple(map(Use.parse, begin["readable"])),
-            people,
+            self.people,
         )
         session.replay(rest)
         return session
 
 
-def _cost_in(path: Path, now: float | None = None, *, begun: bool = True) -> TrainingCost | None:
-    """Return what a training cost; None if there is none, nothing is known, or it is damaged.
+def _cost(records: Sequence[Mapping[str, Any]], now: float | None = None) -> TrainingCost | None:
+    """Return what a training cost; None if nothing is known.
 
     Args:
-        path: of the journal.
+        records: of the training.
         now: the time, if the training goes on.
-        begun: whether one that was only begun counts.
     """
-    records = records_in(path)
     with suppress(HitabError, KeyError, TypeError, ValueError):
-        if records and (begun or has_steps(records)):
-            return training_cost(records, now)
+        return training_cost(records, now)
     return None
