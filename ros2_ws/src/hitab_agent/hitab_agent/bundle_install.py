@@ -1,8 +1,8 @@
 """Installs a distribution for all agents of a process at once.
 
-It is verified, read and learned once per domain, written once per library, and synced to disk for
-all libraries together, so that a thousand folders take as long as one. Then each agent swaps its
-repertoire.
+A distribution is verified, read and learned once per domain, written once per library, and synced
+to disk for all libraries together, so that a thousand folders take as long as one. Then each agent
+swaps its repertoire.
 
 A library is changed by a note that is valid for all processes as soon as it exists (see
 `hitab_core.library.commit`), so no lock is held between two slices: the next process that opens
@@ -42,8 +42,8 @@ _BREATH_S = 0.001
 
 
 TakenIn = Callable[[Any, int, str, str], None]
-"""Called with an agent's node, the sequence of a distribution, the digest of the agent's files as
-they are now, empty if it was refused, and why it was refused or what went wrong at the start."""
+"""Called with an agent's node, the sequence of a distribution, the digest of the agent's files
+(empty if it refused them), and the reason of the refusal or a fault of the started behavior."""
 
 
 @dataclass(eq=False)
@@ -70,7 +70,7 @@ class _LibraryInstall:
 
 
 class BundleInstall:
-    """The installation of a distribution by its receivers in a process."""
+    """Installs a distribution for its receivers in a process."""
 
     def __init__(
         self,
@@ -83,11 +83,11 @@ class BundleInstall:
         """Group the receivers by library.
 
         Args:
-            sequence: of the distribution.
+            sequence: the distribution's number.
             bundle: the behaviors.
-            start: behavior of the receivers afterwards; None for their present one.
-            receivers: the nodes of the agents that take it in.
-            taken_in: called with the outcome for each.
+            start: the behavior to start afterwards; None to continue the present one.
+            receivers: the nodes of the receiving agents.
+            taken_in: called with each receiver's outcome.
         """
         self._sequence = sequence
         self._bundle = bundle
@@ -102,7 +102,7 @@ class BundleInstall:
         self._shelves = list(shelves.values())
 
     def job(self) -> Job:
-        """Do the whole intake, in slices."""
+        """Do the whole installation, in slices."""
         yield from self._read()
         yield from self._announce_all()
         yield from self._make_durable()
@@ -111,7 +111,7 @@ class BundleInstall:
                 self._swap(shelf, receiver)
                 yield None
         if notes := [(shelf.library.folder, shelf.note) for shelf in self._noted()]:
-            # The files are brought up to date; no agent waits for this.
+            # No agent waits until the files are written: the note counts already.
             yield in_background(partial(_carry_out, notes))
 
     def _read(self) -> Job:
@@ -211,7 +211,7 @@ def _force_to_disk(folders: list[Path]) -> None:
 
 
 def _carry_out(notes: list[tuple[Path, bytes]]) -> None:
-    """Carry out notes; if the disk fails they stay, and the next process carries them out."""
+    """Carry out notes; those that fail stay, for the next process that opens the folder."""
     for folder, note in notes:
         carry_out(folder, note)
         time.sleep(_BREATH_S)

@@ -7,7 +7,7 @@ from hitab_agent.guarded_tick import FEATURES_FAULT, TICK, VALUES
 from hitab_ros.diagnostics import Diagnosis, Level
 
 MILD = (FEATURES_FAULT, VALUES, "action ")
-"""How the keys of faults begin with which an agent still acts; with others it may not."""
+"""Prefixes of the keys of mild faults, with which an agent still acts; with others it may not."""
 
 
 def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
