@@ -74,7 +74,7 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
-    # The world knows that its agents are alive; commanders and robots' agents need heartbeats.
+    # The roster for a world omits commanders and robots' agents, so name them here.
     others = [node.agent_name for node in nodes if node.agent.domain.link]
     give_signs_of_life(desk, swarm, others)
     # The objects made so far stay, and collecting over them would take longer than a cycle.
