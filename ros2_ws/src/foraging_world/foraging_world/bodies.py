@@ -1,4 +1,4 @@
-"""The robots, boxes and obstacles as pymunk bodies, moved by one cycle at a time.
+"""The robots, boxes and obstacles as pymunk bodies, which move by one cycle at a time.
 
 A cycle depends only on the given positions and velocities, so that a world restored from a
 snapshot continues bit for bit like the original:
@@ -39,7 +39,7 @@ class Bodies:
 
     Args:
         parameters: counts, sizes.
-        box_radius: of each box, m.
+        box_radius: radius of each box, m.
         obstacles: centers, shape (obstacles, 2), m.
     """
 

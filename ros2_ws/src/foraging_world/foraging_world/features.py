@@ -49,17 +49,17 @@ def holds_a_large_box(body: ForagerBody) -> float:
 
 
 def hands(body: ForagerBody) -> float:
-    """Return how many foragers hold the box that this one holds; 0 if it holds none."""
+    """Return how many foragers hold the box that this forager holds; 0 if it holds none."""
     return body.values[percept.HANDS]
 
 
 def waited(body: ForagerBody) -> float:
-    """Return how long the held box has not moved, s."""
+    """Return for how long the held box has not moved, s."""
     return body.values[percept.WAITED]
 
 
 def rested(body: ForagerBody) -> float:
-    """Return how long ago a box was given up, s; 1000 if never."""
+    """Return the time since the forager last gave up a box, s; 1000 if it never did."""
     return body.values[percept.RESTED]
 
 

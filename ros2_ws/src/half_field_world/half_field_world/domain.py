@@ -95,7 +95,7 @@ def dribble(body: AttackerBody) -> None:
 
 
 def line_slack(body: AttackerBody, place: int) -> float:
-    """Return by how much opponents miss a pass to a mate or the best shot, m."""
+    """Return the distance by which opponents miss a pass to a mate or the best shot, m."""
     return NAN if place == NO_PLAYER else body.line_to(place).slack
 
 
