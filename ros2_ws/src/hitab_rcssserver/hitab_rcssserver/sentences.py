@@ -1,4 +1,4 @@
-"""Messages of a world on an rcssserver that cannot play, or cannot do what is asked."""
+"""Error texts of a world on an rcssserver."""
 
 CONNECTING = "connecting to the rcssserver at {}"
 BEFORE_PLAY = (
