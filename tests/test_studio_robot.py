@@ -46,11 +46,11 @@ def red_jpeg() -> bytes:
 
 
 class Robot:
-    """Publishes what a robot publishes, in a thread of its own, until it is told not to.
+    """Publishes what a robot publishes, in a thread of its own, until it is stopped.
 
     Attributes:
         silent: topics on which nothing is published at present.
-        driven: what the base was told.
+        driven: the velocity that was sent to the base.
     """
 
     def __init__(self, domain_id: int) -> None:

@@ -117,6 +117,6 @@ TARGETS = (
     Target(
         "scouted_box",
         lambda body: percept.SCOUTED_BOX,
-        "the closest box that a scout of the own squad sees and nobody of it holds",
+        "the closest box that a scout of the own squad sees and no member of it holds",
     ),
 )

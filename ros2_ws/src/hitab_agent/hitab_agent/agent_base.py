@@ -1,4 +1,4 @@
-"""The interface of an agent's node, for the parts that it is made of."""
+"""The interface of an agent's node, as its parts use it."""
 
 from __future__ import annotations
 

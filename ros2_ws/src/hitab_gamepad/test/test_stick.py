@@ -20,7 +20,7 @@ WALL = 1e9
 
 @dataclass
 class Player:
-    """Somebody with a joystick; time passes between messages."""
+    """A person with a joystick; time passes between messages."""
 
     stick: Stick
     now: float = 0.0

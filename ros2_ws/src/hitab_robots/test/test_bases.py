@@ -1,4 +1,4 @@
-"""A base that was started again is told from programs that only listen."""
+"""A base that was started again is distinguished from programs that only listen."""
 
 from hitab_robots.bases import NAMED_S, Bases
 

@@ -16,8 +16,8 @@ class GymnasiumWorld(Simulation):
     """Base of a world whose steps are those of an environment.
 
     agent_1 is the first of the environment's ``possible_agents``, agent_2 the second and so on; a
-    Gymnasium environment has one agent. An agent that has left the episode perceives what it
-    perceived last, and its actions are ignored. One that has not joined it perceives zeros.
+    Gymnasium environment has one agent. An agent that has left the episode keeps its last percept,
+    and its actions are ignored. An agent that has not joined the episode perceives zeros.
 
     Attributes:
         idle: the action of an agent that does nothing. None for the first action of a Discrete

@@ -214,9 +214,9 @@ class Goal:
             case GoalStatus.STATUS_SUCCEEDED:
                 self.call.succeed()
             case GoalStatus.STATUS_ABORTED:
-                self._fail(f"aborted the goal{_told(answer.result)}")
+                self._fail(f"aborted the goal{_details_of(answer.result)}")
             case GoalStatus.STATUS_CANCELED:
-                self._fail(f"had the goal canceled by another client{_told(answer.result)}")
+                self._fail(f"had the goal canceled by another client{_details_of(answer.result)}")
             case _:
                 self._fail("does not know the goal any more; was it restarted?")
         self._end()
@@ -254,11 +254,11 @@ class Goal:
         self._stage = _Stage.ENDED
 
 
-def _told(result: Any) -> str:
+def _details_of(result: Any) -> str:
     """Return the texts and error codes of a result, such as a message for people."""
-    told = []
+    texts = []
     for name in result.get_fields_and_field_types():
         value = getattr(result, name)
         if value and (isinstance(value, str) or name == "error_code"):
-            told.append(f"{name}: {value}")
-    return f" ({'; '.join(told)})" if told else ""
+            texts.append(f"{name}: {value}")
+    return f" ({'; '.join(texts)})" if texts else ""
