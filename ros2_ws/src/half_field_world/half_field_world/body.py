@@ -30,8 +30,8 @@ FIXED = MappingProxyType(
 AIMS = tuple(part * (field.GOAL_WIDTH / 2.0 - 0.8) for part in (-1.0, -0.5, 0.0, 0.5, 1.0))
 """The y coordinates on the goal line at which shots are aimed, m."""
 
-LATE = 1  # cycles until an opponent runs at full speed
-AT_FOOT = 1.0  # m from the receiver, where a pass has arrived
+LATE = 1  # number of cycles until an opponent runs at full speed
+AT_FOOT = 1.0  # m: distance from the receiver at which a pass has arrived
 
 
 @dataclass(frozen=True, slots=True)

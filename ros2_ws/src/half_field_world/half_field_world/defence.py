@@ -27,7 +27,7 @@ from keepaway_world.interception import (
 from keepaway_world.physics import Mover, Physics
 from keepaway_world.takers import stop_ball
 
-MARKING = 1.5  # m from a marked attacker, towards the goal
+MARKING = 1.5  # m: distance from a marked attacker, towards the goal
 ARRIVED = 0.5  # m
 OUT_OF_GOAL, OUT_MOST = 0.15, 4.0  # how far the goalie comes out: of the ball's distance; m
 

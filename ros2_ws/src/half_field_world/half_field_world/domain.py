@@ -21,11 +21,11 @@ from keepaway_world.parameters import PAPER
 from keepaway_world.percept import BALL
 
 SHOT = PAPER.ball_speed_max
-TOUCH = 1.1  # of the ball in a dribble: a runner is back at it after five cycles
+TOUCH = 1.1  # speed of the ball in a dribble: a runner reaches it again after five cycles
 LOOKS_AHEAD = 5.0  # m
 SIDESTEPS = tuple(math.radians(off) for off in (0.0, 35.0, -35.0, 70.0, -70.0))
-PER_RAD = 2.0  # m of room that a turn away from the goal must gain
-THERE = 1.0  # m: near enough to a place
+PER_RAD = 2.0  # m of room that each rad of a turn away from the goal must gain
+THERE = 1.0  # m: distance at which a place counts as reached
 
 _RUNNER = Interceptor(PAPER)
 

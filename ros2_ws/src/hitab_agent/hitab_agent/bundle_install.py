@@ -37,7 +37,7 @@ from hitab_ros.answering import what_went_wrong
 _RETRY_S = 0.01
 """How long to wait before retrying a folder that another process holds."""
 
-_BREATH_S = 0.001
+_YIELD_S = 0.001
 """How long a thread releases Python's lock to the callbacks after each folder."""
 
 
@@ -214,9 +214,9 @@ def _carry_out(notes: list[tuple[Path, bytes]]) -> None:
     """Carry out notes; those that fail stay, for the next process that opens the folder."""
     for folder, note in notes:
         carry_out(folder, note)
-        time.sleep(_BREATH_S)
+        time.sleep(_YIELD_S)
     with suppress(OSError):
         sync_trees(folder for folder, _ in notes)
         for folder, note in notes:
             forget(folder, note)
-            time.sleep(_BREATH_S)
+            time.sleep(_YIELD_S)

@@ -32,7 +32,7 @@ from hitab_ros import (
     run,
 )
 
-GARBAGE = (10_000, 20, 100)
+GC_THRESHOLDS = (10_000, 20, 100)
 """Thresholds for `gc.set_threshold`: new objects per collection, then collections of a generation
 per collection of the next older one."""
 
@@ -82,7 +82,7 @@ def start(spinning: Spinner) -> None:
     # collection is not urgent.
     gc.collect()
     gc.freeze()
-    gc.set_threshold(*GARBAGE)
+    gc.set_threshold(*GC_THRESHOLDS)
 
 
 def _renaming(remap: Mapping[str, str]) -> list[str]:

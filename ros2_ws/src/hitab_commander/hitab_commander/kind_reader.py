@@ -66,10 +66,10 @@ OTHERS_WORD = "others"
 KIND_FILE = "commander.yaml"
 """The file in a commander's library folder that describes its kind."""
 
-FASTEST = 1000.0
+RATE_MAX_HZ = 1000.0
 """Hz; the highest rate at which a commander may be asked to decide."""
 
-LONGEST = 1e6
+TIME_MAX_S = 1e6
 """s; the longest time accepted. Its inverse is the shortest time and the lowest rate, Hz."""
 
 
@@ -99,7 +99,7 @@ T = TypeVar("T")
 Label = Annotated[str, AfterValidator(_label)]
 Behavior = Annotated[str | None, PlainValidator(_behavior)]
 Behaviors = dict[Annotated[str, AfterValidator(_receiver)], Behavior]
-Time = Annotated[float, Field(ge=1.0 / LONGEST, le=LONGEST)]
+Time = Annotated[float, Field(ge=1.0 / TIME_MAX_S, le=TIME_MAX_S)]
 
 
 class ObservedState(Record):
@@ -176,7 +176,7 @@ class KindRecord(Record):
         dict[Label, Annotated[Observing | Numbered, OneOf(_TARGETS)]], NONE_IS_EMPTY
     ] = Field(default_factory=dict)
     deadline: Time = 3.0
-    rate: Annotated[float, Field(ge=1.0 / LONGEST, le=FASTEST)] = 10.0
+    rate: Annotated[float, Field(ge=1.0 / TIME_MAX_S, le=RATE_MAX_HZ)] = 10.0
     report_period: Time = 0.5
 
 

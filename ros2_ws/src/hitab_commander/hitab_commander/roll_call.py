@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 
-PAST = 1 << 20
+LATE_ROUNDS_MAX = 1 << 20
 """A report of fewer rounds ago than this is late. A report of an even earlier round means that the
 world has restarted its count, or that a number was forged."""
 
@@ -50,7 +50,7 @@ class RollCall:
 
         ``look`` marks a look-only round.
         """
-        if 0 < self.round - number < PAST:
+        if 0 < self.round - number < LATE_ROUNDS_MAX:
             self._missing.discard(member)  # a late report shows that the member is alive
             return False
         if number != self.round:

@@ -24,7 +24,7 @@ SHIPPED = Path(__file__).parent / "joysticks"
 WAYS = ("ahead", "left", "turn")
 """Names of the numbers of a velocity."""
 
-POINTS = 0.5
+DEFLECTION_MIN = 0.5
 """Deflection of a stick, as a fraction of 1, from which on its direction counts."""
 
 TIMEOUT_MAX_S = 2.0
@@ -106,7 +106,7 @@ class Gauge(Record):
             share = (axes[self.axis] - self.low) / ((self.high - self.low) or 1.0)
             return number.low + min(max(share, 0.0), 1.0) * (number.high - number.low)
         ahead, left = (axes[i] for i in self.axes)
-        if not number.circular or math.hypot(ahead, left) < POINTS:
+        if not number.circular or math.hypot(ahead, left) < DEFLECTION_MIN:
             return None
         period = number.high - number.low
         turn = math.atan2(left, ahead) / math.tau * period

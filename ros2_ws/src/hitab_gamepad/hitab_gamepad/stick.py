@@ -19,7 +19,7 @@ BOUNCE_S = 0.05
 
 
 @dataclass(frozen=True)
-class Taken:
+class StickActions:
     """The person's actions in one message.
 
     Attributes:
@@ -66,7 +66,7 @@ class Stick:
         stamp: float,
         wall: float,
         now: float,
-    ) -> Taken:
+    ) -> StickActions:
         """Take a message.
 
         Args:
@@ -82,7 +82,7 @@ class Stick:
             self._down = {*self._mapping.buttons} - self._stops | (self._down & self._stops)
             self._pressed_at.clear()
         if trouble:
-            return Taken(tuple(stops), trouble=trouble)
+            return StickActions(tuple(stops), trouble=trouble)
         self._heard = now
         if 0.0 < stamp <= wall:
             self._stamp = stamp
@@ -96,7 +96,9 @@ class Stick:
             self._pressed_at[name] = now
         ahead, left, turn = (self._speed(way, axes) for way in WAYS)
         velocity = (ahead, left, turn) if held or hold in others else STILL
-        return Taken((*stops, *pressed), frozenset(self._down) if held else frozenset(), velocity)
+        return StickActions(
+            (*stops, *pressed), frozenset(self._down) if held else frozenset(), velocity
+        )
 
     def _newly_down(
         self, names: set[str], axes: Sequence[float], buttons: Sequence[int]

@@ -90,7 +90,7 @@ class RcssWorld(EpisodicWorld):
         self.parameters = parameters
         super().__init__(seed)
         self.waiting = sentences.CONNECTING.format(self.server.where)
-        self._ours, self._rules = parameters, rules
+        self._given_parameters, self._rules = parameters, rules
         self._patience = patience
         self._link: Link | None = None
         self._trainer: Trainer | None = None
@@ -329,7 +329,9 @@ class RcssWorld(EpisodicWorld):
             physics = self._game.field.physics
             names = [m.name for m in physics.keepers], [m.name for m in physics.takers]
             self._link = Link(self.server, names, keepaway=not self._rules.stops)
-            self.parameters = parameters_of(self._link.settings, self._ours, self._rules)
+            self.parameters = parameters_of(
+                self._link.settings, self._given_parameters, self._rules
+            )
             self._forget()
             if self.server.trainer_port:
                 self._trainer = Trainer(self.server)

@@ -12,7 +12,7 @@ import numpy as np
 from hitab_robots.mount import Mount
 from hitab_robots.sensors import Sensor, check_name
 
-EDGE = 1e-6
+ANGLE_TOLERANCE = 1e-6
 """How far outside of a sector a ray may be, rad, since angles are sums in single precision."""
 
 
@@ -115,7 +115,7 @@ class Scan(Sensor):
         found: list[float] = []
         for sector in self.sectors:
             beside = np.remainder(bearings - sector.center + math.pi, math.tau) - math.pi
-            inside = np.abs(beside) <= sector.width / 2.0 + EDGE
+            inside = np.abs(beside) <= sector.width / 2.0 + ANGLE_TOLERANCE
             hits = inside & hit
             if hits.any():
                 nearest = int(np.argmin(np.where(hits, distances, math.inf)))

@@ -25,7 +25,7 @@ HEARTBEAT = "agent_heartbeat"
 ODOMETRY_TOPIC = "odom"
 """Topic by which a relay checks that the robot stands still; relative to its namespace."""
 
-OF_RELAY = {
+RELAY_SETTINGS = {
     "max_velocity": "m/s ahead, m/s to the left, rad/s; also backwards",
     "max_accel": "how fast the robot may gain speed, per s",
     "max_decel": "how fast it may lose speed, per s, unless it has to stop",
@@ -37,7 +37,7 @@ OF_RELAY = {
 """Parameters that the link passes on to its relay."""
 
 RELAY_PARAMETERS = {
-    **OF_RELAY,
+    **RELAY_SETTINGS,
     "rate": "Hz; how often the agent decides and acts",
     "relay": "start the relay; false if it is started elsewhere",
     "base_frame": "the robot's frame, such as base_link, to look up the sensors' places in tf2; "
@@ -46,7 +46,7 @@ RELAY_PARAMETERS = {
     "agent_pid": "the agent's process: the relay ends after it; 0 for none",
     "kills_hung_agent": "kill the agent when it hangs; its supervisor restarts it",
 }
-OF_SENSOR = {
+SENSOR_PARAMETERS = {
     "patience": "s; an older reading has no value",
     "x": "m; the sensor's place in the robot's frame",
     "y": "m; the sensor's place in the robot's frame",
@@ -61,7 +61,7 @@ def declare(node: Node, name: str, default: Any) -> Any:
     if node.has_parameter(name):  # the agent's node has it already
         return node.get_parameter(name).value
     sensor, _, field = name.rpartition(".")
-    description = OF_SENSOR[field] if sensor else RELAY_PARAMETERS[name]
+    description = SENSOR_PARAMETERS[field] if sensor else RELAY_PARAMETERS[name]
     descriptor = ParameterDescriptor(description=description, read_only=True)
     return node.declare_parameter(name, default, descriptor).value
 
@@ -112,7 +112,7 @@ class RelaySettings:
 
     def arguments(self) -> Iterator[str]:
         """Yield the command-line arguments that give a relay these settings."""
-        for name in OF_RELAY:
+        for name in RELAY_SETTINGS:
             value = getattr(self, name, None)
             if value is None:
                 value = getattr(self.drive, name)

@@ -16,7 +16,7 @@ from hitab_robots.robot import MOTION_MEMORY_S, RobotBody
 
 Point = tuple[float, float]
 
-FULL_TURN = 0.5
+FULL_SPEED_ANGLE = 0.5
 """Angle to the target, rad, above which a robot turns at full speed."""
 
 SLOW_M = 0.3
@@ -113,7 +113,7 @@ def drive_to(
         distance, bearing = _distance(body, point), _bearing(body, point)
         if distance <= ARRIVED_M:
             body.drive(0.0)
-        elif abs(bearing) > FULL_TURN:
+        elif abs(bearing) > FULL_SPEED_ANGLE:
             body.drive(0.0, _turning(bearing, turn))
         else:  # with NaN, min and max return their first argument, so NaN stays
             body.drive(ahead * min(distance / SLOW_M, 1.0), _turning(bearing, turn))
@@ -138,7 +138,7 @@ def _bearing(body: RobotBody, point: Point) -> float:
 
 def _turning(bearing: float, turn: float) -> float:
     """Return the turn rate for a remaining angle, rad/s: slower for small ones; NaN stays NaN."""
-    return turn * max(min(bearing / FULL_TURN, 1.0), -1.0)
+    return turn * max(min(bearing / FULL_SPEED_ANGLE, 1.0), -1.0)
 
 
 def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Feature:

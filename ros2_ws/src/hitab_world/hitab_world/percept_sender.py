@@ -11,7 +11,7 @@ from hitab_ros import GuardedNode, Receivers, names, qos
 from hitab_world.host_registry import HostRegistry, PerceptOf
 from hitab_world.lockstep import Answer
 
-ALONE_MAX = 64  # agents for which topics are created before they join
+EARLY_TOPICS_MAX = 64  # number of agents up to which topics are created before agents join
 
 
 class PerceptSender:
@@ -23,7 +23,7 @@ class PerceptSender:
         self._publishers: dict[str, Any] = {}
         self._receivers: dict[str, Receivers] = {}
         self._hosts: HostRegistry | None = None
-        if len(agents) <= ALONE_MAX:
+        if len(agents) <= EARLY_TOPICS_MAX:
             for name in agents:
                 self._expect(name)
 

@@ -23,7 +23,7 @@ from hitab_world.world import LiveWorld
 
 LATEST_FILE = "latest.json"
 NAMED = "snapshot-"
-LEISURE = 50
+SAVE_INTERVAL_FACTOR = 50
 """Minimum time between two saved states, as a multiple of the time that saving takes."""
 
 
@@ -131,7 +131,7 @@ class WorldMemory:
                 f"its state cannot be saved to {path} ({why}): if its process restarts, it will "
                 f"{back}"
             )
-        self._earliest_s = now + LEISURE * (time.monotonic() - now)
+        self._earliest_s = now + SAVE_INTERVAL_FACTOR * (time.monotonic() - now)
 
     def save(self, name: str, state: dict[str, Any]) -> None:
         """Save a snapshot under a name; it is on disk when this returns.

@@ -15,8 +15,8 @@ from hitab_core import START, Automaton, Domain, HandWritten, Use
 from keepaway_world.domain import DOMAIN as KEEPAWAY_WORDS
 
 OFF = math.radians(9.0)  # the keeper turns if the ball is farther off its heading
-WALK_DISTANCE = 4.5  # m: within this distance it goes slowly, not to overshoot
-PRESSED = 2.5  # m: it passes if a taker is this close
+WALK_DISTANCE = 4.5  # m: within this distance the keeper goes slowly, not to overshoot
+PRESSED = 2.5  # m: the keeper passes if a taker is this close
 
 
 def goto_ball(distance: float, direction: float) -> str:

@@ -14,7 +14,7 @@ from keepaway_world.action import Order
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.parameters import KeepawayParameters
 
-if TYPE_CHECKING:  # an agent needs no pymunk
+if TYPE_CHECKING:  # agents must not need pymunk
     from keepaway_world.physics import Mover
 
 SOONEST, HORIZON = 2, 40  # cycles that a player looks ahead
