@@ -53,20 +53,20 @@ class _LibraryInstall:
     library: BehaviorLibrary
     receivers: list[Any] = field(default_factory=list)
     refused: dict[Any, str] = field(default_factory=dict)
-    edition: LoadedLibrary | None = None
+    loaded: LoadedLibrary | None = None
     note: bytes = b""
     generation: int = 0
 
     def refuse_all(self, error: Exception) -> None:
         self.refused |= dict.fromkeys(self.receivers, what_went_wrong(error))
-        self.edition, self.note = None, b""
+        self.loaded, self.note = None, b""
 
     def current(self) -> LoadedLibrary:
-        """Return what the library holds now, even if it was changed after the plan."""
-        if self.edition is None or self.generation != self.library.generation:
-            self.edition = self.library.loaded(strict=False)
+        """Return the library as it is now, even if it was changed after the plan."""
+        if self.loaded is None or self.generation != self.library.generation:
+            self.loaded = self.library.loaded(strict=False)
             self.generation = self.library.generation
-        return self.edition
+        return self.loaded
 
 
 class BundleInstall:
@@ -95,76 +95,76 @@ class BundleInstall:
         self._taken_in = taken_in
         self._digests: dict[LoadedLibrary, str] = {}
         self._read_files: list[object] = []
-        shelves: dict[BehaviorLibrary, _LibraryInstall] = {}
+        installs: dict[BehaviorLibrary, _LibraryInstall] = {}
         for receiver in receivers:
             library = receiver.agent.library
-            shelves.setdefault(library, _LibraryInstall(library)).receivers.append(receiver)
-        self._shelves = list(shelves.values())
+            installs.setdefault(library, _LibraryInstall(library)).receivers.append(receiver)
+        self._installs = list(installs.values())
 
     def job(self) -> Job:
         """Do the whole installation, in slices."""
         yield from self._read()
         yield from self._announce_all()
         yield from self._make_durable()
-        for shelf in self._shelves:
-            for receiver in shelf.receivers:
-                self._swap(shelf, receiver)
+        for install in self._installs:
+            for receiver in install.receivers:
+                self._swap(install, receiver)
                 yield None
-        if notes := [(shelf.library.folder, shelf.note) for shelf in self._noted()]:
+        if notes := [(install.library.folder, install.note) for install in self._announced()]:
             # No agent waits until the files are written: the note counts already.
             yield in_background(partial(_carry_out, notes))
 
     def _read(self) -> Job:
         """Verify and learn the bundle, once per domain."""
         groups: dict[LibraryReader, list[_LibraryInstall]] = {}
-        for shelf in self._shelves:
-            groups.setdefault(shelf.library.reader, []).append(shelf)
-        for editions, shelves in groups.items():
-            reading = in_background(partial(read_bundle, self._bundle, editions))
+        for install in self._installs:
+            groups.setdefault(install.library.reader, []).append(install)
+        for reader, installs in groups.items():
+            reading = in_background(partial(read_bundle, self._bundle, reader))
             yield reading
             try:
-                self._read_files.append(reading.result())  # kept: a second receiver reads no file
+                self._read_files.append(reading.result())  # kept, so that others read no file
             except Exception as error:
-                for shelf in shelves:
-                    shelf.refuse_all(error)
+                for install in installs:
+                    install.refuse_all(error)
 
     def _announce_all(self) -> Job:
         """Check each library and its agents, and announce its change to all processes."""
-        waiting = deque(shelf for shelf in self._shelves if not shelf.refused)
+        waiting = deque(install for install in self._installs if not install.refused)
         deadline = time.monotonic() + LOCK_TIMEOUT_S
         while waiting:
-            shelf = waiting.popleft()
+            install = waiting.popleft()
             try:
-                self._announce(shelf)
+                self._announce(install)
             except FolderInUseError as error:
                 if time.monotonic() > deadline:
-                    shelf.refuse_all(error)
+                    install.refuse_all(error)
                 else:
-                    waiting.append(shelf)
+                    waiting.append(install)
                     yield in_background(partial(time.sleep, _RETRY_S))
             except Exception as error:
-                shelf.refuse_all(error)
+                install.refuse_all(error)
             yield None
 
-    def _announce(self, shelf: _LibraryInstall) -> None:
-        library = shelf.library
+    def _announce(self, install: _LibraryInstall) -> None:
+        library = install.library
         with library.change(patience=0.0, sync=False) as change:
-            edition = plan_bundle(change, self._bundle)
-            for receiver in shelf.receivers:
+            loaded = plan_bundle(change, self._bundle)
+            for receiver in install.receivers:
                 try:
-                    receiver.agent.check_fit(edition, self._start)
+                    receiver.agent.check_fit(loaded, self._start)
                 except HitabError as error:
-                    shelf.refused[receiver] = str(error)
-            if len(shelf.refused) == len(shelf.receivers):
+                    install.refused[receiver] = str(error)
+            if len(install.refused) == len(install.receivers):
                 return
             change.announce()
-        shelf.edition, shelf.note, shelf.generation = edition, change.note, library.generation
-        for receiver, why in shelf.refused.items():
-            shelf.refused[receiver] = f"{why}; {_SHARED}"
+        install.loaded, install.note, install.generation = loaded, change.note, library.generation
+        for receiver, why in install.refused.items():
+            install.refused[receiver] = f"{why}; {_SHARED}"
 
     def _make_durable(self) -> Job:
         """Sync all changes to disk; withdraw those that fail."""
-        folders = [shelf.library.folder for shelf in self._noted()]
+        folders = [install.library.folder for install in self._announced()]
         if not folders:
             return
         syncing = in_background(partial(_force_to_disk, folders))
@@ -172,33 +172,33 @@ class BundleInstall:
         try:
             syncing.result()
         except Exception as error:
-            for shelf in self._noted():
-                if withdraw(shelf.library.folder, shelf.note):
-                    shelf.refuse_all(error)
-                    shelf.library.load(strict=False)
+            for install in self._announced():
+                if withdraw(install.library.folder, install.note):
+                    install.refuse_all(error)
+                    install.library.load(strict=False)
 
-    def _swap(self, shelf: _LibraryInstall, receiver: Any) -> None:
+    def _swap(self, install: _LibraryInstall, receiver: Any) -> None:
         agent = receiver.agent
-        digest, why = "", shelf.refused.get(receiver, "")
+        digest, why = "", install.refused.get(receiver, "")
         if not why:
             try:
-                if agent.library is not shelf.library:
+                if agent.library is not install.library:
                     raise HitabError(f"{agent.name} uses another library now; send it again")
-                edition = shelf.current()
-                notes = agent.take_up(edition, self._start)
-                digest, why = self._digest_in(edition), "; ".join(notes)
+                loaded = install.current()
+                notes = agent.take_up(loaded, self._start)
+                digest, why = self._digest_of(loaded), "; ".join(notes)
             except Exception as error:
                 why = f"{what_went_wrong(error)}; {_SAVED}"
         self._taken_in(receiver, self._sequence, digest, why)
 
-    def _digest_in(self, edition: LoadedLibrary) -> str:
-        if edition not in self._digests:
+    def _digest_of(self, loaded: LoadedLibrary) -> str:
+        if loaded not in self._digests:
             names = [name for name, _ in self._bundle.files]
-            self._digests[edition] = digest_in(edition, names)
-        return self._digests[edition]
+            self._digests[loaded] = digest_in(loaded, names)
+        return self._digests[loaded]
 
-    def _noted(self) -> list[_LibraryInstall]:
-        return [shelf for shelf in self._shelves if shelf.note]
+    def _announced(self) -> list[_LibraryInstall]:
+        return [install for install in self._installs if install.note]
 
 
 _SHARED = "other agents that share its library have it; reload the library to use it here"
