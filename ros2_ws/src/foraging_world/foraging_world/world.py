@@ -187,7 +187,7 @@ class ForagingWorld(EpisodicWorld):
         if name not in there:
             raise WorldError(f'nothing is called "{name}" {has(there, name)}')
         if any(map(math.isinf, (placement.x, placement.y, placement.heading))):
-            raise WorldError(f"{name}: a figure is infinite; give a number or NaN")
+            raise WorldError(f"{name}: a value is infinite; give a number or NaN")
         for figure, half in (("x", self.size[0] / 2.0), ("y", self.size[1] / 2.0)):
             if abs(getattr(placement, figure)) > half:
                 raise WorldError(

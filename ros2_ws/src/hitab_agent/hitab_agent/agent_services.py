@@ -113,7 +113,7 @@ class AgentServices:
             done.append(f'saving it will replace the "{name}" in the library, with {examples}')
             remedies.append(Fix.TRAIN_FURTHER(agent=agent, behavior=name))
         if not session.curriculum.features:
-            done.append("no feature is chosen, so it cannot tell situations apart yet")
+            done.append("no feature is chosen, so all situations look the same to it")
             remedies += [Fix.CHOOSE_FEATURES(agent=agent), Fix.VOCABULARY(agent=agent)]
         response.remedies = remedy_messages(remedies)
         return "; ".join(done)

@@ -201,8 +201,8 @@ class BundleInstall:
         return [install for install in self._installs if install.note]
 
 
-_SHARED = "other agents that share its library have it; reload the library to use it here"
-_SAVED = "it is in the library; reload the library to use it"
+_SHARED = "other agents with this library have the behavior; reload the library to use it here"
+_SAVED = "the behavior is in the library; reload the library to use it"
 
 
 def _force_to_disk(folders: list[Path]) -> None:

@@ -119,10 +119,10 @@ class BehaviorSaved(Record):
         if corrections < self.corrections:
             return (
                 f"it has {quantity(corrections, 'correction')}; resume its training, test it, "
-                "take over where it is wrong, and command what is right"
+                "take over where it is wrong, and command the right behavior"
             )
         if len(file.expectations) < self.expectations:
-            return f"it carries too few; say what must stay, with `{called()} library expect`"
+            return f"it carries too few; add some with `{called()} library expect`"
         return "; ".join(file.broken)
 
 

@@ -71,7 +71,7 @@ class JoystickInput:
         elif was_lost or self._trouble:
             self._was_there, self._trouble = True, ""
             hold = self._mapping.hold
-            demonstrator.tell(f"the joystick is there; nothing counts unless {hold} is held")
+            demonstrator.tell(f"the joystick is connected; nothing counts unless {hold} is held")
         if taken.trouble:
             demonstrator.let_go()
         elif self._held is None:
@@ -117,7 +117,7 @@ class JoystickInput:
         if None in values:
             name = held.wanted[values.index(None)].name
             self._demonstrator.tell(
-                f"{held.behavior} is left out: the stick gave no {name}; hold {held.button}, "
+                f"{held.behavior} is not commanded: the stick gave no {name}; hold {held.button}, "
                 f"push the stick, and let {held.button} go",
                 failed=True,
             )

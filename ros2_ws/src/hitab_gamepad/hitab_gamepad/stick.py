@@ -145,7 +145,7 @@ class Stick:
         if wall - stamp > mapping.timeout:
             return (
                 f"the joystick's messages are {wall - stamp:.1f} s old when they come; set the "
-                "clocks of both computers, or look whether the network is slow"
+                "clocks of both computers, or check whether the network is slow"
             )
         if stamp < self._stamp and wall - self._stamp <= mapping.timeout:
             return "the joystick's messages come out of order"

@@ -179,7 +179,7 @@ def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tupl
         try:
             message = parse_message(decode(datagram))
         except ProtocolError as error:
-            raise ServerError(f"what answers at {where} is not an rcssserver: {error}") from None
+            raise ServerError(f"the program at {where} is not an rcssserver: {error}") from None
         if isinstance(message, Init):
             return message, sender
         if isinstance(message, Refusal):

@@ -138,7 +138,7 @@ class RobotBody:
         if len(values) != len(self.robot.values):
             raise VocabularyError(
                 f"a percept has {quantity(len(values), 'value')} and this robot "
-                f"{len(self.robot.values)}; both must come of one declaration"
+                f"{len(self.robot.values)}; both must come from one declaration"
             )
         self._values = values
         self._remember()
@@ -165,13 +165,15 @@ class RobotBody:
         if not is_velocity(velocity):
             missing = [name for name in self.robot.values if math.isnan(self[name])]
             raise FeatureValueError(
-                "its behavior commands a velocity that is no number; without a value now: "
+                "its behavior commands a velocity that is not a number; without a value now: "
                 f"{some(missing) or 'nothing'}"
             )
         velocity = self.robot.drive.clipped(velocity)
         for name, places in self.robot.needed.items() if velocity != NO_VELOCITY else ():
             if all(math.isnan(self._values[i]) for i in places):
-                raise FeatureValueError(f"{name} has no value, and it must not drive without it")
+                raise FeatureValueError(
+                    f"{name} has no value, and the robot must not drive without it"
+                )
         self.velocity = velocity
 
     @property

@@ -198,7 +198,7 @@ class _SensorInput:
         """Return why the sensor has no values, or another fault; empty if there is none."""
         what = f"sensor {self.name}, {self._subscription.topic_name}"
         if self._unplaced:
-            return f"{what}: tf2 knows no way from its frame {self._unplaced} to base_frame"
+            return f"{what}: tf2 has no transform from its frame {self._unplaced} to base_frame"
         if self.freshness.trouble:
             return f"{what}: {self.freshness.trouble}; set the clocks of all machines"
         if self.freshness.is_fresh(now):

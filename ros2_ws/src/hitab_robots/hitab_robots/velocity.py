@@ -162,7 +162,7 @@ class Gate:
             return f"fell silent for over {BREAK_OFF_S:g} s while it moved" if broke_off else ""
         if commanded is self._in_control(now):
             self._velocity = NO_VELOCITY
-        return f"commands {velocity}, which is no velocity"
+        return f"commands {velocity}, which is not a velocity"
 
     def velocity(self, now: float) -> Velocity | None:
         """Return the velocity to send to the base now; None leaves the base to other drivers."""

@@ -179,13 +179,13 @@ class VelocityRelay(GuardedNode):
         topic = self._base.topic_name
         infos = self.get_subscriptions_info_by_topic(topic)
         if back := self._bases.look({bytes(i.endpoint_gid): name_of(i) for i in infos}, now):
-            self._interrupt(f"{some(sorted(back))}, which takes {topic}, was started again")
+            self._interrupt(f"{some(sorted(back))}, subscribed to {topic}, was started again")
         before, self._matched = self._matched, self._base.get_subscription_count()
         if self._matched > before:
             self._gate.rest(now)  # the base may hold another driver's velocity
             self._still_since = now
         missing = self._bases.missing or not self._matched
-        self._cause("base", f"no base takes {topic}" if missing else "")
+        self._cause("base", f"no base subscribes to {topic}" if missing else "")
 
     def _look_after_agent(self, now: float) -> None:
         """Stop the robot if the agent has died or is silent."""

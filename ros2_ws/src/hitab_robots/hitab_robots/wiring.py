@@ -73,8 +73,8 @@ def second_driver(node: AgentNode, reach: Reach) -> str:
     if not others:
         return ""
     return (
-        f"{some(others)} publishes {topic}, past the {names.VELOCITY_RELAY}: neither its limits "
-        f"nor the emergency stop hold for that; remap it to "
+        f"{some(others)} publishes {topic}, past the {names.VELOCITY_RELAY}: neither the relay's "
+        f"limits nor the emergency stop apply to it; remap it to "
         f"{node.resolve_topic_name(AGENT_VELOCITY_TOPIC)}, as TwistStamped"
     )
 

@@ -249,7 +249,7 @@ class SimulationWorld(EpisodicWorld):
             if not all(map(math.isfinite, found[name])):
                 raise WorldError(
                     f"{where}: the percept of {name} is not finite: {found[name]}; a feature may "
-                    "return NaN, a percept has numbers alone"
+                    "return NaN, but percepts must be finite"
                 )
         if len({*map(len, found.values())}) > 1:
             raise WorldError(f"{where}: percepts differ in length; give all agents equally many")

@@ -81,7 +81,7 @@ def reading(
         for key, mine in _origin(world, version).items():
             if snapshot.get(key) != mine:
                 way_out = (
-                    "another version of HiTAB took it: take it anew"
+                    "another version of HiTAB took it: take a new snapshot"
                     if key == "version"
                     else "restore it in a world like the one it was taken from"
                 )

@@ -54,7 +54,7 @@ def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict
         given = (p.x, p.y, p.heading, p.vx / CYCLES_PER_SECOND, p.vy / CYCLES_PER_SECOND)
         now = (mover.x, mover.y, mover.heading, mover.vx, mover.vy)
         if any(math.isinf(value) for value in given):
-            raise WorldError(f"{p.name}: a figure is infinite; give a number or NaN")
+            raise WorldError(f"{p.name}: a value is infinite; give a number or NaN")
         x, y, heading, vx, vy = (
             old if math.isnan(new) else float(new) for new, old in zip(given, now, strict=True)
         )

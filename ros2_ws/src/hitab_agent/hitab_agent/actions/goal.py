@@ -234,7 +234,7 @@ class Goal:
         if answer.return_code in _GOAL_OVER:
             self._end()
         else:
-            self.runs_on = f"{self._server.label} refuses to cancel a goal, and goes on with it"
+            self.runs_on = f"{self._server.label} refuses to cancel a goal, and continues it"
             self._stage = _Stage.ENDED
             self._server.changed()
 

@@ -54,7 +54,7 @@ def _entry(
     remap: Mapping[str, str] | None = None,
 ) -> Entry:
     if not isinstance(remap, dict | None):
-        raise TypeError(f"the names {remap!r} to use instead of others must be a mapping")
+        raise TypeError(f"the remappings {remap!r} must be a mapping from name to name")
     if not isinstance(name, str) or not isinstance(parameters, dict | None):
         raise TypeError(f"{name!r} must be a name, and its parameters {parameters!r} a mapping")
     return Entry(name, _node_class(node), parameters or {}, remap or {})
