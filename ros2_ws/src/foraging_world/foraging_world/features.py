@@ -86,9 +86,9 @@ FEATURES = (
     Feature(
         "HoldsALargeBox", holds_a_large_box, FeatureKind.BOOLEAN, description="a large box is held"
     ),
-    Feature("Hands", hands, description="how many foragers hold the box that is held"),
-    Feature("Waited", waited, unit="s", description="how long the box held has not moved"),
-    Feature("Rested", rested, unit="s", description="how long ago a box was given up"),
+    Feature("Hands", hands, description="how many foragers hold the held box"),
+    Feature("Waited", waited, unit="s", description="for how long the held box has not moved"),
+    Feature("Rested", rested, unit="s", description="time since a box was given up"),
 )
 
 TARGETS = (

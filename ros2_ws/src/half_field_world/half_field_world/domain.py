@@ -121,7 +121,7 @@ DOMAIN = Domain.of(
             line_slack,
             parameters=("X",),
             unit="m",
-            description="by how much opponents miss a ball kicked to X; below 0: they reach it",
+            description="distance by which opponents miss a ball kicked to X; < 0: they reach it",
         ),
     ),
     targets=(
@@ -130,7 +130,7 @@ DOMAIN = Domain.of(
         Target("spot", lambda body: SPOT, "the penalty spot"),
         Target("near_wing", AttackerBody.near_wing, "beside the area, on the ball's side"),
         Target("far_wing", AttackerBody.far_wing, "beside the area, on the side without the ball"),
-        Target("best_mate", AttackerBody.best_mate, "who to pass to: advanced, and in reach"),
+        Target("best_mate", AttackerBody.best_mate, "the mate to pass to: advanced, and in reach"),
     ),
     automata=KEEPAWAY.automata.values(),
 )

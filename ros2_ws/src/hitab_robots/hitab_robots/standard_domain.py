@@ -32,7 +32,7 @@ def motion(
     """Return a behavior that moves at a constant velocity; by default, it stands still.
 
     Args:
-        name: the word's name.
+        name: the behavior's name.
         ahead: m/s.
         turn: rad/s, counter-clockwise.
         left: m/s, of robots that can move sideways.
@@ -124,13 +124,13 @@ def drive_to(
 
 
 def _distance(body: RobotBody, point: Point) -> float:
-    """Return how far away a point is from the robot's center, m."""
+    """Return the distance of a point from the robot's center, m."""
     x, y, _ = body.place
     return math.hypot(point[0] - x, point[1] - y)
 
 
 def _bearing(body: RobotBody, point: Point) -> float:
-    """Return in which direction a point is, rad from ahead, positive left."""
+    """Return the direction of a point, rad from ahead, positive left."""
     x, y, heading = body.place
     angle = math.atan2(point[1] - y, point[0] - x) - heading
     return math.remainder(angle, math.tau) if math.isfinite(angle) else math.nan
@@ -145,7 +145,7 @@ def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Fea
     """Return a feature that is one of the robot's values, such as ``imu.pitch``.
 
     Args:
-        name: the word's name.
+        name: the feature's name.
         value: the name of the value.
         required: whether the agent must not decide without a value.
         more: further arguments of `Feature`, such as kind and unit.
@@ -181,7 +181,7 @@ def nearest_range(name: str, sector: str, *, required: bool = True) -> Feature:
         >>> nearest_range("RangeAhead", "scan.ahead").read(body)
         0.8
     """
-    nearest = f"how far away the nearest thing is that {sector} sees"
+    nearest = f"distance to the nearest thing in {sector}"
     return reading(name, f"{sector}.range", required=required, unit="m", description=nearest)
 
 
@@ -199,7 +199,7 @@ def nearest_bearing(name: str, sector: str, *, required: bool = False) -> Featur
         required=required,
         kind=FeatureKind.TOROIDAL,
         unit="rad",
-        description=f"in which direction the nearest thing is that {sector} sees; 0: ahead",
+        description=f"direction of the nearest thing in {sector}; 0: ahead",
     )
 
 
@@ -211,7 +211,7 @@ def distance_to(name: str = "DistanceTo", *, required: bool = True) -> Feature:
         parameters=("X",),
         unit="m",
         required=required,
-        description="how far away the target is",
+        description="distance to the target",
     )
 
 
@@ -232,7 +232,7 @@ def heading_to(name: str = "HeadingTo", *, required: bool = True) -> Feature:
         parameters=("X",),
         unit="rad",
         required=required,
-        description="in which direction the target is; 0: ahead",
+        description="direction of the target; 0: ahead",
     )
 
 
@@ -256,7 +256,7 @@ def facing(
         raise VocabularyError(
             f'feature "{name}" is true within {within:g} rad; it must be between 0 and pi'
         )
-    about = f"it faces the target, within {math.degrees(within):.0f} deg"
+    about = f"the robot faces the target, within {math.degrees(within):.0f} deg"
     return _within(name, _bearing, within, required, about)
 
 
@@ -330,7 +330,7 @@ def stuck(name: str = "Stuck", seconds: float = 2.0, fraction: float = 0.2) -> F
         read,
         FeatureKind.BOOLEAN,
         required=True,
-        description=f"it should have moved in the last {seconds:g} s and has not",
+        description=f"the robot was commanded to move for {seconds:g} s and has not",
     )
 
 
