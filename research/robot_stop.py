@@ -74,7 +74,7 @@ HELD_S = 1.5
 
 
 class Base:
-    """A base that does what it was told last, however long ago that is."""
+    """A base that obeys its last velocity, however old it is."""
 
     def __init__(self, link: RosLink) -> None:
         self.link = link

@@ -205,7 +205,7 @@ class Gamepad:
 
     def until_there_again(self) -> None:
         """Wait until its messages count again."""
-        there = "the joystick is there"
+        there = "the joystick is connected"
         before = self.log.read_text().count(there)
         self.until(lambda: self.log.read_text().count(there) > before)
 

@@ -98,7 +98,7 @@ def test_in_training_too_a_silent_sensor_stops_the_robot_until_the_next_command(
 def test_a_robot_whose_scanner_is_silent_does_not_drive_whatever_it_performs(desk):
     desk.perform("TurnLeft")
     desk.robot.send_signal(signal.SIGSTOP)
-    desk.until(lambda: desk.has_fault("scan has no value, and it must not drive without it"))
+    desk.until(lambda: desk.has_fault("scan has no value, and the robot must not drive"))
     desk.until(desk.moves)
     desk.robot.send_signal(signal.SIGCONT)
     desk.until(lambda: desk.has_fault("that is over"))

@@ -136,7 +136,7 @@ def test_packages_do_not_depend_on_one_another_in_a_circle():
 
 def test_all_packages_have_one_version_and_ask_it_of_one_another():
     (version,) = {ElementTree.parse(m).getroot().findtext("version") for m in MANIFESTS}
-    assert f"it is {version}" in (ROOT / "docs/conventions.md").read_text()
+    assert f"the version is {version}" in (ROOT / "docs/conventions.md").read_text()
     ours = {manifest.parent.name for manifest in MANIFESTS}
     for manifest in MANIFESTS:
         asked = depends(manifest, *ALL)

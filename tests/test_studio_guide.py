@@ -123,8 +123,8 @@ def test_who_does_what_the_page_says_has_a_keeper_that_reaches_the_ball(swarm, p
     turn(150.0)
     says("Press the key on the button `TurnToBall`.")
     command("TurnToBall")
-    says("*Just recorded* shows the example with what the keeper saw, and below it the default")
-    says("example: otherwise, go on turning.")
+    says("*Just recorded* shows the example with the keeper's percept, and below it the default")
+    says("example: otherwise, continue turning.")
     person.sees("counts", "2 examples")
     texts = person.page.locator('[data-test="recorded"]').all_inner_texts()
     assert ["default" in text for text in texts] == [False, True]
@@ -156,7 +156,7 @@ def test_who_does_what_the_page_says_has_a_keeper_that_reaches_the_ball(swarm, p
     command("Stop")
     person.sees("counts", "18 examples")
 
-    says("Press `T`: now what the keeper has learned decides, and the frame turns teal.")
+    says("Press `T`: now the learned automaton decides, and the frame turns teal.")
     trainer.press("t", "toggle")
     person.page.wait_for_selector('.overlay[data-mode="testing"]')
     says("Press `R` for a new episode and Space to let the world run.")
@@ -176,7 +176,8 @@ def test_who_does_what_the_page_says_has_a_keeper_that_reaches_the_ball(swarm, p
     world.control("pause")
 
     says(
-        "**Save…** shows what will be kept and what is trimmed, and lets you turn a target into a"
+        "**Save…** shows which features will be kept and which are trimmed, and lets you turn a "
+        "target into a"
     )
     says("parameter.")
     person.click("save")

@@ -46,11 +46,11 @@ def red_jpeg() -> bytes:
 
 
 class Robot:
-    """Publishes what a robot publishes, in a thread of its own, until it is told not to.
+    """Publishes what a robot publishes, in a thread of its own, until it is stopped.
 
     Attributes:
         silent: topics on which nothing is published at present.
-        driven: what the base was told.
+        driven: the velocity that was sent to the base.
     """
 
     def __init__(self, domain_id: int) -> None:
@@ -207,7 +207,9 @@ def test_a_robot_is_seen_on_its_map_with_its_camera_and_nothing_asks_for_a_world
     person.sees("waits", f"sensor scan, /{ROBOT}/scan: silent")
     page.wait_for_function("studioField.robots.points.length === 0")
     there.silent = set()
-    person.sees("waits", "scan has no value, and it must not drive without it; that is over")
+    person.sees(
+        "waits", "scan has no value, and the robot must not drive without it; that is over"
+    )
     person.click("arm")
     person.does_not_see("waits")
     person.click("camera-caption")

@@ -99,7 +99,7 @@ class RoomViews(Node):
 
 
 def main() -> None:
-    """Run until told to stop."""
+    """Run until stopped."""
     rclpy.init()
     try:
         rclpy.spin(RoomViews())

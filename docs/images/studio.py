@@ -5,7 +5,7 @@ scripts/python docs/images/studio.py
 A person at a real browser trains ApproachBall by clicking, has a look at what would be learned
 from another feature, is asked which of two commands holds, stops all robots, makes a generation of
 the team, arranges a scenario by dragging, and looks into what the shipped keepers have learned,
-while they play. Then somebody trains a robot that is in no simulated world.
+while they play. Then the person trains a robot that is in no simulated world.
 
 With ``--only robot`` (or ``keepers``) it takes only these pictures.
 """

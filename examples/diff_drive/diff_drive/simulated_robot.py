@@ -113,7 +113,7 @@ def main() -> None:
         pass
     except RCLError:
         if rclpy.ok():
-            raise  # else it was told to stop while it published
+            raise  # otherwise the node was stopped while it published
     finally:
         node.destroy_node()
         rclpy.try_shutdown()

@@ -250,7 +250,7 @@ def main() -> None:
         pass
     except RCLError:
         if rclpy.ok():
-            raise  # else it was told to stop while it published
+            raise  # otherwise the node was stopped while it published
     finally:
         with suppress(RCLError):
             rclpy.try_shutdown()

@@ -34,7 +34,7 @@ def parse_all(
     """Return the actions of all foragers, and the refused ones by agent.
 
     Args:
-        actions: by agent; agents that are missing do nothing.
+        actions: the actions by agent; agents that are missing do nothing.
         index: row of each forager.
     """
     commands = np.zeros((len(index), ACTION_LENGTH))

@@ -1,4 +1,4 @@
-"""The robots, boxes and obstacles as pymunk bodies, moved by one cycle at a time.
+"""The robots, boxes and obstacles as pymunk bodies, which move by one cycle at a time.
 
 A cycle depends only on the given positions and velocities, so that a world restored from a
 snapshot continues bit for bit like the original:
@@ -26,9 +26,9 @@ FORAGER, BOX, RING, OBSTACLE = 1, 2, 4, 8  # categories of shapes
 FORAGER_MASS, BOX_MASS = 1.0, 10_000.0
 ITERATIONS = 4
 SLOP = 0.005  # m: how much bodies may overlap
-BIAS = 1e-6  # how much of an overlap is left after a second
-WALL = 2.0  # m: thickness, so that no robot is pushed through
-APART = 1e4  # m
+BIAS = 1e-6  # fraction of an overlap that is left after a second
+WALL = 2.0  # m: thickness of walls, so that no robot is pushed through
+APART = 1e4  # m: distance between bodies while the solver forgets their contacts
 
 
 class Bodies:
@@ -39,7 +39,7 @@ class Bodies:
 
     Args:
         parameters: counts, sizes.
-        box_radius: of each box, m.
+        box_radius: radius of each box, m.
         obstacles: centers, shape (obstacles, 2), m.
     """
 

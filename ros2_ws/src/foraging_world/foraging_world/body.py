@@ -62,7 +62,7 @@ class ForagerBody:
         return self.values[percept.HELD]
 
     def sees(self, place: int) -> bool:
-        """Whether the thing at a place is seen or known by radio."""
+        """Return whether the thing at a place is seen, or known by radio."""
         return self.values[place] < NOT_SEEN_M
 
     def drive(self, effort: float) -> None:

@@ -49,17 +49,17 @@ def holds_a_large_box(body: ForagerBody) -> float:
 
 
 def hands(body: ForagerBody) -> float:
-    """Return how many foragers hold the box that this one holds; 0 if it holds none."""
+    """Return how many foragers hold the box that this forager holds; 0 if it holds none."""
     return body.values[percept.HANDS]
 
 
 def waited(body: ForagerBody) -> float:
-    """Return how long the held box has not moved, s."""
+    """Return for how long the held box has not moved, s."""
     return body.values[percept.WAITED]
 
 
 def rested(body: ForagerBody) -> float:
-    """Return how long ago a box was given up, s; 1000 if never."""
+    """Return the time since the forager last gave up a box, s; 1000 if it never did."""
     return body.values[percept.RESTED]
 
 
@@ -86,9 +86,9 @@ FEATURES = (
     Feature(
         "HoldsALargeBox", holds_a_large_box, FeatureKind.BOOLEAN, description="a large box is held"
     ),
-    Feature("Hands", hands, description="how many foragers hold the box that is held"),
-    Feature("Waited", waited, unit="s", description="how long the box held has not moved"),
-    Feature("Rested", rested, unit="s", description="how long ago a box was given up"),
+    Feature("Hands", hands, description="how many foragers hold the held box"),
+    Feature("Waited", waited, unit="s", description="for how long the held box has not moved"),
+    Feature("Rested", rested, unit="s", description="time since a box was given up"),
 )
 
 TARGETS = (
@@ -117,6 +117,6 @@ TARGETS = (
     Target(
         "scouted_box",
         lambda body: percept.SCOUTED_BOX,
-        "the closest box that a scout of the own squad sees and nobody of it holds",
+        "the closest box that a scout of the own squad sees and no member of it holds",
     ),
 )

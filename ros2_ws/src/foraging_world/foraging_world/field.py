@@ -18,28 +18,28 @@ from hitab_world.parameters import ParameterError
 Floats = NDArray[np.float64]
 
 NO_BOX = -1
-AWAY = 1e6  # m: where boxes are kept that are home for good
+AWAY = 1e6  # m: place of the boxes that have come home and do not return
 
 
 class Field:
     """Robots and boxes on a field; row i is robot i, or box i.
 
     Attributes:
-        xy, velocity: of the robots, m and m/s; shape (foragers, 2).
-        heading: rad.
-        held: index of the box that each holds, or `NO_BOX`.
-        grip: where each holds it, relative to the box's center, m.
-        waited: how long the box that each holds has not moved, s.
-        rested: how long ago each has let go of a box by itself, s.
-        box_xy, box_velocity: m and m/s; shape (boxes, 2).
-        present: whether a box is on the field.
-        box_radius, large: fixed; small boxes come first.
+        xy, velocity: positions and velocities of the robots, m and m/s; shape (foragers, 2).
+        heading: headings of the robots, rad.
+        held: index of the box that each robot holds, or `NO_BOX`.
+        grip: place at which each robot holds its box, relative to the box's center, m.
+        waited: time for which the box that each robot holds has not moved, s.
+        rested: time since each robot let go of a box by itself, s.
+        box_xy, box_velocity: positions and velocities of the boxes, m and m/s; shape (boxes, 2).
+        present: whether each box is on the field.
+        box_radius, large: sizes of the boxes; fixed. Small boxes come first.
         scouts: which robots are scouts; fixed.
-        sight, reach: of each robot, m; fixed. No box is in a scout's reach, which is -1.
+        sight, reach: ranges of each robot, m; fixed. A scout's reach is -1: no box is in it.
         hands: how many robots hold each box.
-        obstacles: centers, m; fixed in an episode.
-        collected: boxes brought home in the episode: small ones, large ones.
-        holding: how many robots held a box, summed over the cycles of the episode.
+        obstacles: centers of the obstacles, m; fixed in an episode.
+        collected: numbers of small and of large boxes brought home in the episode.
+        holding: number of robots that held a box, summed over the cycles of the episode.
     """
 
     def __init__(self, parameters: ForagingParameters) -> None:
@@ -89,7 +89,7 @@ class Field:
         self._bodies = Bodies(self.parameters, self.box_radius, self.obstacles)
 
     def _lay(self, box: int) -> bool:
-        """Lay a box somewhere; return whether there was room."""
+        """Put a box somewhere; return whether there was room."""
         p = self.parameters
         others = np.flatnonzero(self.present)
         taken = np.concatenate([self.box_xy[others], self.obstacles, self.xy])
@@ -142,7 +142,7 @@ class Field:
         self._count_hands()
 
     def let_go(self, foragers: NDArray[np.bool_]) -> None:
-        """Have the robots of a mask lose what they hold; this does not count as giving up."""
+        """Make the robots of a mask let go of their boxes; this does not count as giving up."""
         foragers = foragers & (self.held != NO_BOX)
         self.held[foragers] = NO_BOX
         self.waited[foragers] = 0.0
@@ -154,10 +154,10 @@ class Field:
         self.hands = np.bincount(held, minlength=len(self.large))
 
     def _pulled(self, ahead: Floats, drive: Floats) -> Floats:
-        """Return the velocity of each box: the mean of its pullers, if there are enough of them.
+        """Return the velocity of each box: the mean of its pullers', if there are enough of them.
 
-        Pullers in different directions cancel out, so that a box on which all disagree does not
-        move, however many they are.
+        Pulls in different directions cancel out, so that a box does not move if its pullers
+        disagree, however many they are.
         """
         p, boxes = self.parameters, len(self.large)
         pulling = (self.held != NO_BOX) & (drive > 0.0)
@@ -191,7 +191,7 @@ class Field:
         self.box_velocity = (self.box_xy - boxes_before) / seconds
 
     def _hold_on(self, holds: NDArray[np.bool_]) -> None:
-        """Keep robots at the box they hold; when pushed by others, they slide along its edge.
+        """Keep robots at the boxes that they hold; when pushed, they slide along the edge.
 
         So later robots find a place, instead of standing behind the first ones.
         """

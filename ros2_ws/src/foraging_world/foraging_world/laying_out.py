@@ -1,4 +1,4 @@
-"""Where things lie when an episode begins, and where a box is put after it came home."""
+"""The layout of the field at the beginning of an episode, and the places of returned boxes."""
 
 from __future__ import annotations
 
@@ -60,8 +60,8 @@ def box_place(
     """Return where a box can lie: away from home, the walls and everything else.
 
     Args:
-        radius: of the box, m.
-        taken, radii: centers and radii of what the box and its pullers must not touch.
+        radius: radius of the box, m.
+        taken, radii: centers and radii of the things that the box and its pullers must not touch.
     """
     ring = radius + p.ring_width
     return _free_place(p, random, ring, clear_radius(p) + radius, taken, radii + ring)

@@ -1,4 +1,4 @@
-"""All settable figures of the foraging world. Lengths in m, times in s, angles in rad."""
+"""The parameters of the foraging world. Lengths are in m, times in s, angles in rad."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from hitab_world.parameters import NOT_NEGATIVE, ParameterError, Parameters, at_
 
 @dataclass(frozen=True)
 class ForagingParameters(Parameters):
-    """Figures of the field, the boxes and the robots.
+    """Parameters of the field, the boxes and the robots.
 
     Attributes:
         foragers: number of robots.
-        squad_size: consecutive robots that share a radio channel for positions and held boxes: 1
-            to 5, 6 to 10 and so on.
-        company_squads: consecutive squads that share a second channel.
-        scouts: robots of each squad, its first ones, that cannot grip and have a range of sight
-            of their own. With scouts, robots are called scout_1, ..., carrier_1, ..., instead of
-            forager_1, ...; 0 if none.
+        squad_size: number of consecutive robots that share a radio channel for positions and held
+            boxes: 1 to 5, 6 to 10 and so on.
+        company_squads: number of consecutive squads that share a second channel.
+        scouts: number of scouts in each squad, 0 for none. The first robots of a squad are its
+            scouts; they cannot grip, and have their own range of sight. With scouts, robots are
+            called scout_1, ..., carrier_1, ..., instead of forager_1, ....
         scout_sight: range at which scouts see boxes, m.
-        width, height: of the field, which is centered on the origin, m.
-        home_radius: of the home, a disc in the middle, m. A box is home when its center is.
+        width, height: size of the field, which is centered on the origin, m.
+        home_radius: radius of home, a disc in the middle, m. A box is home when its center is.
         obstacles: number of round obstacles.
         small_boxes, large_boxes: number of boxes on the field.
         small_pullers, large_pullers: how many robots must pull before a box moves.
         renew: whether a box that has come home is put elsewhere on the field again, so that
             their number is constant; otherwise the episode ends when all are home.
-        duration: of an episode, s.
+        duration: duration of an episode, s.
         sight: range at which boxes are seen, m, from the robot's center to the box's edge.
         obstacle_sight: range at which obstacles and walls are seen, m, edge to edge.
         reach: range at which a box can be gripped, m, edge to edge.
@@ -77,7 +77,7 @@ class ForagingParameters(Parameters):
     obstacle_radius: float = 1.2
 
     def __post_init__(self) -> None:
-        """Refuse figures that are invalid or leave no room."""
+        """Refuse values that are invalid or leave no room."""
         super().__post_init__()
         if self.foragers * 4.0 * self.forager_radius**2 > 0.5 * self.width * self.height:
             raise ParameterError(

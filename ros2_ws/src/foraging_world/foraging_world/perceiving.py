@@ -1,4 +1,4 @@
-"""Computes what all foragers perceive of a field, in the layout of `foraging_world.percept`."""
+"""The percepts of all foragers on a field, in the layout of `foraging_world.percept`."""
 
 from __future__ import annotations
 
@@ -128,11 +128,11 @@ def _put_boxes(field: Field, senses: Floats, put) -> None:
 
 @dataclass(frozen=True)
 class _Sightings:
-    """Which foragers see what, how far away; sorted by forager, then by distance.
+    """Pairs of a forager and a thing in its sight, sorted by forager, then by distance.
 
     Attributes:
-        forager, thing: indices.
-        gap: edge to edge, m.
+        forager, thing: the indices of each pair.
+        gap: distance from edge to edge, m.
     """
 
     forager: Ints
@@ -144,7 +144,7 @@ class _Sightings:
         return _Sightings(self.forager[mask], self.thing[mask], self.gap[mask])
 
     def by(self, groups: Ints) -> _Sightings:
-        """Return the percepts of groups of foragers; a group stands for a forager."""
+        """Return the sightings with each forager replaced by its group."""
         order = np.lexsort((self.gap, groups[self.forager]))
         return _Sightings(groups[self.forager][order], self.thing[order], self.gap[order])
 
@@ -163,10 +163,10 @@ class _Sightings:
 
 
 def _in_sight(xy: Floats, things: Floats, radii: Floats, sight: Floats) -> _Sightings:
-    """Return which foragers see what; ``radii`` are the sums of a thing's and a forager's.
+    """Return the sightings of all foragers; ``radii`` are sums of a thing's and a forager's.
 
     Args:
-        sight: of each forager, m.
+        sight: range of sight of each forager, m.
     """
     dx = things[:, 0] - xy[:, 0, None]
     dy = things[:, 1] - xy[:, 1, None]

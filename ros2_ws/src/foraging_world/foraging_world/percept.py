@@ -7,9 +7,9 @@ index                 value
 1, 2, 3               own position, m, and heading, rad: foragers are localized
 4                     number of the held box, from 1; 0 if none
 5                     size of that box: 0 none, 1 small, 2 large
-6                     how many robots hold it
-7                     how long it has not moved since it was gripped, s; 0 if none is held
-8                     how long ago the forager last let go of a box by itself, s; FAR if never
+6                     how many robots hold that box
+7                     time for which the held box has not moved, s; 0 if none is held
+8                     time since the forager last let go of a box by itself, s; FAR if never
 9                     reach of the forager, m; -1 if it cannot grip
 10 and so on          places: distance, m, direction relative to the body, rad, box number
 ====================  =====================================================================

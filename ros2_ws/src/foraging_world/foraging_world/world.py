@@ -48,9 +48,9 @@ class ForagingWorld(EpisodicWorld):
     actions. Foragers do not hear each other.
 
     Args:
-        parameters: figures of the field, the boxes and the robots.
-        seed: of the run. Episode i draws from a generator seeded with the two, so that it can be
-            replayed by itself.
+        parameters: parameters of the field, the boxes and the robots.
+        seed: the run's seed. Episode i draws from a generator seeded with it and i, so that any
+            episode can be replayed by itself.
 
     Raises:
         ParameterError: if the field has no room for all boxes and obstacles.
@@ -77,7 +77,7 @@ class ForagingWorld(EpisodicWorld):
         self.reset(0)
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        """Begin an episode: the given one, or the next one; of the given run, or of this one."""
+        """Begin the next episode of this run, or the given episode of the given run."""
         self.begin_episode(episode, seed)
         self._field.begin(world_seed(self.seed, self.episode))
         self._perceived = None
@@ -157,7 +157,7 @@ class ForagingWorld(EpisodicWorld):
         Velocities cannot be set: they follow from the next command.
 
         Raises:
-            WorldError: naming what is unknown or invalid.
+            WorldError: naming the unknown thing or the invalid value.
         """
         placements = list(placements)
         for placement in placements:
@@ -187,7 +187,7 @@ class ForagingWorld(EpisodicWorld):
         if name not in there:
             raise WorldError(f'nothing is called "{name}" {has(there, name)}')
         if any(map(math.isinf, (placement.x, placement.y, placement.heading))):
-            raise WorldError(f"{name}: a figure is infinite; give a number or NaN")
+            raise WorldError(f"{name}: a value is infinite; give a number or NaN")
         for figure, half in (("x", self.size[0] / 2.0), ("y", self.size[1] / 2.0)):
             if abs(getattr(placement, figure)) > half:
                 raise WorldError(
@@ -212,8 +212,8 @@ class ForagingWorld(EpisodicWorld):
         """Restore a state that `snapshot` returned.
 
         Raises:
-            WorldError: if it is of another kind of world, of one with other parameters, or
-                damaged; then nothing has changed.
+            WorldError: if the snapshot is damaged, or of a world of another kind or other
+                parameters; nothing has changed then.
         """
         with snapshots.reading(snapshot, self, SNAPSHOT_VERSION) as moment:
             self._field.restore(snapshot["field"])
@@ -221,10 +221,10 @@ class ForagingWorld(EpisodicWorld):
         self._perceived = None
 
     def result(self) -> EpisodeResult:
-        """Return how the present episode has gone so far.
+        """Return the result of the present episode so far.
 
-        Its measures are the boxes brought home, also by size, and how many foragers hold a box in
-        the mean.
+        Its measures are the boxes brought home, also by size, and the mean number of foragers that
+        hold a box.
         """
         small, large = map(float, self._field.collected.tolist())
         pullers = self._field.holding.item() / max(self.episode_cycle, 1)
@@ -233,7 +233,7 @@ class ForagingWorld(EpisodicWorld):
 
 
 def _names(p: ForagingParameters, field: Field) -> Iterator[str]:
-    """Yield the names of the robots: the kind of each, and its number among these."""
+    """Yield the names of the robots: each one's kind, and its number within the kind."""
     counts = Counter[str]()
     for scout in field.scouts.tolist():
         kind = ("scout" if scout else "carrier") if p.scouts else "forager"

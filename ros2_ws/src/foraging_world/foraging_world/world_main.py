@@ -4,7 +4,7 @@ For example::
 
     python -m foraging_world.world_main --ros-args -r __ns:=/world -p parameters.foragers:=100
 
-Figures of the world are parameters; see `foraging_world.parameters`.
+The figures of the world are ROS parameters; see `foraging_world.parameters`.
 """
 
 from __future__ import annotations

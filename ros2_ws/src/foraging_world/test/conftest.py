@@ -15,7 +15,7 @@ from hitab_world.world import Placement
 
 @pytest.fixture
 def quiet():
-    """Make a world without noise, obstacles and boxes, unless told otherwise."""
+    """Make a world without noise, obstacles and boxes, unless parameters are given."""
 
     def make(**figures):
         base = {"noise": 0.0, "obstacles": 0, "small_boxes": 0, "large_boxes": 0, "renew": False}

@@ -1,4 +1,4 @@
-"""An attacker's body: where the goal is, and how widely opponents miss a ball sent somewhere."""
+"""An attacker's body: fixed places, and by how much opponents would miss a ball."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ FIXED = MappingProxyType(
 """The corners, the middle of the goal, the penalty spot and two places on the wings."""
 
 AIMS = tuple(part * (field.GOAL_WIDTH / 2.0 - 0.8) for part in (-1.0, -0.5, 0.0, 0.5, 1.0))
-"""Where on the goal line a shot is aimed at, m."""
+"""The y coordinates on the goal line at which shots are aimed, m."""
 
-LATE = 1  # cycles until an opponent runs at full speed
-AT_FOOT = 1.0  # m from the receiver, where a pass has arrived
+LATE = 1  # number of cycles until an opponent runs at full speed
+AT_FOOT = 1.0  # m: distance from the receiver at which a pass has arrived
 
 
 @dataclass(frozen=True, slots=True)
 class BallPath:
-    """A way on which the ball can be sent.
+    """A path along which the ball can be kicked.
 
     Attributes:
-        slack: by how much the opponents miss it, m; below 0: they can reach it.
+        slack: distance by which the opponents miss the ball, m; negative if they can reach it.
         bearing: in the world's axes, rad.
     """
 
@@ -62,7 +62,7 @@ class AttackerBody(KeeperBody):
         self._lines.clear()
 
     def at(self, place: int) -> Point:
-        """Return where something is, m."""
+        """Return the position of a thing, m."""
         x, y = self.position
         if place in self.fixed:
             right, up = self.fixed[place]
@@ -71,7 +71,7 @@ class AttackerBody(KeeperBody):
         return x + dx, y + dy
 
     def line_to(self, place: int) -> BallPath:
-        """Return the way of a pass to a mate, or of the best shot to `GOAL`, from the ball."""
+        """Return the ball's path for a pass to a mate, or for the best shot at `GOAL`."""
         if place not in self._lines:
             ball = self.at(BALL)
             if place == GOAL:
@@ -102,7 +102,7 @@ class AttackerBody(KeeperBody):
         return BallPath(min(slack, far), bearing)
 
     def best_mate(self) -> int:
-        """Return the mate to pass to: the most advanced that a pass reaches, else the freest."""
+        """Return the mate to pass to: the most advanced in reach of a pass, else the freest."""
 
         def worth(mate: int) -> tuple[bool, float]:
             slack = self.line_to(mate).slack

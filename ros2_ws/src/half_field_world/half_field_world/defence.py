@@ -3,7 +3,8 @@
 The defender nearest in time goes to the ball and holds it; each other defender stands between the
 goal and an attacker without the ball, the most advanced attacker first. The goalie catches, comes
 out for a shot and for a ball that no attacker reaches earlier, and otherwise stands on the line
-from the ball to the middle of the goal. Frozen: the figures of attackers depend on it.
+from the ball to the middle of the goal. Do not change this policy: published results of attackers
+depend on it.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from keepaway_world.interception import (
 from keepaway_world.physics import Mover, Physics
 from keepaway_world.takers import stop_ball
 
-MARKING = 1.5  # m from a marked attacker, towards the goal
+MARKING = 1.5  # m: distance from a marked attacker, towards the goal
 ARRIVED = 0.5  # m
 OUT_OF_GOAL, OUT_MOST = 0.15, 4.0  # how far the goalie comes out: of the ball's distance; m
 
@@ -41,10 +42,10 @@ class Defence:
         self._attackers = Interceptor(p)
 
     def begin(self) -> None:
-        """Begin an episode; they keep no state."""
+        """Do nothing: the defenders have no state."""
 
     def decide(self) -> list[Order]:
-        """Return the order of each for this cycle; its dash power is already slowed."""
+        """Return the order of each opponent for this cycle, with the dash power already slowed."""
         physics, ball = self._physics, self._physics.ball
         track = self._own.track(ball)
         *defenders, goalie = physics.takers
@@ -67,7 +68,7 @@ class Defence:
         return [*orders, self._keep_goal(goalie, track, attack)]
 
     def _to_mark(self, ball: Mover) -> list[Mover]:
-        """Return the attackers but the one nearest to the ball, those near the goal first."""
+        """Return all attackers except the one nearest to the ball, ordered by nearness to goal."""
         nearest = min(self._physics.keepers, key=lambda a: _apart(a, ball))
         others = [a for a in self._physics.keepers if a is not nearest]
         return sorted(others, key=lambda a: math.hypot(field.GOAL_X - a.x, a.y))

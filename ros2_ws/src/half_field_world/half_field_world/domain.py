@@ -21,11 +21,11 @@ from keepaway_world.parameters import PAPER
 from keepaway_world.percept import BALL
 
 SHOT = PAPER.ball_speed_max
-TOUCH = 1.1  # of the ball in a dribble: a runner is back at it after five cycles
+TOUCH = 1.1  # speed of the ball in a dribble: a runner reaches it again after five cycles
 LOOKS_AHEAD = 5.0  # m
 SIDESTEPS = tuple(math.radians(off) for off in (0.0, 35.0, -35.0, 70.0, -70.0))
-PER_RAD = 2.0  # m of room that a turn away from the goal must gain
-THERE = 1.0  # m: near enough to a place
+PER_RAD = 2.0  # m of room that each rad of a turn away from the goal must gain
+THERE = 1.0  # m: distance at which a place counts as reached
 
 _RUNNER = Interceptor(PAPER)
 
@@ -95,7 +95,7 @@ def dribble(body: AttackerBody) -> None:
 
 
 def line_slack(body: AttackerBody, place: int) -> float:
-    """Return by how much opponents miss a pass to a mate or the best shot, m."""
+    """Return the distance by which opponents miss a pass to a mate or the best shot, m."""
     return NAN if place == NO_PLAYER else body.line_to(place).slack
 
 
@@ -121,7 +121,7 @@ DOMAIN = Domain.of(
             line_slack,
             parameters=("X",),
             unit="m",
-            description="by how much opponents miss a ball kicked to X; below 0: they reach it",
+            description="distance by which opponents miss a ball kicked to X; < 0: they reach it",
         ),
     ),
     targets=(
@@ -130,7 +130,7 @@ DOMAIN = Domain.of(
         Target("spot", lambda body: SPOT, "the penalty spot"),
         Target("near_wing", AttackerBody.near_wing, "beside the area, on the ball's side"),
         Target("far_wing", AttackerBody.far_wing, "beside the area, on the side without the ball"),
-        Target("best_mate", AttackerBody.best_mate, "who to pass to: advanced, and in reach"),
+        Target("best_mate", AttackerBody.best_mate, "the mate to pass to: advanced, and in reach"),
     ),
     automata=KEEPAWAY.automata.values(),
 )

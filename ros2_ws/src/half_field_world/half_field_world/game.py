@@ -23,7 +23,7 @@ from keepaway_world.rules import BALL_LOOK, TAKER, Rules
 from keepaway_world.world import KeepawayWorld
 
 GOAL, CAUGHT, OFFSIDE, TIME = "goal", "caught", "offside", "time"
-OFFSIDE_AREA = 2.5  # m: how near to the ball a player in an offside position takes part in play
+OFFSIDE_AREA = 2.5  # m: a player in an offside position takes part in play this near the ball
 
 STOPS = (
     ("goal_l", GOAL),
@@ -32,7 +32,7 @@ STOPS = (
     ("offside_l", OFFSIDE),
     *((word, OUT) for word in ("kick_in", "corner_kick", "goal_kick")),
 )
-"""Why an episode ends when an rcssserver stops play."""
+"""Reasons for the end of an episode when an rcssserver stops play, by the server's play mode."""
 
 BALL_FROM_MIDLINE, BALL_ASIDE = (5.0, 15.0), 15.0
 BEHIND_BALL = 2.0
@@ -67,7 +67,7 @@ class HalfFieldReferee(Referee):
         self._offside: list[str] = []
 
     def saw_kick(self, player: Mover) -> None:
-        """Note that a player kicked the ball, and who is then in an offside position."""
+        """Record that a player kicked the ball, and which players are in an offside position."""
         super().saw_kick(player)
         if not self._offside_counts:
             return
@@ -80,7 +80,7 @@ class HalfFieldReferee(Referee):
         self._offside = [m.name for m in mates if m is not player and m.x > line]
 
     def saw_catch(self, player: Mover) -> None:
-        """Note that the goalie tries to catch the ball where it is."""
+        """Record that the goalie tries to catch the ball."""
         ball = self._physics.ball
         near = math.hypot(player.x - ball.x, player.y - ball.y) <= field.CATCHABLE
         if near and field.in_area(ball.x, ball.y) and player is self._physics.takers[-1]:
@@ -102,7 +102,7 @@ class HalfFieldReferee(Referee):
         return ended
 
     def crossed(self, ball: Mover) -> str:
-        """Return `GOAL` or `OUT` if all of the ball is behind a line, else ""."""
+        """Return `GOAL` or `OUT` if the whole ball is behind a line, else ""."""
         beyond = ball.x - field.GOAL_X - ball.radius
         if beyond > 0.0:
             at_line = ball.y - (beyond * ball.vy / ball.vx if ball.vx > 0.0 else 0.0)
@@ -111,7 +111,7 @@ class HalfFieldReferee(Referee):
         return OUT if out else ""
 
     def measures(self, ended: str) -> dict[str, float]:
-        """Return the figures of the episode so far."""
+        """Return the measures of the episode so far."""
         return {**super().measures(ended), "goals": float(ended == GOAL)}
 
     def state(self) -> dict[str, Any]:

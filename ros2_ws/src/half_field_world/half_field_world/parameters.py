@@ -32,7 +32,7 @@ class HalfFieldParameters(KeepawayParameters):
     time_limit: int = 500
 
     def __post_init__(self) -> None:
-        """Refuse another field than the server's.
+        """Refuse a field of another size than the server's.
 
         Raises:
             ParameterError: if a value is invalid.

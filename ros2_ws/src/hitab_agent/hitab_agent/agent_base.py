@@ -1,4 +1,4 @@
-"""The node of an agent as its parts know it."""
+"""The interface of an agent's node, as its parts use it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from hitab_ros.diagnostics import Diagnosis, Level
 
 
 class AgentBase(GuardedNode):
-    """The node of an agent, as `hitab_agent.agent_node.AgentNode` makes it of its parts.
+    """The interface of an agent's node, which `hitab_agent.agent_node.AgentNode` implements.
 
     Attributes:
         agent: the engine's agent.
@@ -25,7 +25,7 @@ class AgentBase(GuardedNode):
         shared: the `HostResources` of its process.
         status: the agent's `StatusPublisher`.
         percept_log: publishes its percepts for recorders, a `PerceptLog`.
-        stop: of its robot; None if it has none.
+        stop: the stop of the agent's robot; None if it has none.
     """
 
     agent: Agent
@@ -37,7 +37,7 @@ class AgentBase(GuardedNode):
     stop: RobotStop | None = None
 
     def take_in(self, percept: msg.Percept) -> None:
-        """Perceive. The percept object may be reused: an agent must copy the values that stay."""
+        """Take in a percept. The object may be reused, so copy the values that are kept."""
 
     def answer(self, percept: msg.Percept) -> Action:
         """Act on the last percept, unless it is for inspection only."""

@@ -73,7 +73,7 @@ class AgentNode(AgentBase):
             HitabError: if the domain, the library or the journal is unusable.
         """
         self._joined = False
-        # In a host it would cost two endpoints and more for each of many agents.
+        # A logger on /rosout would cost each agent of a host two endpoints and more.
         super().__init__(node_name, **{"enable_rosout": shared is None, **options})
         self.settings = settings = AgentParameters.declare(self)
         self.agent_name = names.own_name(self)
@@ -121,11 +121,11 @@ class AgentNode(AgentBase):
             self._begin(settings.behavior if performed is None else performed)
 
     def remember(self) -> None:
-        """Note what a restart resumes, if that has changed."""
-        self.guard.run("noting what a restart resumes", self.memory.keep, self.resumed())
+        """Store the performed behavior for a restart, if it has changed."""
+        self.guard.run("storing the behavior for a restart", self.memory.keep, self.resumed())
 
     def resumed(self) -> dict[str, Any]:
-        """Return the behavior that a restart resumes."""
+        """Return what is stored for a restart: the behavior to resume."""
         agent = self.agent
         performed = agent.top if agent.mode is Mode.PERFORMING else agent.pending_behavior
         return {"behavior": str(performed or "")}
@@ -133,7 +133,7 @@ class AgentNode(AgentBase):
     def _begin(self, behavior: str) -> None:
         """Perform a behavior at startup; stay idle if there is none or it cannot be performed.
 
-        The library may have changed in the meantime; the agent must be up for it to be fixed.
+        The library may have changed in the meantime, and only an agent that is up can be mended.
         """
         if not behavior:
             return
@@ -189,7 +189,7 @@ class AgentNode(AgentBase):
             self.status.began(note=f"was restarted; it {again}")
 
     def _join_link(self) -> None:
-        """Connect to the world, or to the robot of its own."""
+        """Connect the agent to the world, or to its own robot."""
         settings = self.settings
         if self.agent.domain.link:
             link = link_class(self.agent.domain)
@@ -203,7 +203,7 @@ class AgentNode(AgentBase):
             self._link = WorldLink(self, settings.world)
 
     def _join_actions(self) -> None:
-        """Become a client of the actions that are behaviors, and offer the behaviors as one."""
+        """Create clients for behaviors that are actions, and offer the agent's own action."""
         settings = self.settings
         if action_behaviors(self.agent.domain):
             limits = actions.Limits(settings.action_timeout, settings.action_patience)
@@ -216,7 +216,7 @@ class AgentNode(AgentBase):
             )
 
     def _obey_or_rest(self) -> None:
-        """Perform what is ordered; without an order, nothing."""
+        """Perform the commander's order; without an order, nothing."""
         self.agent.perform(None)
         if self.superior is not None:
             self.superior.obey_again()
@@ -234,7 +234,7 @@ class AgentNode(AgentBase):
     def destroy_node(self) -> None:
         """Cancel the agent's actions, have the link stop the robot, then destroy the node.
 
-        Its executor must not spin afterwards: it fails at events of action clients that are gone.
+        The executor must not spin afterwards: it fails at events of destroyed action clients.
         """
         if self.actions is not None:
             self.actions.close()
@@ -253,7 +253,7 @@ class AgentNode(AgentBase):
         return self.answer(percept)
 
     def take_in(self, percept: msg.Percept) -> None:
-        """Perceive."""
+        """Take in a percept."""
         log, agent = self.transition_log, self.agent
         self.percept_log.tell(percept)
         log.cycle = percept.cycle
@@ -318,7 +318,7 @@ class AgentNode(AgentBase):
     # -- stop of its robot --------------------------------------------------------------------
 
     def stop_changed(self) -> None:
-        """Report why the robot may not act, and cancel its goals, or go on with them."""
+        """Publish why the robot may not act; cancel the agent's goals, or resume them."""
         why = self.stop.why if self.stop is not None else ""
         self.status.message.stopped = why
         ways = [Fix.GO()] if self.stop is not None and self.stop.is_emergency else []
@@ -330,7 +330,7 @@ class AgentNode(AgentBase):
             self.actions.hold(held=bool(why))
 
     def stands(self) -> bool:
-        """Whether no action is under way for it."""
+        """Whether no action is under way for the agent."""
         return self.actions is None or self.actions.at_rest
 
     # -- orders of a commander ----------------------------------------------------------------

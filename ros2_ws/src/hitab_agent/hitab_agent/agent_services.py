@@ -55,11 +55,11 @@ class AgentServices:
         """Offer the services.
 
         Args:
-            node: to offer them on.
+            node: the node to offer them on.
             agent: the agent that they control.
             library: returns the library in a folder, for a domain.
             answered: called before the reply to a request that may have changed the agent.
-            training: has a new revision when they have changed something.
+            training: publishes a new revision when they have changed something.
         """
         self._agent = agent
         self._library = library
@@ -76,10 +76,10 @@ class AgentServices:
             (srv.SetCaution, names.SET_CAUTION, self._set_caution),
         ]
         for kind, name, serve in offered:
-            node.create_service(kind, name, answering(self._telling(serve), answered))
+            node.create_service(kind, name, answering(self._with_revision(serve), answered))
         node.create_service(srv.GetVocabulary, names.GET_VOCABULARY, self._get_vocabulary)
 
-    def _telling(self, serve: Serve) -> Serve:
+    def _with_revision(self, serve: Serve) -> Serve:
         """Return a service function that replies with the training's revision."""
 
         def served(request: Any, response: Any) -> str:
@@ -113,7 +113,7 @@ class AgentServices:
             done.append(f'saving it will replace the "{name}" in the library, with {examples}')
             remedies.append(Fix.TRAIN_FURTHER(agent=agent, behavior=name))
         if not session.curriculum.features:
-            done.append("no feature is chosen, so it cannot tell situations apart yet")
+            done.append("no feature is chosen, so all situations look the same to it")
             remedies += [Fix.CHOOSE_FEATURES(agent=agent), Fix.VOCABULARY(agent=agent)]
         response.remedies = remedy_messages(remedies)
         return "; ".join(done)
@@ -134,7 +134,7 @@ class AgentServices:
             case Mode.TRAINING:
                 self._agent.take_over()
             case Mode.IDLE:
-                return self._kept_aside(response, None)
+                return self._perform_instead(response, None)
             case mode:
                 known = (Mode.TESTING, Mode.TRAINING, Mode.IDLE)
                 raise TrainingError(unknown("mode", mode, known))
@@ -267,10 +267,10 @@ class AgentServices:
 
     def _perform(self, request: srv.Perform.Request, response: Any) -> str:
         use = use_of(request.behavior, request.arguments) if request.behavior else None
-        return self._kept_aside(response, use)
+        return self._perform_instead(response, use)
 
-    def _kept_aside(self, response: Any, use: Use | None) -> str:
-        """Have the agent perform something; say what becomes of a training under way."""
+    def _perform_instead(self, response: Any, use: Use | None) -> str:
+        """Make the agent perform a behavior; report what becomes of a training under way."""
         agent = self._agent
         agent.perform(use)
         done = f"{agent.name} performs {use or 'nothing'}"
@@ -345,7 +345,7 @@ def _open_questions(agent: Agent) -> str:
     known = session.questions.known() if session is not None else []
     if not known:
         return ""
-    told = quantity(len(known), "open question")
+    text = quantity(len(known), "open question")
     if clashes := sum(question.kind == msg.Question.CONTRADICTION for question in known):
-        told += f", {clashes} of contradicting commands, where it decides by chance"
-    return told
+        text += f", {clashes} of contradicting commands, where it decides by chance"
+    return text

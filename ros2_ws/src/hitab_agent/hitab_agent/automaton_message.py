@@ -28,8 +28,8 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
 
     Args:
         automaton: the automaton.
-        domain: of its agent.
-        more: fields that the automaton lacks.
+        domain: the agent's domain.
+        more: further fields of the message.
     """
     return msg.Automaton(
         name=automaton.name,
@@ -88,7 +88,7 @@ def _learned(session: TrainingSession, domain: Domain) -> Any:
     names = list(map(str, curriculum.features))
     try:
         return learn_transitions(session.examples, scales, curriculum.classifier, names)
-    except HitabError:  # testing or saving it says why
+    except HitabError:  # a test or a save reports the reason
         return {}
 
 

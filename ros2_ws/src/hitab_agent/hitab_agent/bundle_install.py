@@ -39,7 +39,7 @@ class _LibraryInstall:
     library: BehaviorLibrary
     receivers: list[Any] = field(default_factory=list)
     refused: dict[Any, str] = field(default_factory=dict)
-    edition: LoadedLibrary | None = None
+    loaded: LoadedLibrary | None = None
     generation: int = 0
 
     def refuse_all(self, error: Exception) -> None:
@@ -47,19 +47,19 @@ class _LibraryInstall:
 
     def current(self) -> LoadedLibrary:
         """Return what the library holds now, even if it was changed after the plan."""
-        if self.edition is None or self.generation != self.library.generation:
-            self.edition = self.library.loaded(strict=False)
+        if self.loaded is None or self.generation != self.library.generation:
+            self.loaded = self.library.loaded(strict=False)
             self.generation = self.library.generation
-        return self.edition
+        return self.loaded
 
     def plan(self, bundle: Bundle, *, write: bool) -> LoadedLibrary:
         """Return the library with the bundle, after writing it if wanted."""
         with self.library.change() as change:
-            self.edition = plan_bundle(change, bundle)
+            self.loaded = plan_bundle(change, bundle)
             if write:
                 change.commit()
             self.generation = self.library.generation
-        return self.edition
+        return self.loaded
 
 
 class BundleInstall:
@@ -88,80 +88,80 @@ class BundleInstall:
         self._taken_in = taken_in
         self._digests: dict[LoadedLibrary, str] = {}
         self._read_files: list[object] = []
-        shelves: dict[BehaviorLibrary, _LibraryInstall] = {}
+        installs: dict[BehaviorLibrary, _LibraryInstall] = {}
         for receiver in receivers:
             library = receiver.agent.library
-            shelves.setdefault(library, _LibraryInstall(library)).receivers.append(receiver)
-        self._shelves = list(shelves.values())
+            installs.setdefault(library, _LibraryInstall(library)).receivers.append(receiver)
+        self._installs = list(installs.values())
 
     def job(self) -> Job:
         """Do the whole intake, in slices."""
         yield from self._read()
-        sound = [shelf for shelf in self._shelves if not shelf.refused]
+        sound = [install for install in self._installs if not install.refused]
         for first in range(0, len(sound), AT_ONCE):
-            writing = [self._write(shelf) for shelf in sound[first : first + AT_ONCE]]
+            writing = [self._write(install) for install in sound[first : first + AT_ONCE]]
             while begun := [(job, step) for job in writing if (step := next(job, None))]:
                 for _, step in begun:
                     yield step
                 writing = [job for job, _ in begun]
-        for shelf in self._shelves:
-            for receiver in shelf.receivers:
-                self._swap(shelf, receiver)
+        for install in self._installs:
+            for receiver in install.receivers:
+                self._swap(install, receiver)
                 yield None
 
     def _read(self) -> Job:
         """Verify and learn the bundle, once per domain."""
         groups: dict[LibraryReader, list[_LibraryInstall]] = {}
-        for shelf in self._shelves:
-            groups.setdefault(shelf.library.reader, []).append(shelf)
-        for editions, shelves in groups.items():
-            reading = in_background(partial(read_bundle, self._bundle, editions))
+        for install in self._installs:
+            groups.setdefault(install.library.reader, []).append(install)
+        for reader, installs in groups.items():
+            reading = in_background(partial(read_bundle, self._bundle, reader))
             yield reading
             try:
                 self._read_files.append(reading.result())  # kept: a second receiver reads no file
             except Exception as error:
-                for shelf in shelves:
-                    shelf.refuse_all(error)
+                for install in installs:
+                    install.refuse_all(error)
 
-    def _write(self, shelf: _LibraryInstall) -> Job:
+    def _write(self, install: _LibraryInstall) -> Job:
         """Write the bundle to a library, unless none of its agents can take it in."""
         try:
-            planning = in_background(partial(shelf.plan, self._bundle, write=False))
+            planning = in_background(partial(install.plan, self._bundle, write=False))
             yield planning
-            edition = planning.result()
-            for receiver in shelf.receivers:
+            loaded = planning.result()
+            for receiver in install.receivers:
                 try:
-                    receiver.agent.check_fit(edition, self._start)
+                    receiver.agent.check_fit(loaded, self._start)
                 except HitabError as error:
-                    shelf.refused[receiver] = str(error)
-            if len(shelf.refused) < len(shelf.receivers):
-                writing = in_background(partial(shelf.plan, self._bundle, write=True))
+                    install.refused[receiver] = str(error)
+            if len(install.refused) < len(install.receivers):
+                writing = in_background(partial(install.plan, self._bundle, write=True))
                 yield writing
                 writing.result()
-                for receiver, why in shelf.refused.items():
-                    shelf.refused[receiver] = f"{why}; {_SHARED}"
+                for receiver, why in install.refused.items():
+                    install.refused[receiver] = f"{why}; {_SHARED}"
         except Exception as error:
-            shelf.refuse_all(error)
+            install.refuse_all(error)
 
-    def _swap(self, shelf: _LibraryInstall, receiver: Any) -> None:
+    def _swap(self, install: _LibraryInstall, receiver: Any) -> None:
         agent = receiver.agent
-        digest, why = "", shelf.refused.get(receiver, "")
+        digest, why = "", install.refused.get(receiver, "")
         if not why:
             try:
-                if agent.library is not shelf.library:
+                if agent.library is not install.library:
                     raise HitabError(f"{agent.name} uses another library now; send it again")
-                edition = shelf.current()
-                notes = agent.take_up(edition, self._start)
-                digest, why = self._digest_in(edition), "; ".join(notes)
+                loaded = install.current()
+                notes = agent.take_up(loaded, self._start)
+                digest, why = self._digest_of(loaded), "; ".join(notes)
             except Exception as error:
                 why = f"{what_went_wrong(error)}; {_SAVED}"
         self._taken_in(receiver, self._sequence, digest, why)
 
-    def _digest_in(self, edition: LoadedLibrary) -> str:
-        if edition not in self._digests:
+    def _digest_of(self, loaded: LoadedLibrary) -> str:
+        if loaded not in self._digests:
             names = [name for name, _ in self._bundle.files]
-            self._digests[edition] = digest_in(edition, names)
-        return self._digests[edition]
+            self._digests[loaded] = digest_in(loaded, names)
+        return self._digests[loaded]
 
 
 _SHARED = "other agents that share its library have it; reload the library to use it here"

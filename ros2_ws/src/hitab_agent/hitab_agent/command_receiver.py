@@ -1,4 +1,4 @@
-"""Carrying out the commands of demonstrators."""
+"""The receiver of demonstrators' commands."""
 
 from __future__ import annotations
 
@@ -15,28 +15,29 @@ from hitab_ros.plain_text import plain
 
 DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name; a longer one is shortened
 TOGETHER_S = 10.0
-"""Demonstrators who command an agent within this time of each other, s, are told of each other."""
+"""The status names demonstrators who command an agent within this time of each other, s."""
 
-YOUNG_S = 50.0
-"""For how long after its start an agent does not answer commands until its first percept."""
+UNANSWERED_S = 50.0
+"""How long after its start an agent leaves commands unanswered while it has no percept, s."""
 
 
 class CommandReceiver:
-    """Has an agent carry out demonstrators' commands; its status acknowledges each one.
+    """Makes an agent carry out demonstrators' commands; its status acknowledges each command.
 
-    An agent that was restarted in a training perceives only after a moment. Commands
-    before that stay unanswered, so that the demonstrator sends them again.
+    An agent that was restarted in a training gets its first percept after a moment. Earlier
+    commands stay unanswered, so that the demonstrator's client sends them again.
     """
 
     def __init__(self, node: AgentBase) -> None:
         """Subscribe to commands."""
         self._node = node
-        self._young_until = time.monotonic() + YOUNG_S
+        self._unanswered_until = time.monotonic() + UNANSWERED_S
         self._heard: dict[str, float] = {}  # when each demonstrator last commanded
         self._recent: RecentRequests[tuple[Exception, ...]] = RecentRequests()  # why refused
         session = node.agent.session
         for request in session.requests if session is not None else ():
-            # Obeyed before a crash: their demonstrators may not know it and send them again.
+            # The agent obeyed these before a crash. Their demonstrators may not know that, and
+            # send them again.
             self._recent.keep(*request, ())
             node.status.message.last_command_sequence = request.number
         # Checked below, so that the status shows the sender what is wrong.
@@ -46,7 +47,7 @@ class CommandReceiver:
 
     def _on_command(self, command: msg.Command) -> None:
         node, agent, status = self._node, self._node.agent, self._node.status.message
-        if agent.awaits_percept and time.monotonic() < self._young_until:
+        if agent.awaits_percept and time.monotonic() < self._unanswered_until:
             return
         status.demonstrator = plain(command.demonstrator, DEMONSTRATOR_MAX, lines=False)
         # A command resent because its acknowledgement was late is acknowledged again.
@@ -58,7 +59,7 @@ class CommandReceiver:
                 use = use_of(command.behavior, command.targets)
                 stop = node.stop
                 if stop is not None and stop.why and not agent.repertoire.stands_still(use):
-                    # The robot would not show what its examples say.
+                    # The example would record something that the robot did not do.
                     raise TrainingError(stop.why, Fix.ARM(robot=agent.name))
                 request = Request(status.demonstrator, command.sequence)
                 taught = agent.command(

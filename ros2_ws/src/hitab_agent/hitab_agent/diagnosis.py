@@ -6,8 +6,8 @@ from hitab_agent.agent_base import AgentBase
 from hitab_agent.guarded_tick import FEATURES_FAULT, TICK, VALUES
 from hitab_ros.diagnostics import Diagnosis, Level
 
-MILD = (FEATURES_FAULT, VALUES, "action ")
-"""How the keys of faults begin with which an agent still acts; with others it may not."""
+MILD_FAULTS = (FEATURES_FAULT, VALUES, "action ")
+"""Prefixes of the keys of mild faults, with which an agent still acts; with others it may not."""
 
 
 def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
@@ -15,7 +15,10 @@ def diagnosis_of_agent(node: AgentBase) -> Diagnosis:
     agent, status, faults = node.agent, node.status, node.guard.faults.by_key
     found = [
         *node.troubles(),
-        *((Level.WARN if key.startswith(MILD) else Level.ERROR, faults[key]) for key in faults),
+        *(
+            (Level.WARN if key.startswith(MILD_FAULTS) else Level.ERROR, faults[key])
+            for key in faults
+        ),
     ]
     unsure = f"unsure: {agent.monitor.unsure}" if agent.monitor.unsure else ""
     warnings = (status.refusal, unsure, status.notice, *agent.faults)

@@ -30,8 +30,8 @@ class Distributions:
         """Start receiving.
 
         Args:
-            node: to publish and subscribe on.
-            nodes: of the agents that receive, as they are when something is sent.
+            node: the node to publish and subscribe on.
+            nodes: the nodes of the receiving agents; read at each distribution.
         """
         distribution = names.in_swarm(node, names.DISTRIBUTION)
         self._outgoing = node.create_publisher(msg.Distribution, distribution, qos.EVENTS)
@@ -59,7 +59,7 @@ class Distributions:
         node.guard.run("distribution", self._acknowledge, node, sequence, digest, error)
 
     def _acknowledge(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
-        # The status first: a client with all acknowledgements may compare the agents' digests.
+        # The status comes first: a client that has all acknowledgements compares the digests.
         node.taken_in(sequence, digest, error)
         self._acknowledgements.publish(
             msg.DistributionAck(
@@ -94,8 +94,8 @@ class Distributions:
                 f'"{agent.domain.name}", which its agents have'
             )
         bundle = make_bundle(agent.loaded.texts, agent.repertoire, use.name)
-        # The time of day makes it unique in the swarm, whichever agents distribute; simulated
-        # time, which a node may use, stands still while a world is paused.
+        # The time of day makes the number unique in the swarm, whichever agents distribute. A
+        # node's clock may be simulated, and simulated time stands still in a paused world.
         response.sequence, response.digest = time.time_ns(), bundle.digest
         self._outgoing.publish(
             msg.Distribution(

@@ -1,6 +1,6 @@
-"""Acting on a percept; an agent that cannot act does nothing and reports why.
+"""The guarded tick: an agent that cannot act does nothing and reports why.
 
-An agent that decides although a feature has no value acts, and reports that, too.
+An agent that decides without the value of some feature acts, and reports the feature.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ VALUES = "values"
 """The fault of an agent that decides without the values of some features."""
 
 FEATURES_FAULT = "features"
-"""The fault of an agent whose domain's code raises where it should read features."""
+"""The fault of an agent whose domain raises an exception when it reads features."""
 
 
 class GuardedTick:
-    """Ticks an agent; never raises.
+    """Ticks an agent; its methods never raise.
 
     Attributes:
         fault: why the agent does nothing; empty if nothing is wrong.
@@ -38,8 +38,8 @@ class GuardedTick:
         """Prepare to tick.
 
         Args:
-            agent: to tick.
-            guard: of its node; its faults include this one.
+            agent: the agent to tick.
+            guard: the guard of the agent's node, which shows the faults.
         """
         self.fault = ""
         self._failed_in = ("", "")
@@ -51,7 +51,7 @@ class GuardedTick:
         self._show(FEATURES_FAULT, failing(self._agent))
 
     def act(self) -> Action:
-        """Have the agent decide and act; return its action and message, or nothing if it fails."""
+        """Make the agent decide and act; return its action and message, or nothing if it fails."""
         agent = self._agent
         try:
             agent.tick()
@@ -73,11 +73,11 @@ class GuardedTick:
         self._failed_in = self._doing
         if why != self.fault:
             self.fault = why
-            told = f"{agent.name} has done nothing since cycle {agent.cycle}: {why}"
-            self._show(TICK, told, cause=why)
+            fault = f"{agent.name} has done nothing since cycle {agent.cycle}: {why}"
+            self._show(TICK, fault, cause=why)
 
     def clear_if_past(self) -> None:
-        """Clear the faults if the agent no longer performs the behavior that had them."""
+        """Clear the faults if the agent no longer performs the behavior that caused them."""
         if self._failed_in != self._doing:
             self.fault = ""
             self._show(TICK, "")
@@ -96,18 +96,18 @@ class GuardedTick:
 
 
 def failing(agent: Agent) -> str:
-    """Return which features the domain's code fails to read, and why; empty: none."""
+    """Return which features the domain fails to read, and why; empty if it reads all."""
     raised = agent.context.feature_cache.failing().items()
-    told = each_once((str(use), what_went_wrong(error)) for use, error in raised)
+    failures = each_once((str(use), what_went_wrong(error)) for use, error in raised)
     way_out = "correct the domain and start the agent again"
-    return f"cannot read {'; '.join(told)}; {way_out}" if told else ""
+    return f"cannot read {'; '.join(failures)}; {way_out}" if failures else ""
 
 
 def _action(values: Sequence[float], say: str) -> Action:
     """Return a body's action and message, in the types that messages need.
 
     Raises:
-        HitabError: if it is not numbers and a text.
+        HitabError: if the action is no list of numbers, or the message no text.
     """
     try:
         if isinstance(say, str):

@@ -32,20 +32,21 @@ from hitab_ros import (
     run,
 )
 
-GARBAGE = (10_000, 20, 100)
-"""Thresholds for `gc.set_threshold`: new objects per collection, collections per older one."""
+GC_THRESHOLDS = (10_000, 20, 100)
+"""Thresholds for `gc.set_threshold`: new objects per collection, then collections of a generation
+per collection of the next older one."""
 
 
 def start(spinning: Spinner) -> None:
-    """Make all agents that the command line describes."""
+    """Create all agents of the roster that the command line names."""
     host = make_node("host")
     spinning.executor.add_node(host)
     entries = read_roster(host)
     namespace = host.get_namespace().rstrip("/")
-    swarm = host.declare_parameter("swarm", "").value  # of all its agents
-    # The node with the topics of the host, in its own namespace: that on the command line is the
-    # one around it and those of the agents. The name of its first agent makes
-    # it unique in the swarm, and the same in each run.
+    swarm = host.declare_parameter("swarm", "").value  # all agents get it
+    # The command line names the namespace around the host and its agents, so the host's topics
+    # need a node of their own below it. The name of the first agent makes that node's namespace
+    # unique in the swarm, and the same in each run.
     desk = make_node(
         "host",
         namespace=f"{namespace}/host_of_{entries[0].name}",
@@ -73,19 +74,19 @@ def start(spinning: Spinner) -> None:
         node.join()
     for link in shared.links.values():
         link.announce()
-    # A world announces only its own agents, neither commanders nor agents of robots.
+    # The roster for a world omits commanders and robots' agents, so name them here.
     others = [node.agent_name for node in nodes if node.agent.domain.link]
     give_signs_of_life(desk, swarm, others)
-    # The objects made so far stay: a collection over them would take longer than a cycle. What a
-    # cycle leaves behind is freed by reference counting; only errors leave garbage cycles, and
-    # collecting those is not urgent.
+    # The objects made so far stay, and collecting over them would take longer than a cycle.
+    # Reference counting frees the objects of a cycle; only errors leave reference cycles, whose
+    # collection is not urgent.
     gc.collect()
     gc.freeze()
-    gc.set_threshold(*GARBAGE)
+    gc.set_threshold(*GC_THRESHOLDS)
 
 
 def _renaming(remap: Mapping[str, str]) -> list[str]:
-    """Return the arguments that have a node use other names."""
+    """Return the command-line arguments for a node's remappings."""
     rules = [part for name, other in remap.items() for part in ("-r", f"{name}:={other}")]
     return ["--ros-args", *rules] if rules else []
 

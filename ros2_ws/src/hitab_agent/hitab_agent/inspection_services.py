@@ -25,7 +25,7 @@ Origin: Any = srv.GetBehavior.Response
 
 
 class InspectionServices:
-    """Offers the services; the node's guard turns what they raise into a reply."""
+    """Offers the read-only services; the node's guard turns exceptions into replies."""
 
     def __init__(self, node: GuardedNode, agent: Agent) -> None:
         self._agent = agent
@@ -63,7 +63,7 @@ class InspectionServices:
     def _show_training(
         self, request: srv.GetBehavior.Request, answer: srv.GetBehavior.Response
     ) -> None:
-        """Show the training under way, or what would come of it."""
+        """Show the training under way, or the automaton that saving would give."""
         session, domain = self._agent.session, self._agent.domain
         if session is None:
             raise TrainingError(f"{self._agent.name} is not training anything; name a behavior")
@@ -115,7 +115,7 @@ class InspectionServices:
 
 
 def _origin(provenance: Any) -> str:
-    """Return a text that says where a version comes from."""
+    """Return the origin of a version, in words."""
     parts = [f"trained by {provenance.agent}"] if provenance.agent else []
     parts += [text for text in (provenance.author, provenance.note) if text]
     return ", ".join(parts)

@@ -1,4 +1,4 @@
-"""Receiving the orders of commanders for all agents of one process."""
+"""Subscriptions to commanders' orders, shared by the agents of one process."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ Follow = Callable[[str, Order], None]
 
 
 class OrderSubscriptions:
-    """Subscribes to each commander once, and hands its orders to all its subordinates.
+    """Subscribes to each commander once, and passes its orders to all its subordinates here.
 
-    Reading an order costs more than obeying it, so a squad in one process reads each order once.
+    Decoding an order costs more than obeying it, so a process decodes each order once for a squad.
     """
 
     def __init__(self, node: GuardedNode) -> None:
-        """Subscribe to nothing yet.
+        """Prepare to subscribe.
 
         Args:
-            node: to subscribe on.
+            node: the node to subscribe on.
         """
         self._node = node
         self._takers: dict[str, list[Take]] = {}
@@ -32,12 +32,12 @@ class OrderSubscriptions:
         self._last: dict[str, Order] = {}
 
     def listen(self, node: GuardedNode, topic: str, take: Take) -> None:
-        """Call ``take`` with the order in force, if there is one, and with each new one.
+        """Call ``take`` with the order in force, if there is one, and with each new order.
 
         Args:
-            node: of the agent that listens; its status shows a failure of ``take``.
-            topic: of a commander's orders.
-            take: receives them.
+            node: the listening agent's node, whose status shows a failure of ``take``.
+            topic: the topic of a commander's orders.
+            take: receives the orders.
         """
         take = node.guard.wrap(f"order on {topic}", take)
         if topic in self._takers:

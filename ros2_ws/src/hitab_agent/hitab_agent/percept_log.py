@@ -1,4 +1,4 @@
-"""Publishes an agent's percepts on a topic while it has a subscriber."""
+"""The topic of an agent's percepts, for recorders."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ SUBSCRIBER_PERIOD_S = 0.25
 
 
 class PerceptLog:
-    """Publishes each percept that an agent takes in; without a subscriber it only looks for one.
+    """Publishes each percept that an agent takes in, while the topic has a subscriber.
 
-    A new subscriber first gets the last percept again: a paused world sends no other.
+    A new subscriber first gets the last percept again, since a paused world sends no other.
     """
 
     def __init__(self, node: AgentBase) -> None:
-        """Begin to look for subscribers, unless the agent is one of a host."""
+        """Begin to look for subscribers, unless the agent runs in a host."""
         self._node = node
         self._publisher: Any = None
         self._receivers: Receivers | None = None

@@ -14,9 +14,9 @@ SILENCE_PERIOD_S = 0.5
 
 
 class ReachWatch:
-    """Listens to the signs of life of an agent's commander; without one, to people's consoles.
+    """Listens for heartbeats of an agent's commander; without one, of people's consoles.
 
-    A console or a commander that was never there cannot be lost.
+    A commander or console that was never heard does not count as lost.
 
     Attributes:
         why: why no commander or console is in reach; empty if one is.
@@ -27,7 +27,7 @@ class ReachWatch:
         self.why = ""
         self._node = node
         self._commander = node.settings.commander
-        # Counted in turns, not by a clock: this process may be starved itself.
+        # Counted in checks, not by a clock: a process that gets no CPU would see silence.
         self._unheard_s = -math.inf
         topic = names.in_swarm(node, names.ALIVE if self._commander else names.OPERATORS)
         node.create_subscription(msg.Alive, topic, self._hear, qos.SIGNS_OF_LIFE)
@@ -43,5 +43,5 @@ class ReachWatch:
         who = self._commander or "the operator"
         lost = f"{who} is out of reach: silent for {after:g} s"
         self.why = lost if self._unheard_s > after else ""
-        if self._node.stop is None:  # otherwise this is one of its causes
+        if self._node.stop is None:  # otherwise the robot's stop shows it as its cause
             self._node.guard.faults.set("reach", self.why)

@@ -1,4 +1,4 @@
-"""Sending the reports of the agents of one process to their commanders."""
+"""The outbox of agents' reports to their commanders, one for each process."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from hitab_ros.conversions import report_message
 
 
 class ReportOutbox:
-    """Has a publisher per commander; while held, it collects reports into one message each.
+    """Publishes reports on one topic per commander; a held outbox collects them first.
 
-    The agents of a host share one. A host holds a report back briefly: a commander gets one
-    message when an order has changed all its subordinates, and orders pass further down before
-    their outcome is reported.
+    All agents of a host share an outbox, which delays reports briefly. So a commander gets one
+    message after an order has changed all its subordinates, and orders are passed down the
+    hierarchy before their outcome is reported up.
     """
 
     def __init__(self, node: GuardedNode, later: JobQueue | None = None) -> None:
         """Create the outbox without publishers.
 
         Args:
-            node: to publish on.
-            later: sends reports later; None if they are sent at once.
+            node: the node to publish on.
+            later: delays reports; None to send them at once.
         """
         self._node = node
         self._later = later
@@ -36,12 +36,12 @@ class ReportOutbox:
         self._held = False
 
     def open(self, topic: str) -> None:
-        """Create the publisher for a commander early: discovery takes some time."""
+        """Create the publisher for a commander early, since discovery takes time."""
         if topic not in self._publishers:
             self._publishers[topic] = self._node.create_publisher(msg.Reports, topic, qos.EVENTS)
 
     def send(self, topic: str, report: Report) -> None:
-        """Send a report, now, a little later, or when the outbox is no longer held."""
+        """Send a report: at once, after the outbox's delay, or when the outbox is released."""
         if self._later is not None and not self._waiting:
             self._later.call(self._flush)
         self._waiting.setdefault(topic, []).append(report_message(report))

@@ -1,4 +1,4 @@
-"""Notes of an agent for the process that takes its place, should its own be killed."""
+"""The memory of an agent's process, for the process that takes its place after a kill."""
 
 from __future__ import annotations
 

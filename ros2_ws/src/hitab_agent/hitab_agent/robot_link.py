@@ -1,4 +1,4 @@
-"""Connects an agent to its own robot: sensors in, motors out."""
+"""The link of an agent to its own robot: sensors in, motors out."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from hitab_core import Domain, HitabError
 from hitab_ros import Stop
 
 OnPercept = Callable[[msg.Percept], tuple[Sequence[float], str]]
-"""Called by a link with a percept made from the sensors, whenever the agent should tick; returns
-the action, in the domain's layout and empty if something was wrong, and a text to say."""
+"""Called by a link with each percept, when the agent should tick. Returns the action, in the
+domain's layout, and a text to say. The action is empty while the robot has to stand still."""
 
 
 class RobotStop(Protocol):
@@ -26,14 +26,14 @@ class RobotStop(Protocol):
 
     @property
     def why(self) -> str:
-        """See above."""
+        """Why the robot may not act, and the way out; empty if it may."""
 
     @property
     def is_emergency(self) -> bool:
-        """See above."""
+        """Whether an emergency stop holds the robot."""
 
     def cause(self, why: str) -> None:
-        """Stop the robot until it is re-armed, since its agent cannot act; empty if it can."""
+        """Stop the robot until it is re-armed; ``why`` its agent cannot act, empty if it can."""
 
 
 class OwnStop:
@@ -53,7 +53,7 @@ class OwnStop:
         return self._stop.switch.engaged
 
     def cause(self, why: str) -> None:
-        """Stop the robot until it is re-armed, since its agent cannot act; empty if it can."""
+        """Stop the robot until it is re-armed; ``why`` its agent cannot act, empty if it can."""
         self._stop.machine.cause("agent", why)
 
 

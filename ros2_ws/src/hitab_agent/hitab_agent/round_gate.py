@@ -1,4 +1,4 @@
-"""Holding back the actions of a lockstep round until the commanders have given their orders."""
+"""The gate of a lockstep round: agents act only once their commanders have given orders."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ Act = Callable[[], None]
 
 
 class RoundGate:
-    """Calls a function in each round once all commanders have given their order for it.
+    """Calls a function in each round once all commanders have given their order for the round.
 
-    A commander that misses a round is not waited for until its next order, or until a round is
-    played after one of looking: a run without a commander must miss a deadline, which marks the
-    run. A restart of a commander, however fast, must miss one too: the state is lost. No clock is
-    involved: a round is over when the next begins.
+    After a missed round, the gate does not wait for that commander until its next order, or until
+    the first round after look-only ones, in which agents perceive and do not act. So a run without
+    the commander misses at least one deadline, which marks the run as not reproducible. A
+    restarted commander has lost its state, so it must miss a deadline too, however fast it
+    restarts. No clock is involved: a round is over when the next begins.
     """
 
     def __init__(self, orders: OrderSubscriptions) -> None:
@@ -27,17 +28,17 @@ class RoundGate:
         self._silent: set[str] = set()
         self._last_round: dict[str, int] = {}
         self._epochs: dict[str, int] = {}
-        self._restarted: set[str] = set()  # since then, no deadline was missed
+        self._restarted: set[str] = set()  # and has missed no deadline since
         self._last_was_look = True
 
     def begin(self, number: int, commanders: Collection[str], act: Act, *, look: bool) -> None:
-        """Begin a round; drop what was held back in the previous one.
+        """Begin a round; a function that still waits from the previous round is not called.
 
         Args:
-            number: of the round.
+            number: the round's number.
             commanders: the topics of the orders to wait for.
-            act: called then; at once if there is no order to wait for.
-            look: whether agents only look in it.
+            act: called when these orders have come; at once if there are none.
+            look: whether the round is look-only.
         """
         if self._last_was_look and not look:
             self._silent.clear()
@@ -58,7 +59,7 @@ class RoundGate:
             and (self._last_round[commander] != number or commander in self._restarted)
         }
         self._round, self._act = number, act
-        self._go_on()
+        self._act_if_complete()
 
     def _hear(self, commander: str, order: Order) -> None:
         if order.epoch != self._epochs.setdefault(commander, order.epoch):
@@ -68,9 +69,9 @@ class RoundGate:
         self._last_round[commander] = order.round
         if order.round == self._round and commander not in self._restarted:
             self._awaited.discard(commander)
-            self._go_on()
+            self._act_if_complete()
 
-    def _go_on(self) -> None:
+    def _act_if_complete(self) -> None:
         act = self._act
         if act is not None and not self._awaited:
             self._act = None

@@ -1,4 +1,4 @@
-"""When the nodes of a process do what need not be done at once."""
+"""Scheduling of work that need not be done at once: calls at fixed rates, and queued jobs."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ TURN_S = 0.02
 hundreds of them does not delay an order until all have run."""
 
 SLICE_S = 0.005
-"""How long queued jobs run before something else gets its turn; far less than a cycle."""
+"""How long queued jobs run before other callbacks get their turn; far less than a cycle."""
 
 PAUSE_S = 0.001
-"""The pause in which something else can start."""
+"""The pause between two slices, in which other callbacks run."""
 
 Job = Iterator[Future[Any] | None]
-"""Yields where it may be interrupted: None, or the call it has to wait for."""
+"""A job yields where it may be interrupted: None, or a call that must end before it continues."""
 
 
 def in_background(call: Call) -> Future[Any]:
     """Begin a call in its own thread.
 
-    Use it for calls that wait for the disk or only read what does not change; they must not touch
-    nodes or agents. A thread of an executor would keep the process from ending.
+    Such a call may wait for the disk or read frozen data; it must not touch nodes or agents. A
+    thread of an executor would keep the process from ending.
     """
     future: Future[Any] = Future()
 
     def run() -> None:
         try:
             future.set_result(call())
-        except Exception as error:  # raised again where the result is asked for
+        except Exception as error:  # result() raises it again
             future.set_exception(error)
 
     Thread(target=run, daemon=True).start()
@@ -49,8 +49,8 @@ def in_background(call: Call) -> Future[Any]:
 class Scheduler:
     """Calls functions at fixed rates; the agents of a host share its timers, one per rate.
 
-    It uses the machine's clock, never simulated time: the calls must go on while a world is
-    paused.
+    The timers use the machine's clock, never simulated time: the calls must continue while a world
+    is paused.
     """
 
     def __init__(self, node: GuardedNode) -> None:
@@ -61,9 +61,9 @@ class Scheduler:
         """Call a function every so many seconds, from now on.
 
         Args:
-            seconds: between two calls, s.
+            seconds: time between two calls, s.
             call: the function.
-            guard: of the agent whose status shows a failure; None: that of the node.
+            guard: guard of the agent whose status shows a failure; None for the node's guard.
         """
         if seconds not in self._rates:
             self._rates[seconds] = _Rate(self._node, seconds)
@@ -72,7 +72,7 @@ class Scheduler:
 
 
 class _Rate:
-    """Functions that are called equally often."""
+    """Functions that are called at one rate."""
 
     def __init__(self, node: GuardedNode, seconds: float) -> None:
         self._seconds = seconds
@@ -99,7 +99,7 @@ class _Rate:
 class JobQueue:
     """Jobs done in order, a slice per period, so that percepts and orders come in between.
 
-    Its timer stops when no job is left.
+    The timer runs only while there are jobs.
     """
 
     def __init__(
@@ -108,9 +108,9 @@ class JobQueue:
         """Create the timer, stopped.
 
         Args:
-            node: owns the timer.
-            period_s: between two slices, s.
-            at_most: maximum number of steps, or of calls, in one slice; None: only its time.
+            node: the node that owns the timer.
+            period_s: time between two slices, s.
+            at_most: maximum number of steps in one slice; None if only `SLICE_S` limits it.
         """
         self._guard = node.guard
         self._at_most = at_most or sys.maxsize
@@ -123,9 +123,9 @@ class JobQueue:
         """Do a job after those already waiting.
 
         Args:
-            job: its steps.
-            guard: of the agent whose status shows a failure; None: that of the node.
-            name: of the job in that status; empty: that of its function.
+            job: the job's steps.
+            guard: guard of the agent whose status shows a failure; None for the node's guard.
+            name: the job's name in that status; empty for the name of its function.
         """
         if not self._jobs:
             self._timer.reset()
@@ -148,7 +148,7 @@ class JobQueue:
             self._timer.cancel()
 
     def _step(self, name: str, job: Job, guard: Guard) -> None:
-        self._awaited, is_over = None, True  # also if the step raises
+        self._awaited, is_over = None, True  # a step that raises ends its job
 
         def step() -> None:
             nonlocal is_over

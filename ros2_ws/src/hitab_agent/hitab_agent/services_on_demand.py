@@ -1,9 +1,9 @@
-"""Services that are created when a client asks for them.
+"""Services that are created when their first client appears.
 
-An agent has a dozen services, each with two endpoints that are announced to every process of the
+An agent has a dozen services, each with two endpoints that DDS announces to every process of the
 swarm: a thousand agents would take minutes to start and gigabytes to run. Hardly any of these
-services is ever called. A host therefore looks for clients; their requests wait until the
-service exists, as with any client that starts before its service.
+services is ever called. A host therefore looks for clients and creates a service when it finds
+one. The client's requests wait until then, as those of any client that starts before its service.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ from hitab_agent.scheduler import Scheduler
 from hitab_ros import GuardedNode
 
 DEMAND_PERIOD_S = 0.25
-LOOK_AT_PER_S = 500.0  # agents: looking takes time in proportion to their number
+AGENTS_PER_S = 500.0  # a search for clients takes time in proportion to the number of agents
 
 
 class ServicesOnDemand:
-    """Has the nodes of a process offer their services when the first client appears."""
+    """Makes the nodes of a process offer their services when the first client appears."""
 
     def __init__(self, host: GuardedNode, scheduler: Scheduler, agents: int) -> None:
         """Begin to look for clients.
 
         Args:
-            host: the node to look with.
-            scheduler: of the process.
+            host: the node whose view of the ROS graph is used.
+            scheduler: the process's scheduler.
             agents: how many nodes there will be.
         """
         self._host = host
         self._offers: dict[str, Callable[[], None]] = {}
-        scheduler.every(max(DEMAND_PERIOD_S, agents / LOOK_AT_PER_S), self.look)
+        scheduler.every(max(DEMAND_PERIOD_S, agents / AGENTS_PER_S), self.look)
 
     def add(self, node: GuardedNode, offer: Callable[[], None]) -> None:
-        """Call ``offer`` once a client asks for a service of a node, or in its namespace."""
+        """Call ``offer`` once, when a client of a service below the node's namespace appears."""
         guarded = node.guard.wrap("offering services", offer)
         namespaces = (node.get_namespace(), node.get_fully_qualified_name())
 

@@ -22,26 +22,26 @@ def _is(default: Any, description: str) -> Any:
 class AgentParameters:
     """The parameters of one agent; each field is a ROS parameter."""
 
-    domain: str = _is("", "name of an installed domain: what the agent can do and perceive")
+    domain: str = _is("", "name of an installed domain: behaviors, features, targets")
     library: str = _is("", "folder of trained behaviors; empty for one in state_dir")
     state_dir: str = _is(
         "~/.local/state/hitab",
-        "folder with one per agent, where an unfinished training survives a crash",
+        "folder of all agents' state; an unfinished training in it survives a crash",
     )
-    behavior: str = _is("", "what to perform at startup, such as GoTo(ball), if anything")
+    behavior: str = _is("", "behavior to perform at startup, such as GoTo(ball); empty for none")
     world: str = _is("world", "name of the world's node, which sends the percepts")
-    seed: int = _is(0, "of the agent's random numbers, until a world sets one")
+    seed: int = _is(0, "seed of the agent's random numbers, until a world sets one")
     most_probable: bool = _is(False, "take the most probable next state instead of drawing one")
-    commander: str = _is("", "name of the commander whose orders it obeys; empty if it has none")
-    role: str = _is("", "in its commander's group, for orders that differ by role")
-    services_on_demand: bool = _is(False, "create the services only when a client asks")
-    when_out_of_reach: str = _is("go_on", "or halt, while its commander or operator is silent")
-    out_of_reach_after: float = _is(5.0, "s of silence after which they are out of reach")
-    auto_rearm: bool = _is(False, "act again by itself when a stop of its robot is over: a risk")
-    swarm: str = _is("", "identity of its swarm; empty if none, and nothing to resume")
-    offer_actions: bool = _is(False, "offer its behaviors as one action, perform_until_done")
-    action_timeout: float = _is(2.0, "s; how long to wait for an action's server and its answers")
-    action_patience: float = _is(2.0, "s without a tick until goals are canceled; 0 for never")
+    commander: str = _is("", "name of the agent's commander; empty for none")
+    role: str = _is("", "the agent's role, for orders that differ by role")
+    services_on_demand: bool = _is(False, "create the services only when a client appears")
+    when_out_of_reach: str = _is("go_on", "go_on or halt while commander or operator is silent")
+    out_of_reach_after: float = _is(5.0, "s of silence after which commander or operator are lost")
+    auto_rearm: bool = _is(False, "act again without re-arming after a stop: a risk")
+    swarm: str = _is("", "identity of the agent's swarm; empty for none")
+    offer_actions: bool = _is(False, "offer the action perform_until_done")
+    action_timeout: float = _is(2.0, "s to wait for an action's server and for its answers")
+    action_patience: float = _is(2.0, "s without a tick until goals are canceled; 0 for no limit")
 
     def __post_init__(self) -> None:
         if (given := self.when_out_of_reach) not in ("go_on", "halt"):
@@ -60,6 +60,6 @@ def _declared(node: Node, setting: Any) -> Any:
         descriptor.floating_point_range = [_SECONDS]
     elif type(default) is int:
         descriptor.integer_range = [_WHOLE]
-    # The type of an empty list could not be seen from it.
+    # rclpy cannot infer the element type of an empty list.
     value = node.declare_parameter(setting.name, [""] if is_list else default, descriptor).value
     return tuple(filter(None, value)) if is_list else value

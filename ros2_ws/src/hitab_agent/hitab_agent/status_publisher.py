@@ -1,4 +1,4 @@
-"""The status of an agent: its activity and its faults."""
+"""The publisher of an agent's status: its activity and its faults."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from hitab_ros.faults import shown
 
 
 class Beginning(NamedTuple):
-    """How an agent began.
+    """The outcome of an agent's start.
 
     Attributes:
         fault: why the start failed; empty if it succeeded.
-        note: the state that a restarted agent resumed; empty after a first start.
+        note: what a restarted agent resumed; empty after a first start.
     """
 
     fault: str = ""
@@ -38,8 +38,8 @@ class StatusPublisher:
     Attributes:
         message: the status; the handlers of requests record their outcome in it.
         path: the last published path of active states.
-        superior: the link to its commander; None if it has none.
-        together: the demonstrators that command it at the same time, if several.
+        superior: the link to the agent's commander; None if it has none.
+        together: a note that several demonstrators command the agent; empty if at most one does.
     """
 
     def __init__(
@@ -54,12 +54,12 @@ class StatusPublisher:
         """Create the publisher; nothing is published yet.
 
         Args:
-            node: of the agent.
+            node: the agent's node.
             agent: the agent.
-            settings: how it is set up.
-            shared: what the agents of its process share.
-            transitions: its state changes.
-            prepare: called before each status.
+            settings: the agent's parameters.
+            shared: the resources of the agent's process.
+            transitions: the log of the agent's state changes.
+            prepare: called before each status is published.
         """
         self.message = msg.AgentStatus(agent=agent.name, domain=agent.domain.name)
         self.message.swarm = settings.swarm
@@ -85,12 +85,12 @@ class StatusPublisher:
 
     @property
     def notice(self) -> str:
-        """Why the last command or request was refused; else, its start; empty if nothing was."""
+        """Why the last command or request was refused, or else why the start failed, if it did."""
         return self._error or self._beginning.fault
 
     @property
     def _beginning(self) -> Beginning:
-        """How the agent began, until it does something else or records an example."""
+        """The outcome of the start, until the agent does something else or records an example."""
         if self._began_in != self._state:
             self._began = Beginning()
         return self._began
@@ -123,11 +123,11 @@ class StatusPublisher:
         self.publish()
 
     def began(self, *, fault: str = "", note: str = "") -> None:
-        """Publish how the agent began, until it does something else or records an example.
+        """Publish the outcome of the start, until the agent does something else or has an example.
 
         Args:
-            fault: why the start failed; empty if it succeeded. A fault is no refusal.
-            note: the state that a restarted agent resumed; empty after a first start.
+            fault: why the start failed; empty if it succeeded. A fault is not a refusal.
+            note: what a restarted agent resumed; empty after a first start.
         """
         self._began, self._began_in = Beginning(fault, note), self._state
         if fault:
@@ -137,8 +137,8 @@ class StatusPublisher:
         self.publish()
 
     def publish(self) -> None:
-        """Publish what the agent does now."""
-        self._transitions.look()  # who subscribes gets the next change
+        """Publish the agent's present activity."""
+        self._transitions.look()  # a new subscriber gets the next change
         self._prepare()
         agent, status = self._agent, self.message
         session = agent.session
@@ -174,14 +174,14 @@ class StatusPublisher:
         self._publisher.publish(status)
 
     def _log_missing(self) -> None:
-        """Log what the agent lacks, once for all agents of the process."""
+        """Log the agent's lost behaviors, each once for all agents of the process."""
         for fault in self._agent.faults:
-            if fault not in self._shared.told:
-                self._shared.told.add(fault)
+            if fault not in self._shared.logged:
+                self._shared.logged.add(fault)
                 self._guard.log(fault)
 
     def publish_soon(self) -> None:
-        """Publish the status a little later, once for all changes until then."""
+        """Publish the status a little later, once for all changes in between."""
         if not self._is_due:
             self._is_due = True
             self._shared.statuses.call(self._due)

@@ -23,7 +23,7 @@ class SuperiorLink:
         """Start to obey.
 
         Args:
-            node: of the agent.
+            node: the agent's node.
             subordinate: the agent as it obeys and reports.
         """
         self.subordinate = subordinate
@@ -50,12 +50,12 @@ class SuperiorLink:
         self.tell()
 
     def obey_again(self) -> None:
-        """Have what was last ordered wait to be carried out anew; `settle` does that."""
+        """Mark the last order as waiting, so that `settle` obeys it again."""
         subordinate = self.subordinate
         subordinate.waits = subordinate.ordered is not None
 
     def perceived(self, percept: msg.Percept, seconds: float, *, changed: bool = True) -> None:
-        """Report what a percept and the tick after it have changed.
+        """Report the changes made by a percept and the tick after it.
 
         Args:
             percept: the percept.
@@ -69,13 +69,13 @@ class SuperiorLink:
             self._ordered()  # the order may have been refused only for lack of a percept
             changed = True
         if percept.look:
-            # A person who arranges a paused world wants the commander to see it, too.
+            # A person who arranges a paused world expects the commander to perceive the change.
             self._send(subordinate.report())
         elif changed or subordinate.is_asked:
             self.tell()
 
     def round_begins(self, percept: msg.Percept, seconds: float) -> None:
-        """Report what was perceived in a lockstep round, before the agent acts on it."""
+        """Report the percept of a lockstep round, before the agent acts on it."""
         subordinate = self.subordinate
         self._keep_time(percept, seconds)
         if subordinate.refusal and subordinate.settle():
@@ -94,11 +94,11 @@ class SuperiorLink:
         return changed
 
     def tell(self) -> None:
-        """Report what has changed, if anything has."""
+        """Report changes, if there are any."""
         self._send(self.subordinate.news(self._seconds))
 
     def heartbeat(self) -> None:
-        """Send a heartbeat, if nothing was sent for a while."""
+        """Send a heartbeat, if no report was sent for a while."""
         self._send(self.subordinate.heartbeat())
 
     def _send(self, report: Report | None) -> None:

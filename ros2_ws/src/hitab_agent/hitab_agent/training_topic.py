@@ -17,31 +17,31 @@ from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import cost_message, remark_messages
 
 TRAINING_PERIOD_S = 0.1
-"""Least time between two messages, s."""
+"""Minimum time between two messages, s."""
 
 CALM_S = 1.0
-"""Time from a change to the search for questions, which takes up to a second of slices."""
+"""Time without changes before questions are searched, s; the search takes up to a second."""
 
 
 class TrainingTopic:
     """Publishes each revision of the training under way, as a whole.
 
-    A revision is published at once, and again when its questions have been looked for. Nothing is
-    built without a subscriber.
+    A revision is published at once, and again when the search for its questions has ended. No
+    message is built without a subscriber.
 
     Attributes:
-        revision: counts up with each change, of the mode too, also over restarts; 0 if nothing is
-            being trained.
-        searched: called whenever questions have been looked for.
+        revision: number that increases with each change of the training or the mode, also across
+            restarts; 0 if nothing is being trained.
+        searched: called after each search for questions.
     """
 
     def __init__(self, node: GuardedNode, agent: Agent, scheduler: Scheduler) -> None:
-        """Know of no training yet.
+        """Prepare to publish; `offer` creates the topic.
 
         Args:
-            node: of the agent.
+            node: the agent's node.
             agent: the agent.
-            scheduler: of its process.
+            scheduler: the scheduler of the agent's process.
         """
         self.revision = 0
         self.searched: Callable[[], None] = lambda: None
@@ -69,9 +69,9 @@ class TrainingTopic:
             self._scheduler.every(TRAINING_PERIOD_S, self.look, self._node.guard)
 
     def notice(self) -> int:
-        """Notice what has changed, and who decides; return the revision."""
+        """Compare the training and the mode with those published last; return the revision."""
         session, mode = self._agent.session, self._agent.mode
-        seen = _marks(session)
+        seen = _fingerprint(session)
         changed = seen[0] is not self._seen[0] or seen[1:] != self._seen[1:]
         if changed or mode is not self._mode:
             searched = self._searched == self.revision and not changed
@@ -85,7 +85,7 @@ class TrainingTopic:
         return self.revision
 
     def look(self) -> None:
-        """Publish what has changed, if it is time and anybody subscribes."""
+        """Publish a new revision, if it is due and the topic has a subscriber."""
         session, now = self._agent.session, time.monotonic()
         self.notice()
         if self._publisher is None or now < self._next:
@@ -123,7 +123,7 @@ class TrainingTopic:
         )
 
     def _search(self, session: TrainingSession | None, now: float) -> None:
-        """Begin to look for questions once there are no changes for a while."""
+        """Begin to search for questions after some time without changes."""
         if (
             session is not None
             and self._jobs is not None
@@ -139,7 +139,7 @@ class TrainingTopic:
         try:
             for _ in session.search():
                 yield None
-        except Exception as error:  # such as of a classifier; testing says so, too
+        except Exception as error:  # such as of a classifier; a test reports it as well
             self._node.guard.log(what_went_wrong(error))
         self._searching = False
         if session is self._agent.session and examples is session.examples:
@@ -147,8 +147,8 @@ class TrainingTopic:
             self.searched()
 
 
-def _marks(session: TrainingSession | None) -> tuple[Any, ...]:
-    """Return marks that differ after a change of examples, or of the rest."""
+def _fingerprint(session: TrainingSession | None) -> tuple[Any, ...]:
+    """Return a fingerprint: the examples, then everything else whose change is published."""
     if session is None:
         return (None,)
     known = [question.number for question in session.questions.known()]

@@ -1,4 +1,4 @@
-"""State changes on a topic, and why they happened."""
+"""The topic and the log of an agent's state changes, with their reasons."""
 
 from __future__ import annotations
 
@@ -9,20 +9,21 @@ from rclpy.node import Node
 from hitab_core.running import Change
 from hitab_ros import SparingLog, names, qos
 
-_LINE_S = 0.2  # between two lines of the log, after a first burst
+_LINE_S = 0.2  # time between two lines of the log, after a first burst
 
 
 class TransitionLog:
-    """Publishes each state change while there are subscribers; otherwise costs next to nothing.
+    """Publishes each state change while the topic has subscribers; otherwise costs almost nothing.
 
-    It can also log them, at info level and not too many, while ``/rosout`` has a subscriber.
+    The changes can also be logged, at info level and a limited rate, while ``/rosout`` has a
+    subscriber.
     """
 
     def __init__(self, node: Node, *, logs: bool = False) -> None:
         """Create the publisher.
 
         Args:
-            node: of the agent.
+            node: the agent's node.
             logs: whether to log changes as well.
         """
         self._node = node
@@ -45,14 +46,14 @@ class TransitionLog:
     def observe(self, change: Change) -> None:
         """Publish a state change; see `RunContext.observe`.
 
-        It is published before the action of its cycle, so a subscriber has it before the next
-        cycle.
+        A change is published before the action of its cycle, so subscribers have it before the
+        next cycle.
         """
         self.changed = True
         if self._publisher.get_subscription_count():
             self._publisher.publish(self._event(change))
         if self._write is not None:
-            self._write(f"{self._agent}: {told(change)}", object())
+            self._write(f"{self._agent}: {_in_one_line(change)}", object())
 
     def _event(self, change: Change) -> msg.TransitionEvent:
         event = msg.TransitionEvent(
@@ -75,8 +76,8 @@ class TransitionLog:
         return event
 
 
-def told(change: Change) -> str:
-    """Return a state change in one line: where, from what to what, and why."""
+def _in_one_line(change: Change) -> str:
+    """Return a state change in one line: the automaton, both states and the reason."""
     why = change.explanation()
     reason = "commanded" if change.commanded else ", ".join(why.tests) if why is not None else ""
     where = "/".join(change.automata)

@@ -12,15 +12,15 @@ from hitab_ros import names, qos
 class WorldLink:
     """Answers each percept of the world with the agent's action, as fast as it can.
 
-    In lockstep it answers after the agent's commander, if it has one, has given its order for the
-    round. For the link to a robot see `hitab_agent.robot_link`.
+    In lockstep, the answer waits until the agent's commander, if it has one, has given its order
+    for the round. For the link to a robot see `hitab_agent.robot_link`.
     """
 
     def __init__(self, node: AgentBase, world: str) -> None:
         """Subscribe to percepts.
 
         Args:
-            node: of the agent.
+            node: the agent's node.
             world: name of the world.
         """
         self._node = node

@@ -63,7 +63,7 @@ class One:
     """One agent in the process of the test, and what is needed to talk to it.
 
     Attributes:
-        status: the last one that it published.
+        status: the agent's last published status.
     """
 
     def __init__(

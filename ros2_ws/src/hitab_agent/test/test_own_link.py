@@ -21,7 +21,7 @@ class Ahead(Body):
 
 
 class Link:
-    """Knows nothing of stops: it drives as it is told."""
+    """A link that ignores stops and carries out every action."""
 
     def __init__(self, node: AgentNode, world: str, on_percept: Any) -> None:
         self.on_percept = on_percept
@@ -56,7 +56,7 @@ class Robot:
         self.node.agent.perform(Use("Go"))
 
     def drives(self, x: float = 1.0) -> bool:
-        """Whether the link is told to drive."""
+        """Whether the link's last action drives."""
         return bool(self.node._link.on_percept(msg.Percept(values=[x]))[0])
 
     def arm(self) -> str:

@@ -1,4 +1,4 @@
-"""Exercises of a class: what a student's library and episodes must show, and what is missing.
+"""The exercises of a class: requirements on a student's library and episodes, and their grading.
 
 exercise: Chase
 description: Train a keeper that runs after the ball.
@@ -55,8 +55,8 @@ class Student:
     """The libraries of a student's agents.
 
     Args:
-        swarm: the student's, for what is said.
-        libraries: of its agents, by name.
+        swarm: name of the student's swarm, for messages.
+        libraries: the libraries of the swarm's agents, by name.
     """
 
     def __init__(self, swarm: str, libraries: Mapping[str, Path]) -> None:
@@ -72,7 +72,7 @@ class Student:
         """Return a behavior of an agent.
 
         Raises:
-            HitabError: saying what is missing.
+            HitabError: naming the missing library or behavior.
         """
         library = self.library(agent)
         if agent not in self.libraries:
@@ -91,14 +91,14 @@ class Student:
 
 
 class BehaviorSaved(Record):
-    """A behavior is saved."""
+    """The requirement that a behavior is saved."""
 
     behavior: str
     examples: int = 10**6
     corrections: int = 0
     expectations: int = 0
 
-    def told(self, exercise: Exercise, student: Student) -> str:
+    def in_words(self, exercise: Exercise, student: Student) -> str:
         """Return the requirement in words."""
         counts = [
             f"at most {quantity(self.examples, 'example')}" if self.examples < 10**6 else "",
@@ -119,15 +119,15 @@ class BehaviorSaved(Record):
         if corrections < self.corrections:
             return (
                 f"it has {quantity(corrections, 'correction')}; resume its training, test it, "
-                "take over where it is wrong, and command what is right"
+                "take over where it is wrong, and command the right behavior"
             )
         if len(file.expectations) < self.expectations:
-            return f"it carries too few; say what must stay, with `{called()} library expect`"
+            return f"it carries too few; add some with `{called()} library expect`"
         return "; ".join(file.broken)
 
 
 class BehaviorDecides(Record):
-    """A behavior decides something in a situation."""
+    """The requirement that a behavior decides for a state in a situation."""
 
     behavior: str = Field(alias="decides")
     state: str
@@ -138,7 +138,7 @@ class BehaviorDecides(Record):
         seen = {f: value_of(str(v), f, library.domain) for f, v in self.seeing.items()}
         return Expectation(self.behavior, self.state, seen, self.go_to)
 
-    def told(self, exercise: Exercise, student: Student) -> str:
+    def in_words(self, exercise: Exercise, student: Student) -> str:
         """Return the requirement in words."""
         library = student.library(exercise.agent)
         if library is None:
@@ -155,12 +155,12 @@ class BehaviorDecides(Record):
 
 
 class BehaviorShared(Record):
-    """A behavior is shared: other agents have learned the same."""
+    """The requirement that other agents have the same behavior."""
 
     behavior: str = Field(alias="shared")
     agents: Texts
 
-    def told(self, exercise: Exercise, student: Student) -> str:
+    def in_words(self, exercise: Exercise, student: Student) -> str:
         """Return the requirement in words."""
         return f"{', '.join(self.agents)} have the {self.behavior} of {exercise.agent}"
 
@@ -172,7 +172,7 @@ class BehaviorShared(Record):
 
 
 class ConditionReached(Record):
-    """A condition comes to hold in episodes where only the agent acts."""
+    """The requirement that a condition comes to hold in episodes where only the agent acts."""
 
     condition: Condition = Field(alias="reaches")
     performing: str
@@ -180,7 +180,7 @@ class ConditionReached(Record):
     at_least: int = Field(alias="in", ge=1)
     of: int = Field(ge=1)
 
-    def told(self, exercise: Exercise, student: Student) -> str:
+    def in_words(self, exercise: Exercise, student: Student) -> str:
         """Return the requirement in words."""
         return (
             f"performing {self.performing}, {self.condition.describe()} within {self.within:g} s "
@@ -188,7 +188,7 @@ class ConditionReached(Record):
         )
 
     def missing(self, exercise: Exercise, student: Student) -> str:
-        """Play the episodes, and return what is missing."""
+        """Play the episodes, and return the unmet part of the requirement."""
         student.file(exercise.agent, self.performing)
         swarm = read_swarm(find_file(exercise.swarm, "swarms", "swarm")).with_world(seed=SEED)
         part = part_of(student.libraries[exercise.agent], self.performing)
@@ -215,9 +215,9 @@ REQUIREMENTS = {
     "reaches": ConditionReached,
 }
 Requirement = BehaviorSaved | BehaviorDecides | BehaviorShared | ConditionReached
-"""A requirement of an exercise: `told` says it, and `missing` what is missing, "" if nothing is.
+"""A requirement of an exercise: `in_words` describes it, `missing` returns its unmet part or "".
 
-`missing` raises `HitabError` if it cannot be looked at; the error says what is missing.
+`missing` raises `HitabError` if the requirement cannot be checked; the error names the reason.
 """
 
 
@@ -238,22 +238,22 @@ class Exercise(Record):
         return [self.agent, *others]
 
     def grade(self, student: Student) -> list[Grade]:
-        """Return which requirements are met, and what the others miss."""
+        """Return a grade for each requirement."""
         grades = []
         for one in self.requires:
-            told = one.told(self, student)
+            words = one.in_words(self, student)
             try:
-                grades.append(Grade(told, one.missing(self, student)))
+                grades.append(Grade(words, one.missing(self, student)))
             except HitabError as error:
-                grades.append(Grade(told, str(error)))
+                grades.append(Grade(words, str(error)))
         return grades
 
 
 class Grade(NamedTuple):
-    """Whether a requirement is met.
+    """The grade for a requirement: whether it is met.
 
     Attributes:
-        requirement: in words.
+        requirement: the requirement in words.
         missing: the unmet part; "" if there is none.
     """
 
@@ -265,7 +265,7 @@ def read_exercise(path: Path) -> Exercise:
     """Read an exercise.
 
     Raises:
-        LessonError: naming everything that is wrong, by file and line.
+        LessonError: naming all errors, by file and line.
     """
     document = read_yaml(read_text(path, error=LessonError), str(path), error=LessonError)
     return open_record(Exercise, document, FORMAT)

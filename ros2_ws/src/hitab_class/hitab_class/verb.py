@@ -1,4 +1,4 @@
-"""The verb that grades the exercises of a class."""
+"""The verb `hitab grade`, which grades the exercises of a class."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def grade(
 
 
 def _graded(name: str, path: Path, library: str | None, swarm: str | None) -> list[dict[str, str]]:
-    """Grade an exercise and say so."""
+    """Grade an exercise and print the grades."""
     from hitab_bringup import named_library
     from hitab_class.exercises import Student, read_exercise
     from hitab_client.run_folder import libraries_of, state_home

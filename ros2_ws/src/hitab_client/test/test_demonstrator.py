@@ -303,7 +303,7 @@ def test_a_stick_that_points_nowhere_or_is_lost_commands_nothing(gamepad):
     desk = gamepad.desk
     gamepad.push(held=True, button=True)
     gamepad.push(held=True)
-    assert "Kick(goal) is left out: the stick gave no direction" in desk.demonstrator.said
+    assert "Kick(goal) is not commanded: the stick gave no direction" in desk.demonstrator.said
     gamepad.push(held=True, button=True)
     gamepad.push(0.9, 0.9, 0.5)  # the switch was let go as well
     gamepad.push(held=True)

@@ -1,7 +1,8 @@
-"""Aggregates over a group, from what each member reports; pure functions.
+"""Aggregates of the reports of a group's members; pure functions.
 
-Members that are silent or have no value for a feature are left out. Over no members, no question
-is true, and a mean, a minimum or a maximum has no value (NaN).
+Callers leave out silent members, and the functions leave out members without a value. Over no
+members, `Over.ANY` and `Over.ALL` are false, counts and fractions are 0, and means, minima and
+maxima have no value (NaN).
 """
 
 from __future__ import annotations
@@ -17,17 +18,17 @@ NAN = math.nan
 
 
 def observed(report: Report, of: Observation, asked: Sequence[str], order: OrderId) -> float:
-    """Return what is observed in one member: a value, or 1 or 0 for true or false.
+    """Return an observation of one member: a value, or 1 or 0 for true or false.
 
     Args:
         report: the member's last report.
         of: the observation.
-        asked: names of the report's values.
-        order: the order in force. Flags belong to the order under which they were raised, values
-            to the epoch in which they were requested.
+        asked: names of the report's values, in their order.
+        order: the order in force. A flag counts only under the order under which it was raised,
+            and a value only in the epoch in which it was requested.
 
     Returns:
-        NaN if the member has no such value.
+        The observation; NaN if the member has no such value.
     """
     if of.flag:
         return float(of.flag in report.flags and (report.epoch, report.sequence) == order)
@@ -44,12 +45,12 @@ def observed(report: Report, of: Observation, asked: Sequence[str], order: Order
 
 
 def _is_called(label: str, name: str) -> bool:
-    """Whether a state has this name, with or without its targets."""
+    """Whether a state's label has this name, with or without targets."""
     return label == name or (label.startswith(name) and label[len(name)] == "(")
 
 
 def summed_up(values: Iterable[float], over: Over) -> float:
-    """Return an aggregate of what was observed in the members of a group."""
+    """Return the aggregate of an observation of a group's members; NaN values are left out."""
     known = [value for value in values if not math.isnan(value)]
     match over:
         case Over.ANY:
@@ -72,7 +73,7 @@ def summed_up(values: Iterable[float], over: Over) -> float:
 def of_positions(part: str, positions: Iterable[Sequence[float]]) -> float:
     """Return the mean x or y, or the root mean square of the distances from the mean, m.
 
-    NaN: no position is known.
+    The result is NaN if no position is known.
     """
     known = [position for position in positions if len(position) == 2]
     if not known:

@@ -1,4 +1,4 @@
-"""The body of a commander: its group of subordinates, as known from their reports."""
+"""The body of a commander: the group of its subordinates, as known from their reports."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ NAN = math.nan
 
 @dataclass(slots=True)
 class GroupMember:
-    """A subordinate.
+    """A subordinate, as its commander knows it.
 
     Attributes:
-        role: in the group; empty if none.
-        report: the basis of the commander's decisions: the last report, in lockstep that of
-            the last round; None before the first one.
+        role: the subordinate's role; empty if none.
+        report: the report on which the commander decides: in real time the last one, in lockstep
+            the one of the last round; None before the first.
         latest: the last report, for observers.
-        heard_at: s, when ``latest`` arrived, or when the commander began to wait for it.
+        heard_at: time, s, at which ``latest`` arrived or the commander began to wait for it.
     """
 
     role: str = ""
@@ -41,8 +41,8 @@ class CommanderBody:
         members: the subordinates, by name, in order.
         order: the order in force; sequence 0 until one is given.
         on_order: called at once with each new order; set by the code that sends orders.
-        now: the time; in real time it decides which members are silent.
-        roll: which members have reported in a lockstep round.
+        now: the present time, s; in real time, members are silent by it.
+        roll: the members that have reported in a lockstep round.
     """
 
     def __init__(self, name: str, kind: CommanderKind) -> None:
@@ -69,10 +69,10 @@ class CommanderBody:
         """Take command of subordinates.
 
         Args:
-            roles: by name; an empty role is none.
+            roles: roles by the subordinates' names; empty for no role.
             epoch: a number larger than that of any earlier commander of this name.
-            now: the time.
-            asks_position: have them report their positions because a superior asks for them.
+            now: the present time, s.
+            asks_position: whether a superior needs the subordinates' positions.
         """
         self._asks_position = asks_position or self.kind.asks_position
         self.members = {name: GroupMember(role, heard_at=now) for name, role in roles.items()}
@@ -94,7 +94,7 @@ class CommanderBody:
     # -- a body -----------------------------------------------------------------------------
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Do nothing: reports are handled on arrival, there is no percept."""
+        """Do nothing: a commander has no percept, and handles reports on arrival."""
 
     def act(self) -> tuple[Sequence[float], str]:
         """Return no action: orders are given while behaviors are performed."""
@@ -113,9 +113,9 @@ class CommanderBody:
     # -- hearing ----------------------------------------------------------------------------
 
     def hear(self, report: Report, now: float) -> bool:
-        """Take a report; return whether anything but a value has changed.
+        """Take a report; return whether more than values has changed.
 
-        A report of an agent that is not a subordinate is ignored.
+        Reports of agents that are not subordinates are ignored.
         """
         self.now = now
         self._unheard.discard(report.agent)
@@ -132,7 +132,7 @@ class CommanderBody:
         return before is None or was_silent or _activity(before) != _activity(report)
 
     def _change_time(self, report: Report, member: GroupMember) -> None:
-        """Switch to lockstep or to real time if a report shows that its world has."""
+        """Switch to lockstep or to real time if a report shows that the world has switched."""
         roll = self.roll
         if report.round and not roll.round:
             roll.begin([name for name in self.members if self.is_silent(name)])
@@ -143,9 +143,9 @@ class CommanderBody:
                 roll.end()
 
     def round_ends(self) -> bool:
-        """Whether all have reported since the last round ended; if so, the next round begins.
+        """Return whether all members have reported in this round; if so, begin the next round.
 
-        Silent members are not waited for.
+        Silent members do not count.
         """
         present = {name for name, _ in self.present()}
         if not self._unheard.isdisjoint(present):
@@ -154,9 +154,10 @@ class CommanderBody:
         return True
 
     def is_silent(self, name: str) -> bool:
-        """Whether a subordinate has sent no report for longer than the deadline.
+        """Return whether a subordinate has sent no report for longer than the deadline.
 
-        In lockstep, whether it missed the last round in which it owed a report.
+        In lockstep, the subordinate is silent if it missed the last round in which it had to
+        report.
         """
         if self.roll.round:
             return name in self.roll.missing
@@ -169,7 +170,7 @@ class CommanderBody:
 
     @property
     def ready(self) -> bool:
-        """Whether there are subordinates to command, and none is still waited for."""
+        """Whether there are subordinates to command, and all but silent ones have reported."""
         waited_for = any(
             member.report is None and not self.is_silent(name)
             for name, member in self.members.items()
@@ -190,7 +191,7 @@ class CommanderBody:
         return self.order.number
 
     def obeys(self, name: str) -> bool:
-        """Whether a subordinate has reported its present order as performed."""
+        """Return whether a subordinate has reported that it performs the order in force."""
         member = self.members[name]
         report = member.latest
         if report is None or (report.epoch, report.sequence) != self.number:
@@ -221,7 +222,7 @@ class CommanderBody:
         return sum(self.is_silent(name) for name in self.members) / len(self.members)
 
     def picked(self, pick: Pick) -> str | None:
-        """Return the subordinate that a target picks; None if there is none now."""
+        """Return the subordinate that a target picks; None if it can pick none now."""
         if pick.number:
             names = [n for n, m in self.members.items() if not pick.role or m.role == pick.role]
             return names[pick.number - 1] if pick.number <= len(names) else None
@@ -230,7 +231,7 @@ class CommanderBody:
             for name, report in self.present(pick.role)
             if not math.isnan(value := observed(report, pick.of, self._asked, self.number))
         }
-        # Of equal ones, the first.
+        # min and max return the first of equal members.
         best = max if pick.over is Over.MAXIMUM else min
         return best(seen, key=seen.__getitem__, default=None)
 
@@ -241,8 +242,8 @@ class CommanderBody:
 
         Args:
             order: the order to give.
-            chosen: the subordinate that an order with a parameter is about; None if none can be
-                picked now, and the order is not given.
+            chosen: the subordinate bound to the order's parameter. None, if the target can pick
+                no subordinate now: then an order with a parameter is not given.
         """
         if order.parameter and chosen is None:
             return
@@ -256,7 +257,7 @@ class CommanderBody:
             for receiver, what in order.behaviors.items()
         }
         if ordered.get(ALL_OTHERS) is not None and None in ordered.values():
-            # A message cannot exempt some from an order to all others, so it names each member.
+            # An order to all others has no exceptions in a message, so name each member instead.
             ordered = {
                 name: next(ordered[r] for r in (name, member.role, ALL_OTHERS) if r in ordered)
                 for name, member in self.members.items()
@@ -271,19 +272,19 @@ class CommanderBody:
         self.on_order(self.order)
 
     def outbid(self, number: OrderId) -> None:
-        """Repeat the order in force with a newer number than that of a foreign order.
+        """Repeat the order in force with a newer number than a foreign order has.
 
-        Someone else has given an order in this commander's name; without this, subordinates would
-        ignore all further orders as older.
+        Another process has given an order in this commander's name. Without a newer number,
+        subordinates would ignore all further orders as older.
         """
         self.order = replace(self.order, epoch=number[0] + 1)
         self.on_order(self.order)
 
     def give_again(self, label: str) -> bool:
-        """Give the order that had this label before a restart, with its present meaning.
+        """Give the order that had this label before a restart, as it is defined now.
 
         Returns:
-            whether the order, and the subordinate it is about, still exist.
+            Whether the order, and the subordinate in its label, still exist.
         """
         for order in self.kind.orders:
             if not order.parameter and label == order.name:
@@ -297,6 +298,6 @@ class CommanderBody:
 
 
 def _activity(report: Report) -> tuple[object, ...]:
-    """Return a report's order and the activity for it."""
+    """Return everything in a report except times and values."""
     number = report.epoch, report.sequence
     return number, report.waits, report.stopped, list(report.flags), list(report.path)

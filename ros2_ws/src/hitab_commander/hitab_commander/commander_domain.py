@@ -1,8 +1,8 @@
-"""The domain of a kind of commander: its orders are basic behaviors, its group has the features.
+"""The domain of a kind of commander: orders are its basic behaviors, the group has its features.
 
-It depends on the kind alone, not on the subordinates, so all commanders of one kind can use the
-same library. A version is a digest of definitions: if an order or a feature is redefined,
-behaviors that use it, trained with the earlier definition, are refused.
+The domain depends on the kind alone, not on the subordinates, so all commanders of one kind can
+use the same library. The domain's version is a digest of its definitions: if an order or a feature
+is redefined, behaviors that were trained with the earlier definition are refused.
 """
 
 from __future__ import annotations
@@ -62,13 +62,13 @@ def _behavior(order: OrderMap) -> BasicBehavior:
     def give(body: CommanderBody, *chosen: str | None) -> None:
         body.give(order, *chosen)
 
-    told = ", ".join(
+    description = ", ".join(
         f"{receiver or 'others' if order.behaviors.keys() != {''} else 'all'}: "
         f"{'continue' if behavior is None else behavior or 'nothing'}"
         for receiver, behavior in order.behaviors.items()
     )
     parameters = (order.parameter,) if order.parameter else ()
-    return BasicBehavior(order.name, give, give, parameters=parameters, description=told)
+    return BasicBehavior(order.name, give, give, parameters=parameters, description=description)
 
 
 def _feature(feature: GroupFeature) -> Feature:
@@ -76,16 +76,16 @@ def _feature(feature: GroupFeature) -> Feature:
     question = feature.over is Over.VALUE and of.is_question
     boolean = feature.over in (Over.ANY, Over.ALL) or question
     kind = FeatureKind.BOOLEAN if boolean else FeatureKind.CONTINUOUS
-    told = f"{feature.over} {feature.part or _in_words(of)}"
+    description = f"{feature.over} {feature.part or _in_words(of)}"
     if feature.role:
-        told += f", of those with role {feature.role}"
+        description += f", of those with role {feature.role}"
     return Feature(
         feature.name,
         lambda body, *chosen: body.feature(feature, *chosen),
         kind,
         unit="m" if feature.over is Over.GROUP else "",
         parameters=(feature.parameter,) if feature.parameter else (),
-        description=told,
+        description=description,
     )
 
 
@@ -104,5 +104,5 @@ _SILENT = Feature(
 
 
 def _target(pick: Pick) -> Target:
-    told = f"number {pick.number}" if pick.number else f"{pick.over} {_in_words(pick.of)}"
-    return Target(pick.name, lambda body: body.picked(pick), f"the subordinate: {told}")
+    chosen_by = f"number {pick.number}" if pick.number else f"{pick.over} {_in_words(pick.of)}"
+    return Target(pick.name, lambda body: body.picked(pick), f"the subordinate: {chosen_by}")

@@ -18,18 +18,18 @@ from hitab_ros.conversions import order_message
 from hitab_ros.stamps import time_of
 
 EPISODES_KNOWN = 8
-"""How many past episodes are remembered, so that a late report does not look like a new one."""
+"""How many past episodes are remembered, so that a late report does not seem to begin one."""
 
 Episode = tuple[int, int]
-"""Seed of the run, and number."""
+"""An episode's seed of the run, and its number in the run."""
 
 
 class CommanderLink:
-    """Has the commander decide when something has changed, and at a fixed rate.
+    """Makes a commander decide when something has changed, and at a fixed rate.
 
-    In real time it decides at once when a subordinate's activity changes, when all have reported
-    again, and when its own commander or a person has it perform something. In lockstep it decides
-    in its turn; see `hitab_commander.rounds`.
+    In real time the commander decides at once when a subordinate's activity changes, when all have
+    reported again, and when its own commander or a person gives it an order. In lockstep it
+    decides in its turn; see `hitab_commander.rounds`.
     """
 
     def __init__(self, node: AgentNode) -> None:
@@ -49,24 +49,24 @@ class CommanderLink:
         self._percept = msg.Percept()
         self._decided = False
         self._orders = node.create_publisher(msg.Order, names.ORDER, qos.LATCHED)
-        noted = node.memory.values
-        epoch = noted.get("epoch")
+        stored = node.memory.values
+        epoch = stored.get("epoch")
         self.body.enlist(
             settings.roles,
-            # Later than that of any earlier process, even if the clock went back.
+            # An epoch larger than that of any earlier process, even if the clock was set back.
             max(time.time_ns(), epoch + 1 if isinstance(epoch, int) else 0),
             time.monotonic(),
             asks_position=settings.asks_position,
         )
         self.body.on_order = self._on_order
-        self._take_up(str(noted.get("order", "")) if node.memory.performed is not None else "")
+        self._resume(str(stored.get("order", "")) if node.memory.performed is not None else "")
         node.create_subscription(msg.Reports, names.REPORTS, self._on_reports, qos.EVENTS)
         shared.scheduler.every(1.0 / self.body.kind.rate, self._on_time, node.guard)
 
     def close(self) -> None:
         """Do nothing: subordinates continue to follow their orders."""
 
-    def _take_up(self, order: str) -> None:
+    def _resume(self, order: str) -> None:
         """Resume the order of the previous process, or publish that there is none."""
         if order and not self.body.give_again(order):
             self._node.get_logger().warning(
@@ -97,7 +97,7 @@ class CommanderLink:
         if self._lockstep.active:
             self.group.changed |= changed
             return
-        # The cycle that all have seen: the world's present one once all have reported it.
+        # The cycle is the latest that all have seen: the world's own once all have reported it.
         self._percept.cycle = min((r.cycle for _, r in body.present()), default=0)
         everybody = body.round_ends()
         if everybody:
@@ -114,11 +114,11 @@ class CommanderLink:
         if found == self._episode:
             return False
         if self._episode is not None and not (any(found) or report.cycle):
-            return False  # the agent has just started, and has not perceived anything yet
+            return False  # the agent has just started, and has no percept yet
         if found in self._episodes and any(
             (other.seed, other.episode) != found for _, other in self.body.present()
         ):
-            return False  # a late report: all would report an episode that is played again
+            return False  # the report is late: all would report an episode that is played again
         self._episode = found
         self._episodes = [*self._episodes[1 - EPISODES_KNOWN :], found]
         self._percept.seed, self._percept.episode = found
@@ -127,7 +127,7 @@ class CommanderLink:
     # -- deciding in lockstep ---------------------------------------------------------------
 
     def _perceive_round(self, present: Round) -> None:
-        """Perceive what was reported, report to the superior, and wait for its order."""
+        """Perceive the round's reports, report to the superior, and wait for its order."""
         percept = self._percept
         percept.sequence = present.number
         percept.cycle = present.cycle
@@ -146,7 +146,7 @@ class CommanderLink:
         )
 
     def _decide_round(self, present: Round) -> None:
-        """Decide, if that is due, and give the order of the round."""
+        """Decide, if a decision is due, and give the order of the round."""
         if self._lockstep.is_due(present):
             self._node.answer(self._percept)
         self._percept.restart = self._percept.look = self._percept.lockstep = False
@@ -166,7 +166,7 @@ class CommanderLink:
     def decide(self, *, restart: bool = False) -> None:
         """Tick, if there are subordinates to command, and give the resulting order at once.
 
-        In lockstep this waits for the commander's turn in the next round.
+        In lockstep, the decision waits for the commander's turn in the next round.
         """
         if self._lockstep.active:
             self._lockstep.expect()
@@ -190,8 +190,9 @@ class CommanderLink:
     # -- ordering ---------------------------------------------------------------------------
 
     def _on_order(self, order: Order) -> None:
-        # First, so that a process killed in between does not return to the previous order.
+        # Store the order before publishing it: a process that is killed in between must not
+        # return to the previous order.
         self._node.remember()
-        if not self._percept.lockstep:  # otherwise it is published at the end of the round
+        if not self._percept.lockstep:  # in lockstep, the end of the round publishes it
             self._orders.publish(order_message(self._agent.name, order))
         self.group.changed = True

@@ -14,14 +14,14 @@ from hitab_commander.kind_reader import read_kind
 from hitab_core import Domain, HitabError, Mode, some
 from hitab_ros.diagnostics import Level
 
-NAMED_MAX = 10  # most subordinates that a diagnosis names
+NAMED_MAX = 10  # maximum number of subordinates that a diagnosis names
 
 
 class CommanderNode(AgentNode):
     """One commander, in the namespace of its name.
 
-    It has all the topics, services and parameters of an agent; its parameter ``domain`` is the
-    path of the file that describes its kind (see `hitab_commander.kind_reader`).
+    A commander has all topics, services and parameters of an agent. Its parameter ``domain`` is
+    the path of the file that describes its kind (see `hitab_commander.kind_reader`).
     """
 
     has_robot = False
@@ -31,11 +31,11 @@ class CommanderNode(AgentNode):
         super().__init__(node_name, **options)
 
     def resumed(self) -> dict[str, Any]:
-        """Return the behavior and the order that a restart resumes."""
+        """Return what is stored for a restart: the behavior and the order to resume."""
         order = self.agent.body.order
-        # Before the link has taken up the order of the previous process, there is none.
-        there = {"epoch": order.epoch, "order": order.name} if order.epoch else {}
-        return super().resumed() | there
+        # Until the link has resumed the previous process's order, keep the stored one.
+        in_force = {"epoch": order.epoch, "order": order.name} if order.epoch else {}
+        return super().resumed() | in_force
 
     def load_domain(self, name: str) -> Domain:
         """Return the domain of the kind of commander in the file ``name``."""
@@ -54,12 +54,12 @@ class CommanderNode(AgentNode):
         return 0.0 if self._link is None else self._link.seconds
 
     def ordered(self) -> None:
-        """Pass an order on at once: decide now what the subordinates should do for it."""
+        """Decide at once what the subordinates should do for an order to this commander."""
         super().ordered()
         self._decide()
 
     def settle(self) -> None:
-        """Decide at once after a person's request, also on an order that waited for it."""
+        """Retry a waiting order after a person's request, and decide at once."""
         super().settle()
         self._decide()
 
@@ -82,8 +82,8 @@ class CommanderNode(AgentNode):
 
 
 def link(node: CommanderNode, world: str, on_percept: Any) -> CommanderLink:
-    """Return the link of a commander to its group; it takes the place of a robot's link.
+    """Return the link of a commander to its group, in the place of a robot's link.
 
-    It ignores worlds, and decides itself when to perceive and when to act.
+    The link ignores worlds, and decides itself when to perceive and when to act.
     """
     return CommanderLink(node)

@@ -18,7 +18,7 @@ class GroupSettings:
     """The group of a commander.
 
     Attributes:
-        roles: of the subordinates, by name.
+        roles: the subordinates' roles, by name.
         asks_position: whether subordinates report their positions.
     """
 
@@ -49,5 +49,5 @@ class GroupSettings:
 
 
 def _parameter(node: Node, name: str, default: Any, description: str) -> Any:
-    told = ParameterDescriptor(description=description, read_only=True)
-    return node.declare_parameter(name, default, told).value
+    descriptor = ParameterDescriptor(description=description, read_only=True)
+    return node.declare_parameter(name, default, descriptor).value

@@ -1,4 +1,4 @@
-"""Publishes what a commander orders and which of its subordinates perform it."""
+"""The status of a commander's group: the order in force, and who performs it."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ class GroupStatus:
     """Publishes the status of a commander's group when it has changed.
 
     Attributes:
-        changed: whether it has changed since it was last published.
+        changed: whether the group has changed since its status was last published.
     """
 
     def __init__(self, node: AgentNode) -> None:
         """Create the publisher."""
         self.changed = True
         self._node = node
-        self._doing: tuple[object, ...] = ()
+        self._published: tuple[object, ...] = ()
         self._publisher = node.create_publisher(msg.CommanderStatus, names.GROUP, qos.LATCHED)
 
     def publish_if_changed(self) -> None:
@@ -28,21 +28,21 @@ class GroupStatus:
         agent, settings = self._node.agent, self._node.settings
         body: CommanderBody = agent.body
         path = agent.active_path
-        # A member that has not reported is not disobeying.
+        # A member that has not yet reported under this epoch counts as silent, not as disobeying.
         silent = [not body.knows_of(name) for name in body.members]
         faults = self._node.status.faults
-        doing = (agent.mode, agent.behavior, path, silent, faults)
-        if not self.changed and doing == self._doing:
+        activity = (agent.mode, agent.behavior, path, silent, faults)
+        if not self.changed and activity == self._published:
             return
         self.changed = False
-        self._doing = doing
+        self._published = activity
         subordinates = [
             msg.Subordinate(
                 name=name,
-                behavior=told.path[0] if (told := member.latest) is not None and told.path else "",
+                behavior=last.path[0] if (last := member.latest) is not None and last.path else "",
                 obeys=body.obeys(name) and not quiet,
                 silent=quiet,
-                stopped=told is not None and told.stopped,
+                stopped=last is not None and last.stopped,
             )
             for (name, member), quiet in zip(body.members.items(), silent, strict=True)
         ]

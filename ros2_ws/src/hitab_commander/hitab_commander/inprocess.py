@@ -1,7 +1,7 @@
 """Players with commanders, for the loop that plays a world in one process.
 
 The loop is `hitab_world.inprocess.play`. Agents and commanders are those of `hitab_core` and of
-this package, and what is decided is the same, bit for bit, as over topics in lockstep
+this package. All decisions are the same, bit for bit, as over topics in lockstep
 (`hitab_commander.rounds`); reports and orders are passed as objects.
 
 Example::
@@ -30,10 +30,10 @@ from hitab_core.orders import Report, Subordinate
 
 @dataclass(frozen=True)
 class Member:
-    """An agent.
+    """An agent of a hierarchy.
 
     Attributes:
-        behavior: performed until the first order; empty if none.
+        behavior: the behavior until the first order; empty if none.
     """
 
     name: str
@@ -43,14 +43,14 @@ class Member:
 
 @dataclass(frozen=True)
 class Commander:
-    """A commander.
+    """A commander of a hierarchy.
 
     Attributes:
-        library: of behaviors of its kind's domain; see `commander_domain`.
-        behavior: performed until the first order; empty if none.
-        subordinates: names of agents, or of commanders that were listed before.
-        roles: of subordinates that have one, by name.
-        asks_position: whether a superior asks it for positions.
+        library: behaviors for the domain of its kind; see `commander_domain`.
+        behavior: the behavior until the first order; empty if none.
+        subordinates: names of agents, or of commanders that are listed before this one.
+        roles: roles of the subordinates that have one, by name.
+        asks_position: whether a superior needs the subordinates' positions.
     """
 
     name: str
@@ -63,16 +63,16 @@ class Commander:
 
 
 class HierarchyPlayers:
-    """Agents and their commanders, handing reports up and orders down.
+    """Players for agents under commanders, with reports passed up and orders down.
 
     Args:
         members: the agents.
-        commanders: subordinate ones before their own commanders.
-        cycle_seconds: of the world that is played in, s.
+        commanders: the commanders, each after its subordinate commanders.
+        cycle_seconds: duration of a cycle of the world, s.
 
     Attributes:
-        players: by agent.
-        agents: the engine's agents, of all members and commanders, by name.
+        players: the agents' players, by name.
+        agents: the engine's agents for all members and commanders, by name.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class HierarchyPlayers:
         self._round = 0
 
     def confer(self) -> None:
-        """Pass reports up and orders down, once all have perceived and before anybody acts."""
+        """Pass reports up and orders down, after all have perceived and before any acts."""
         self._round += 1
         for member in self.players.values():
             member.report(self._round)
@@ -143,7 +143,7 @@ class _Node:
 
 
 class _Member(_Node):
-    """A player: see `hitab_world.inprocess.Player`; it is also its own body."""
+    """A player (`hitab_world.inprocess.Player`), which is also its own body."""
 
     def __init__(self, agent: Agent, behavior: str, cycle_seconds: float) -> None:
         super().__init__(agent, behavior)
@@ -158,7 +158,7 @@ class _Member(_Node):
 
 
 class _CommanderNode(_Node):
-    """A commander, as `hitab_commander.commander_link` has it over topics."""
+    """A commander in a process, the counterpart of `hitab_commander.commander_link`."""
 
     def __init__(
         self,
@@ -194,7 +194,7 @@ class _CommanderNode(_Node):
         present = self._present
         assert present is not None, "its subordinates have reported before"
         if self._lockstep.is_due(present):
-            with suppress(FeatureValueError):  # then it does nothing this time, as its node would
+            with suppress(FeatureValueError):  # the commander does nothing then, as its node would
                 self.agent.tick()
         order = replace(self._body.order, round=present.number)
         for node in self._subordinates:

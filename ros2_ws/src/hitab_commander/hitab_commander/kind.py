@@ -20,8 +20,8 @@ class Over(StrEnum):
     MEAN = "mean"
     MINIMUM = "minimum"
     MAXIMUM = "maximum"
-    VALUE = "value"  # of one subordinate, which is the feature's parameter
-    GROUP = "group"  # of the positions: x, y, spread
+    VALUE = "value"  # the value of one subordinate, which is the feature's parameter
+    GROUP = "group"  # an aggregate of the positions: x, y, spread
 
 
 EXTREMES = (Over.MINIMUM, Over.MAXIMUM)
@@ -33,8 +33,8 @@ class Observation:
     """An observation of one subordinate: a flag, an active state, or a feature.
 
     Attributes:
-        flag, active, feature: exactly one of them is not empty. ``active`` names a state at any
-            level, or the top-level behavior.
+        flag, active, feature: the observed flag, active state or feature; exactly one is not
+            empty. ``active`` names a state at any level, or the top-level behavior.
         below, above: limits that turn a feature's value into true or false.
     """
 
@@ -56,9 +56,10 @@ class GroupFeature:
 
     Attributes:
         over: how the subordinates are aggregated.
-        of: the observation of each; for `Over.GROUP`, ``part`` of all positions instead.
-        role: of the subordinates that count; empty for all.
-        parameter: of a feature of one subordinate, `Over.VALUE`.
+        of: the observation of each subordinate; unused for `Over.GROUP`.
+        role: role of the subordinates that count; empty for all.
+        parameter: the parameter of a feature of one subordinate (`Over.VALUE`).
+        part: for `Over.GROUP`, the aggregate of the positions.
     """
 
     name: str
@@ -73,8 +74,8 @@ class GroupFeature:
 class Pick:
     """A target: the subordinate with the smallest or the largest value, or with a number.
 
-    Among equal values, the first in the commander's list is picked. ``number`` counts from 1
-    among those with the role.
+    Among equal values, the first subordinate in the commander's list is picked. ``number`` counts
+    from 1 among the subordinates with the role.
     """
 
     name: str
@@ -86,13 +87,13 @@ class Pick:
 
 @dataclass(frozen=True, slots=True)
 class OrderMap:
-    """An order, and what the subordinates perform for it.
+    """An order, and the behaviors that subordinates perform for it.
 
     Attributes:
-        name: of the order: a basic behavior of the commander.
-        behaviors: by receiver: a role, ``parameter`` for the subordinate that it is bound to, or
-            `ALL_OTHERS`. Empty text: perform nothing; None: continue what is performed.
-        parameter: its parameter, if it is about one subordinate.
+        name: the order's name, which is a basic behavior of the commander.
+        behaviors: behaviors by receiver: a role, ``parameter`` for the subordinate that is bound
+            to it, or `ALL_OTHERS`. An empty text means to perform nothing, None to continue.
+        parameter: the order's parameter, if the order is about one subordinate; else empty.
     """
 
     name: str
@@ -100,11 +101,11 @@ class OrderMap:
     parameter: str = ""
 
     def for_role(self, role: str) -> str | None:
-        """Return what subordinates with a role perform; None: they continue."""
+        """Return the behavior for subordinates with a role; None if they continue."""
         return self.behaviors.get(role, self.behaviors.get(ALL_OTHERS))
 
     def covers(self, role: str) -> bool:
-        """Whether it defines what subordinates with a role do."""
+        """Return whether the order has a behavior for subordinates with a role."""
         return role in self.behaviors or ALL_OTHERS in self.behaviors
 
 
@@ -113,11 +114,11 @@ class CommanderKind:
     """The orders and features that commanders of one kind share; their domain is made from it.
 
     Attributes:
-        name: of the kind, and of its domain.
-        deadline: s without a report after which a subordinate is left out.
-        rate: Hz at which it decides if nothing changes in between.
-        report_period: s between two reports of changing values, in the subordinates' time.
-        described: all of this, as in a file.
+        name: name of the kind and of its domain.
+        deadline: time without a report after which a subordinate counts as silent, s.
+        rate: rate of decisions while nothing changes, Hz.
+        report_period: time between two reports of changing values, s of the subordinates' time.
+        described: the kind's description, as in a file.
     """
 
     name: str
@@ -130,18 +131,18 @@ class CommanderKind:
     described: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
-    def _looked_at(self) -> tuple[Observation, ...]:
+    def _observations(self) -> tuple[Observation, ...]:
         return (*(f.of for f in self.features), *(t.of for t in self.targets))
 
     @property
     def asked(self) -> tuple[str, ...]:
         """The subordinates' features that are observed, each once."""
-        return tuple(dict.fromkeys(of.feature for of in self._looked_at if of.feature))
+        return tuple(dict.fromkeys(of.feature for of in self._observations if of.feature))
 
     @property
     def asks_states(self) -> bool:
         """Whether subordinates must report the active states inside their top-level behavior."""
-        return any(of.active for of in self._looked_at)
+        return any(of.active for of in self._observations)
 
     @property
     def asks_position(self) -> bool:

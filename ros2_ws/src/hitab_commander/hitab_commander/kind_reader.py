@@ -1,4 +1,4 @@
-"""Reads kinds of commanders from YAML, and writes them.
+"""The YAML description of a kind of commander: reading and writing.
 
     commander: Captain
     orders:                                  # name: what the subordinates perform
@@ -20,8 +20,8 @@
     rate: 10                                 # Hz
     report_period: 0.5                       # s between reports of values that change
 
-`any`, `all`, `fraction` and `count` ask something of each subordinate; `mean`, `minimum` and
-`maximum` sum up values.
+`any`, `all`, `fraction` and `count` aggregate true-or-false observations of the subordinates;
+`mean`, `minimum` and `maximum` aggregate values.
 """
 
 from __future__ import annotations
@@ -66,17 +66,17 @@ OTHERS_WORD = "others"
 KIND_FILE = "commander.yaml"
 """The file in a commander's library folder that describes its kind."""
 
-FASTEST = 1000.0
+RATE_MAX_HZ = 1000.0
 """Hz; the highest rate at which a commander may be asked to decide."""
 
-LONGEST = 1e6
+TIME_MAX_S = 1e6
 """s; the longest time accepted. Its inverse is the shortest time and the lowest rate, Hz."""
 
 
 def _label(text: str) -> str:
     if len(arguments := read_use(text).arguments) > 1:
-        told = quantity(len(arguments), "parameter")
-        raise ValueError(f"has {told}; leave one, for one subordinate")
+        counted = quantity(len(arguments), "parameter")
+        raise ValueError(f"has {counted}; leave one, for one subordinate")
     return text
 
 
@@ -90,8 +90,8 @@ def _behavior(text: Any) -> str | None:
     if text in (KEEP, NO_BEHAVIOR):
         return None if text == KEEP else ""
     if not isinstance(text, str):
-        told = kind_of(text)
-        raise ValueError(f"must be a behavior, `{NO_BEHAVIOR}` or `{KEEP}`, not {told}")
+        given = kind_of(text)
+        raise ValueError(f"must be a behavior, `{NO_BEHAVIOR}` or `{KEEP}`, not {given}")
     return str(read_use(text))
 
 
@@ -99,7 +99,7 @@ T = TypeVar("T")
 Label = Annotated[str, AfterValidator(_label)]
 Behavior = Annotated[str | None, PlainValidator(_behavior)]
 Behaviors = dict[Annotated[str, AfterValidator(_receiver)], Behavior]
-Time = Annotated[float, Field(ge=1.0 / LONGEST, le=LONGEST)]
+Time = Annotated[float, Field(ge=1.0 / TIME_MAX_S, le=TIME_MAX_S)]
 
 
 class ObservedState(Record):
@@ -115,7 +115,7 @@ Observed = Annotated[
 
 
 class Observing(Record):
-    """The line of a target, or of a feature, which may also have limits."""
+    """The entry of a target or feature; only features may have limits."""
 
     over: Over = Field(default=Over.MINIMUM, alias=":over")
     of: Observed = ""
@@ -133,13 +133,13 @@ class Observing(Record):
 
 
 class PositionsPart(Record):
-    """The line of a feature of the positions."""
+    """The entry of a feature of the positions."""
 
     part: Annotated[str, among(GROUP_PARTS)] = Field(alias="group")
 
 
 class Numbered(Record):
-    """The line of a target that is a number."""
+    """The entry of a target that is a subordinate's number."""
 
     number: int = Field(ge=1)
     role: str = ""
@@ -176,7 +176,7 @@ class KindRecord(Record):
         dict[Label, Annotated[Observing | Numbered, OneOf(_TARGETS)]], NONE_IS_EMPTY
     ] = Field(default_factory=dict)
     deadline: Time = 3.0
-    rate: Annotated[float, Field(ge=1.0 / LONGEST, le=FASTEST)] = 10.0
+    rate: Annotated[float, Field(ge=1.0 / TIME_MAX_S, le=RATE_MAX_HZ)] = 10.0
     report_period: Time = 0.5
 
 
@@ -184,17 +184,17 @@ def read_kind(path: Path) -> CommanderKind:
     """Read a kind of commander from a file.
 
     Raises:
-        VocabularyError: with everything that is wrong, by file and line.
+        VocabularyError: naming all errors, by file and line.
     """
     document = open_yaml(path, error=VocabularyError)
     return _opened(document)
 
 
 def described_kind(name: str, described: Mapping[str, Any]) -> CommanderKind:
-    """Return a kind that is described as in a file.
+    """Return the kind with a description that has the form of a file.
 
     Raises:
-        VocabularyError: with everything that is wrong.
+        VocabularyError: naming all errors.
     """
     return _opened(Document(name, {**described, "commander": name}, {(): 1}))
 
@@ -214,13 +214,13 @@ def _opened(document: Document) -> CommanderKind:
 def kind_in(
     record: KindRecord, name: str, complaints: Complaints, at: Place = ()
 ) -> CommanderKind:
-    """Return a kind; what is wrong is complained about and left out.
+    """Return a kind without the invalid parts of its description, which become complaints.
 
     Args:
         record: description of the kind. Without ``orders`` the kind has none.
-        name: of the kind.
-        complaints: to add to.
-        at: the place of the description.
+        name: name of the kind.
+        complaints: collects the errors.
+        at: place of the description in its document.
     """
     if name and VOCABULARY_NAME.match(name) is None:
         complaints.add(

@@ -1,9 +1,9 @@
-"""When a commander decides in lockstep: at most once in a round, independent of any clock.
+"""Lockstep rounds: a commander decides at most once in each, independent of any clock.
 
 In each lockstep round, reports pass up the tree and orders pass down it:
 
-1. Every agent perceives and owes its commander a report.
-2. A commander that has all the reports owed to it perceives, and reports to its superior.
+1. Every agent perceives and reports to its commander.
+2. A commander that has all expected reports perceives, and reports to its superior.
 3. A commander that has its superior's order of the round obeys it, decides, and gives its own
    order of the round; the root does not wait.
 4. An agent that has its commander's order of the round obeys it, and acts.
@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from hitab_commander.commander_body import CommanderBody
 from hitab_core.orders import Report
 
-FORGIVEN = 1e-6
-"""s; the rounding error of times, which are sums of cycles."""
+ROUNDING_S = 1e-6
+"""Tolerance for the rounding errors of times, which are sums of cycles, s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +28,8 @@ class Round:
     """A round of reports: the fields that all of them share.
 
     Attributes:
-        number: of the round.
-        cycle: of the world; of several worlds, the smallest.
+        number: number of the round.
+        cycle: the world's cycle; the smallest one if there are several worlds.
         seconds: the subordinates' own time, s.
         seed, episode: seed of the run, and number of the episode.
         look: whether no agent acts in this round.
@@ -46,7 +46,7 @@ class Round:
 
 
 class Lockstep:
-    """Takes reports, and determines when the round is complete and whether to decide in it."""
+    """Takes reports; determines when a round is complete and whether to decide in it."""
 
     def __init__(self, body: CommanderBody) -> None:
         self._body = body
@@ -63,7 +63,7 @@ class Lockstep:
         """Take a report.
 
         Returns:
-            Whether anything but a value has changed, and the round if it is complete now.
+            Whether more than values has changed, and the round if it is complete now.
         """
         body = self._body
         changed = body.hear(report, now)
@@ -87,11 +87,11 @@ class Lockstep:
         )
 
     def expect(self) -> None:
-        """Decide in the next round whatever the reports say, after an order or a command."""
+        """Decide in the next round whatever the reports are; called after an order or command."""
         self._news = True
 
     def is_due(self, present: Round) -> bool:
-        """Return whether to decide in a round, once.
+        """Return whether a decision is due in a round; call this once a round.
 
         A decision is due when something has changed, and at the commander's rate, counted in the
         subordinates' time from the beginning of the episode.
@@ -102,7 +102,7 @@ class Lockstep:
         if present.restart:
             self._began_at = present.seconds
         seconds = present.seconds - self._began_at
-        period = int((seconds + FORGIVEN) * self._body.kind.rate)
+        period = int((seconds + ROUNDING_S) * self._body.kind.rate)
         due = self._news or present.restart or period != self._period
         self._news, self._period = False, period
         return due and self._body.ready

@@ -91,7 +91,7 @@ class Team:
     # -- nodes ------------------------------------------------------------------------------
 
     def obeying(self) -> list[bool]:
-        """Return which subordinates of the chief perform what it ordered."""
+        """Return which subordinates of the chief perform its order."""
         return [member.obeys for member in self.groups["chief"].subordinates]
 
     def ant(self, name: str, commander: str = "", role: str = "", **settings: Any) -> AntNode:
@@ -242,6 +242,6 @@ class Team:
 
 @pytest.fixture
 def team(tmp_path: Path) -> Iterator[Team]:
-    """Nobody yet, in a ROS domain that nobody else uses."""
+    """An empty team, in a ROS domain of its own."""
     with context_of_its_own() as context, contextlib.closing(Team(tmp_path, context)) as made:
         yield made

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hitab_commander.roll_call import PAST, RollCall
+from hitab_commander.roll_call import LATE_ROUNDS_MAX, RollCall
 
 
 @pytest.fixture
@@ -52,7 +52,7 @@ def test_a_world_that_counts_anew_and_a_forged_number_end_nothing(roll):
     roll.take("a", 10)
     assert roll.round == 10
     assert roll.take("b", 10)
-    assert PAST < 2**64 - 1
+    assert LATE_ROUNDS_MAX < 2**64 - 1
 
 
 def test_who_was_silent_in_real_time_owes_nothing_until_it_reports(roll):

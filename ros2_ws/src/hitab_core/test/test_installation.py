@@ -1,4 +1,4 @@
-"""What a person is told to run to install HiTAB again is right for how it was installed."""
+"""The command that an error gives for installing HiTAB again fits how it was installed."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""A behavior as a tree for BehaviorTree.CPP 4, in XML.
+"""The export of a behavior to a tree for BehaviorTree.CPP 4, in XML.
 
 Each automaton is a subtree. Its state is an entry of the blackboard. Scripts query and change the
 state, one for each node of a decision tree; nested `WhileDoElse` nodes tick the state's behavior,
@@ -52,7 +52,7 @@ the behavior has raised this flag; set it to 0 once seen.
 
 
 def as_behavior_tree(hierarchy: Hierarchy, origin: str) -> str:
-    """Return the text of the file; ``origin`` says where the behavior comes from."""
+    """Return the file's text; ``origin`` describes where the behavior comes from."""
     return _Writer(hierarchy).text(origin)
 
 
@@ -60,8 +60,9 @@ class _Writer:
     """Writes one file.
 
     Attributes:
-        names: of the subtrees and actions, by what they perform.
-        values: entries of the blackboard, by the features; ``labels``: the features by these.
+        names: names of the subtrees and actions, by the behavior that they perform.
+        values: the entries of the blackboard, by the features' labels.
+        labels: the features' labels, by the entries.
     """
 
     def __init__(self, hierarchy: Hierarchy) -> None:
@@ -125,7 +126,7 @@ class _Writer:
         return "; ".join([f"{self._entry(use, 'state')} := '{START}'", *zero, *times])
 
     def _query(self, body: Element, automaton: AutomatonForm) -> None:
-        """Leave Start and flag states at once; see and lower the flags, and read the timers."""
+        """Leave Start and flag states at once; read and lower the flags, and read the timers."""
         use, state = automaton.use, self._entry(automaton.use, "state")
         is_idle = _any(state, (s.label for s in automaton.states if s.performs is None))
         _script(body, "", f"{state} := ({is_idle}) ? '{START}' : {state}", name="leave flags")
@@ -190,7 +191,7 @@ class _Writer:
         node_at, value = f"{self._prefix}node", self._value(test.feature)
         label = self.labels.get(value, value.removeprefix(self._prefix))
         yes, no = first + test.yes, first + test.no
-        if test.feature >= len(INTERNAL):  # which may be missing: only NaN is not equal to itself
+        if test.feature >= len(INTERNAL):  # a value may be missing: NaN differs from itself
             known = f"{elsewhere} || {value} == {value}"
             _draw(body, known)
             left = f"(drawn - {test.share!r}) / (1 - {test.share!r})"
@@ -248,14 +249,14 @@ _SEEN = {flag: f"saw_{flag}" for flag in FLAGS}
 
 
 def _script(body: Element, skip_if: str, *statements: str, name: str = "") -> None:
-    """Add a script; Groot shows its name."""
+    """Add a script with the name that Groot shows."""
     shown = {"name": name} if name else {}
     conditions = {"_skipIf": skip_if} if skip_if else {}
     SubElement(body, "Script", {**shown, "code": "; ".join(statements), **conditions})
 
 
 def _draw(body: Element, skip_if: str) -> None:
-    """Draw, unless there is a draw already."""
+    """Add a node that draws a random number, unless one was drawn already."""
     SubElement(body, "Draw", _skipIf=f"{skip_if} || drawn >= 0")
 
 

@@ -1,4 +1,4 @@
-"""A behavior as one header of C++17 that needs nothing but the standard library."""
+"""The export of a behavior to one C++17 header that needs only the standard library."""
 
 from __future__ import annotations
 
@@ -191,7 +191,7 @@ class Behavior {
 
 
 def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
-    """Return the text of the header; ``origin`` says where the behavior comes from."""
+    """Return the header's text; ``origin`` describes where the behavior comes from."""
     names = identifiers((feature.label for feature in hierarchy.features), _KEYWORDS.split())
     top = str(hierarchy.top.use)
     space = f"hitab_{identifiers([top])[top]}"

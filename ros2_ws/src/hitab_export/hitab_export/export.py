@@ -1,4 +1,4 @@
-"""Exports a behavior of a library to a language."""
+"""The export of a behavior from a library to a language."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
         to: one of `LANGUAGES`.
 
     Raises:
-        VocabularyError: if there is no such behavior or language, or naming what of the behavior
-            cannot be exported.
+        VocabularyError: if there is no such behavior or language, or if a part of the behavior
+            cannot be exported; the error names the part.
         LibraryError: if the library cannot be read.
     """
     if to not in LANGUAGES:

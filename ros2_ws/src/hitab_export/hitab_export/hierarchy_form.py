@@ -1,7 +1,7 @@
-"""A learned behavior and all its parts, as plain tables that any language can hold.
+"""The tables of a learned behavior and all its parts, in a form that any language can hold.
 
 Every automaton of the hierarchy occurs once for each binding of its parameters. Since a behavior
-cannot use itself, at most one performance of it is active at a time.
+cannot use itself, each automaton is performed at most once at a time.
 """
 
 from __future__ import annotations
@@ -29,17 +29,19 @@ from hitab_core.regression import Neighbors, NumberTable
 from hitab_core.running import checks_of
 
 INTERNAL = tuple(map(str, OWN_FEATURES))
-"""The features that each automaton has of its own, which come before those of the robot."""
+"""The features that each automaton has of its own; their indices precede those of the robot's."""
 
 
 @dataclass(frozen=True, slots=True)
 class TestForm:
-    """``low < value <= high``, after ``value %= period`` if there is one; see `compiled_tree`.
+    """A test ``low < value <= high``, after ``value %= period`` if the period is not 0.
+
+    See `compiled_tree`.
 
     Attributes:
         feature: index into `INTERNAL` followed by `Hierarchy.features`.
         yes, no: index of the next node.
-        share: of the examples that went to ``yes``, which decides where the value is missing.
+        share: fraction of the examples that went to ``yes``: its probability for a missing value.
     """
 
     feature: int
@@ -53,13 +55,13 @@ class TestForm:
 
 @dataclass(frozen=True, slots=True)
 class LeafForm:
-    """Pairs: the state with this index is drawn below this number; the last number is 1."""
+    """Pairs of a number and a state's index: a state is drawn below its number; the last is 1."""
 
     chances: tuple[tuple[float, int], ...]
 
 
 Tree = tuple[TestForm | LeafForm, ...]
-"""The root first, each node before its successors."""
+"""A tree as a list of nodes: the root first, each node before its successors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,10 +69,10 @@ class FeatureForm:
     """A feature bound to targets.
 
     Attributes:
-        label: its name with its targets.
+        label: the feature's name with its targets.
         categories, required: as in `hitab_core.running.feature_cache.checked`.
-        period: of a toroidal feature, else 0.
-        unit: of its values; empty if none.
+        period: period of a toroidal feature, else 0.
+        unit: unit of the values; empty if none.
     """
 
     label: str
@@ -102,9 +104,9 @@ class StateForm:
     Attributes:
         label: in the automaton's own terms.
         performs: a behavior bound to targets; None in Start and in flag states.
-        is_automaton: whether that is an automaton.
-        one_shot: whether it is pulsed only once.
-        tree: decides where to go; None for nowhere.
+        is_automaton: whether that behavior is an automaton.
+        one_shot: whether that behavior is pulsed only once.
+        tree: decides on the next state; None if the state is never left.
         numbers: gives the numbers of the behavior; None if it takes none.
     """
 
@@ -131,7 +133,7 @@ class AutomatonForm:
 
 @dataclass(frozen=True, slots=True)
 class Hierarchy:
-    """Automata, each after its parts; the last is the behavior itself."""
+    """The automata of a behavior, each after its parts; the last is the behavior itself."""
 
     automata: tuple[AutomatonForm, ...]
     features: tuple[FeatureForm, ...]
@@ -143,7 +145,7 @@ class Hierarchy:
 
     @property
     def basics(self) -> dict[Use, bool]:
-        """The basic behaviors that the robot has to have, and whether they are pulsed once."""
+        """The basic behaviors that the robot needs, and whether each is pulsed only once."""
         return {
             state.performs: state.one_shot
             for automaton in self.automata
@@ -156,11 +158,11 @@ def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
     """Return a behavior with all its parts.
 
     Args:
-        repertoire: of the robot.
-        use: of a learned behavior, its parameters bound to targets.
+        repertoire: the robot's repertoire.
+        use: a learned behavior, its parameters bound to targets.
 
     Raises:
-        VocabularyError: if it does not exist, or naming what of it cannot leave the engine.
+        VocabularyError: if the behavior does not exist, or naming a part that cannot be exported.
     """
     repertoire.check_performable(use)
     if use.name not in repertoire.automata:

@@ -1,4 +1,4 @@
-"""Names of behaviors and features as identifiers of a language."""
+"""Identifiers of a language for the names of behaviors and features."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable
 
 
 def identifiers(labels: Iterable[str], reserved: Collection[str] = ()) -> dict[str, str]:
-    """Return an identifier for each label, all of them different.
+    """Return a different identifier for each label.
 
     Examples:
         >>> identifiers(["DistanceTo(ball)", "A(b, c)", "A(b_c)", "class"], ["class"])

@@ -1,4 +1,4 @@
-"""A behavior as one file of Python 3.8 or later that needs nothing else."""
+"""The export of a behavior to one file of Python 3.8 or later that needs nothing else."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ third item in FEATURES, `tick` raises a ValueError and decides nothing."""
 
 
 def as_python(hierarchy: Hierarchy, origin: str) -> str:
-    """Return the text of the file; ``origin`` says where the behavior comes from."""
+    """Return the file's text; ``origin`` describes where the behavior comes from."""
     runtime = files(__package__).joinpath("python_runtime.py").read_text(encoding="utf-8")
     parsed = ast.parse(runtime)
     there = {node.name for node in parsed.body if isinstance(node, (ast.ClassDef))}

@@ -1,4 +1,4 @@
-"""The verb that takes a learned behavior to the robot's own program."""
+"""The verb `hitab export`, which writes a learned behavior as a program."""
 
 from __future__ import annotations
 

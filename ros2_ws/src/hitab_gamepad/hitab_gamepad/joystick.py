@@ -1,4 +1,4 @@
-"""A joystick on a topic as the keys of a demonstrator."""
+"""The joystick of a demonstrator: its messages on a topic become commands."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hitab_ros import qos, steady_timer
 from hitab_ros.stamps import seconds_of
 
 PRESENCE_PERIOD_S = 0.1
-"""How often to look whether the joystick is lost, s."""
+"""Time between two checks whether the joystick is lost, s."""
 
 DISCOVERY_TIMEOUT_S = 3.0
 """How long a joystick may take to be found, s."""
@@ -25,7 +25,7 @@ DISCOVERY_TIMEOUT_S = 3.0
 
 @dataclass(frozen=True)
 class _Held:
-    """A button that is held until its behavior's numbers are right."""
+    """A button that a person holds while choosing its behavior's numbers with the sticks."""
 
     button: str
     behavior: str
@@ -34,13 +34,13 @@ class _Held:
 
 
 class JoystickInput:
-    """Hands what is done with a joystick to a demonstrator.
+    """Passes a person's actions with a joystick on to a demonstrator.
 
     Args:
         link: the node to use.
-        demonstrator: obeys the joystick.
+        demonstrator: the demonstrator, which obeys the joystick.
         mapping: meaning of buttons and axes.
-        topic: of `sensor_msgs/Joy`.
+        topic: a topic of type `sensor_msgs/Joy`.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class JoystickInput:
         self._trouble = ""
         self._topic = topic
         self._held: _Held | None = None
-        # Unchecked: what the guard would drop, such as NaN, has to stop the robot.
+        # The guard must not check and drop messages: one with NaN has to stop the robot.
         self._node.create_subscription(Joy, topic, self._take, qos.STREAM, checked=False)
         steady_timer(self._node, PRESENCE_PERIOD_S, self._look)
 
@@ -67,11 +67,11 @@ class JoystickInput:
         )
         demonstrator = self._demonstrator
         if taken.trouble:
-            self._tell_trouble(taken.trouble)
+            self._report_trouble(taken.trouble)
         elif was_lost or self._trouble:
             self._was_there, self._trouble = True, ""
             hold = self._mapping.hold
-            demonstrator.tell(f"the joystick is there; nothing counts unless {hold} is held")
+            demonstrator.tell(f"the joystick is connected; nothing counts unless {hold} is held")
         if taken.trouble:
             demonstrator.let_go()
         elif self._held is None:
@@ -112,12 +112,12 @@ class JoystickInput:
             demonstrator.press_behavior(behavior)
 
     def _command(self, held: _Held, axes: Sequence[float]) -> None:
-        """Command what was held, with the numbers that the sticks give now."""
+        """Command the held button's behavior, with the numbers that the sticks give now."""
         values = [self._mapping.numbers[n.name].read(n, axes) for n in held.wanted]
         if None in values:
             name = held.wanted[values.index(None)].name
             self._demonstrator.tell(
-                f"{held.behavior} is left out: the stick gave no {name}; hold {held.button}, "
+                f"{held.behavior} is not commanded: the stick gave no {name}; hold {held.button}, "
                 f"push the stick, and let {held.button} go",
                 failed=True,
             )
@@ -127,24 +127,24 @@ class JoystickInput:
         self._demonstrator.press_behavior(str(use), held.first)
 
     def _look(self) -> None:
-        """Let go of the robot when the joystick is lost."""
+        """Stop driving by hand when the joystick is lost."""
         now = time.monotonic()
         if not self._stick.is_lost(now):
             return
         if self._was_there:
             self._was_there, self._held = False, None
             self._demonstrator.let_go()
-            self._tell_trouble("the joystick is silent: driving by hand has stopped")
+            self._report_trouble("the joystick is silent: driving by hand has stopped")
         elif not self._trouble and now > self._began + DISCOVERY_TIMEOUT_S:
             number = self._node.context.get_domain_id()
             topic = self._node.resolve_topic_name(self._topic)
-            self._tell_trouble(
+            self._report_trouble(
                 f"waiting for a joystick: nothing comes on {topic} in ROS domain {number}; start "
                 f"a joystick's node there, such as joy_node (ROS_DOMAIN_ID={number} "
                 "ros2 run joy joy_node)"
             )
 
-    def _tell_trouble(self, why: str) -> None:
+    def _report_trouble(self, why: str) -> None:
         if why != self._trouble:
             self._trouble = why
             self._demonstrator.tell(why, failed=True)

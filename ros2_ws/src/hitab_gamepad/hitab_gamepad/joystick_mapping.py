@@ -1,4 +1,4 @@
-"""Mappings: YAML files that say what the buttons and axes of a joystick do."""
+"""Mappings: YAML files that assign meanings to the buttons and axes of a joystick."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ SHIPPED = Path(__file__).parent / "joysticks"
 WAYS = ("ahead", "left", "turn")
 """Names of the numbers of a velocity."""
 
-POINTS = 0.5
-"""Deflection of a stick, of 1, from which its direction counts."""
+DEFLECTION_MIN = 0.5
+"""Deflection of a stick, as a fraction of 1, from which on its direction counts."""
 
 TIMEOUT_MAX_S = 2.0
 """A lost joystick is noticed within this time, s."""
@@ -35,9 +35,9 @@ class Button(Record):
     """A button, or a half of an axis that counts as one.
 
     Attributes:
-        index: in the buttons of the message, or in its axes.
+        index: index into the message's buttons or axes.
         above: value of the axis above which it counts as pressed; None for a real button.
-        below: the same, below.
+        below: value of the axis below which it counts as pressed; None for a real button.
     """
 
     index: int = Field(alias="axis", ge=0)
@@ -65,7 +65,7 @@ def _moving(speed: float) -> float:
 
 
 class Axis(Record):
-    """An axis that drives: its index, and m/s or rad/s at its end; negative: the other way."""
+    """An axis that drives: its index, and the speed at its end, m/s or rad/s, which may be < 0."""
 
     index: int = Field(alias="axis", ge=0)
     speed: Annotated[float, AfterValidator(_moving)]
@@ -85,8 +85,8 @@ class Gauge(Record):
 
     Attributes:
         ahead, left: the axes of a stick, for a number on a circle.
-        axis: for another number.
-        low, high: where this axis is for the number's bounds.
+        axis: the axis for any other number.
+        low, high: positions of this axis that stand for the number's bounds.
     """
 
     ahead: int | None = Field(default=None, ge=0)
@@ -101,12 +101,12 @@ class Gauge(Record):
         return [i for i in (self.ahead, self.left, self.axis) if i is not None]
 
     def read(self, number: BoundedNumber, axes: Sequence[float]) -> float | None:
-        """Return the value of a number; None: the stick does not point anywhere, or cannot."""
+        """Return a number's value; None if the stick points nowhere, or has no axis for it."""
         if self.axis is not None:
             share = (axes[self.axis] - self.low) / ((self.high - self.low) or 1.0)
             return number.low + min(max(share, 0.0), 1.0) * (number.high - number.low)
         ahead, left = (axes[i] for i in self.axes)
-        if not number.circular or math.hypot(ahead, left) < POINTS:
+        if not number.circular or math.hypot(ahead, left) < DEFLECTION_MIN:
             return None
         period = number.high - number.low
         turn = math.atan2(left, ahead) / math.tau * period
@@ -128,15 +128,15 @@ class Mapping(Record):
     """The meaning of a joystick's buttons and axes.
 
     Attributes:
-        name: of the file, for people.
-        buttons: by name.
+        name: the file's name, for messages.
+        buttons: the buttons by name.
         hold: name of the dead-man's switch.
         behaviors: by button: a behavior with its targets, or its number in the agent's order.
         actions: by button: one of the demonstrator's actions.
-        driving: which axis drives ahead, to the left and turns; a missing one does not.
+        driving: the axes for driving ahead, driving to the left and turning; any may be missing.
         numbers: sources of the numbers of behaviors, by name.
-        deadzone: how far from its center an axis counts as released, of 1.
-        timeout: how long the joystick may be silent, s.
+        deadzone: distance from the center, as a fraction of 1, at which an axis counts as
+        released. timeout: how long the joystick may be silent, s.
     """
 
     format: Format = 1
@@ -185,7 +185,7 @@ def read_mapping(given: str) -> Mapping:
         given: path of a file, or the name of a shipped mapping.
 
     Raises:
-        DescriptionError: naming everything that is wrong, by file and line.
+        DescriptionError: naming all errors, by file and line.
     """
     path, shipped = Path(given), SHIPPED / f"{given}.yaml"
     if not path.is_file():

@@ -1,7 +1,7 @@
-"""Reads a person's actions from the messages of a joystick. No ROS here.
+"""The actions of a person, read from a joystick's messages. No ROS here.
 
-A joystick is a radio link, a driver and cheap contacts, so nothing moves on doubtful messages:
-what is malformed, too old or missing counts as letting go.
+A joystick is a radio link, a driver and cheap contacts, so nothing moves on doubtful messages: a
+malformed, old or missing message counts as letting go.
 """
 
 from __future__ import annotations
@@ -15,18 +15,18 @@ from hitab_core import quantity
 from hitab_gamepad.joystick_mapping import WAYS, Mapping
 
 BOUNCE_S = 0.05
-"""Two presses within this time, s, are one: the contacts bounce."""
+"""Two presses within this time, s, count as one, since contacts bounce."""
 
 
 @dataclass(frozen=True)
-class Taken:
+class StickActions:
     """The person's actions in one message.
 
     Attributes:
         pressed: names of the buttons that have just been pressed and count.
         down: names of the buttons that are down; none unless the switch is held.
-        velocity: the wanted one; zeros for rest.
-        trouble: why the message does not count; empty if it does.
+        velocity: the wanted velocity; zeros for rest.
+        trouble: why the message is ignored; empty if it counts.
     """
 
     pressed: tuple[str, ...] = ()
@@ -36,11 +36,11 @@ class Taken:
 
 
 class Stick:
-    """Keeps what is pressed from one message to the next.
+    """The state of a joystick, kept from one message to the next.
 
-    Only the moment in which a button goes down counts. A button, the dead-man's switch included,
+    A press is the moment in which a button goes down. A button, the dead-man's switch included,
     counts only after it was seen released: a button that is down in the first message, or in the
-    first one after a silence, may have been down for an hour. The emergency stop counts always,
+    first one after a silence, may have been down for an hour. The emergency stop always counts,
     without the switch and in any message.
 
     Args:
@@ -56,7 +56,7 @@ class Stick:
         self._heard = -math.inf
 
     def is_lost(self, now: float) -> bool:
-        """Whether nothing that counts has come for too long."""
+        """Return whether the last message that counts is too long ago."""
         return now > self._heard + self._mapping.timeout
 
     def take(
@@ -66,15 +66,15 @@ class Stick:
         stamp: float,
         wall: float,
         now: float,
-    ) -> Taken:
+    ) -> StickActions:
         """Take a message.
 
         Args:
-            axes: of the message, each from -1 to 1.
-            buttons: of the message; 0 is released.
-            stamp: of the message, s; 0 if none.
-            wall: the clock of stamps now, s.
-            now: s; any steady clock.
+            axes: the message's axes, each from -1 to 1.
+            buttons: the message's buttons; 0 is released.
+            stamp: the message's stamp, s; 0 if it has none.
+            wall: present time on the clock of the stamps, s.
+            now: present time on any steady clock, s.
         """
         stops = self._newly_down(self._stops, axes, buttons)
         trouble = self._trouble(axes, buttons, stamp, wall)
@@ -82,7 +82,7 @@ class Stick:
             self._down = {*self._mapping.buttons} - self._stops | (self._down & self._stops)
             self._pressed_at.clear()
         if trouble:
-            return Taken(tuple(stops), trouble=trouble)
+            return StickActions(tuple(stops), trouble=trouble)
         self._heard = now
         if 0.0 < stamp <= wall:
             self._stamp = stamp
@@ -96,7 +96,9 @@ class Stick:
             self._pressed_at[name] = now
         ahead, left, turn = (self._speed(way, axes) for way in WAYS)
         velocity = (ahead, left, turn) if held or hold in others else STILL
-        return Taken((*stops, *pressed), frozenset(self._down) if held else frozenset(), velocity)
+        return StickActions(
+            (*stops, *pressed), frozenset(self._down) if held else frozenset(), velocity
+        )
 
     def _newly_down(
         self, names: set[str], axes: Sequence[float], buttons: Sequence[int]
@@ -143,7 +145,7 @@ class Stick:
         if wall - stamp > mapping.timeout:
             return (
                 f"the joystick's messages are {wall - stamp:.1f} s old when they come; set the "
-                "clocks of both computers, or look whether the network is slow"
+                "clocks of both computers, or check whether the network is slow"
             )
         if stamp < self._stamp and wall - self._stamp <= mapping.timeout:
             return "the joystick's messages come out of order"
@@ -155,6 +157,6 @@ class Stick:
             return 0.0
         value = max(-1.0, min(1.0, axes[axis.index]))
         dead = self._mapping.deadzone
-        # From the edge of the zone on, so that a robot can be driven slowly.
+        # The speed begins at 0 at the edge of the dead zone, so that a robot can drive slowly.
         beyond = max(0.0, abs(value) - dead) / (1.0 - dead)
         return math.copysign(beyond, value) * axis.speed if beyond else 0.0

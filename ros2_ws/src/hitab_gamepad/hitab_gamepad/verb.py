@@ -1,4 +1,4 @@
-"""The verb with which a person demonstrates by a gamepad."""
+"""The verb `hitab joystick`, with which a person trains by gamepad."""
 
 from __future__ import annotations
 

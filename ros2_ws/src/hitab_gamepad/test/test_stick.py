@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hitab_gamepad.joystick_mapping import read_mapping
-from hitab_gamepad.stick import BOUNCE_S, Stick, Taken
+from hitab_gamepad.stick import BOUNCE_S, Stick, StickActions
 
 MAPPING = read_mapping("xbox")
 A, LB, RB = 0, 4, 5
@@ -20,19 +20,21 @@ WALL = 1e9
 
 @dataclass
 class Player:
-    """Somebody with a joystick; time passes between messages."""
+    """A person with a joystick; time passes between messages."""
 
     stick: Stick
     now: float = 0.0
 
-    def send(self, *down: int, ahead: float = 0.0, after: float = 0.1, age: float = 0.0) -> Taken:
+    def send(
+        self, *down: int, ahead: float = 0.0, after: float = 0.1, age: float = 0.0
+    ) -> StickActions:
         self.now += after
         axes = [0.0] * 8
         axes[AHEAD] = ahead
         buttons = [int(number in down) for number in range(11)]
         return self.take(axes, buttons, age)
 
-    def take(self, axes: list[float], buttons: list[int], age: float = 0.0) -> Taken:
+    def take(self, axes: list[float], buttons: list[int], age: float = 0.0) -> StickActions:
         wall = WALL + self.now
         return self.stick.take(axes, buttons, wall - age, wall, self.now)
 
@@ -107,7 +109,7 @@ def test_a_contact_that_flaps_presses_its_button_no_faster_than_a_person(flaps):
 
 
 def test_without_the_switch_nothing_counts_but_the_emergency_stop(player):
-    assert player.send(A, ahead=1.0) == Taken()
+    assert player.send(A, ahead=1.0) == StickActions()
     assert player.send(RB).pressed == ("RB",)
     player.send(LB)
     assert player.send(LB, ahead=1.0).velocity[0] == MAPPING.driving["ahead"].speed
@@ -116,12 +118,12 @@ def test_without_the_switch_nothing_counts_but_the_emergency_stop(player):
 
 def test_what_is_down_when_messages_begin_or_come_again_has_not_been_pressed():
     player = Player(Stick(MAPPING))
-    assert player.send(LB, A, ahead=1.0) == Taken()
-    assert player.send(LB, ahead=1.0) == Taken()
+    assert player.send(LB, A, ahead=1.0) == StickActions()
+    assert player.send(LB, ahead=1.0) == StickActions()
     player.send()
     assert player.send(LB, ahead=1.0).velocity != STILL
     assert player.stick.is_lost(player.now + MAPPING.timeout + 0.01)
-    assert player.send(LB, A, ahead=1.0, after=MAPPING.timeout + 0.1) == Taken()
+    assert player.send(LB, A, ahead=1.0, after=MAPPING.timeout + 0.1) == StickActions()
 
 
 def test_the_emergency_stop_counts_in_any_message(player):

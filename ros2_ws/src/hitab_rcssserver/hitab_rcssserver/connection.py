@@ -34,11 +34,11 @@ WAY_OUT = (
 
 
 class ServerError(WorldError):
-    """The server cannot be used; the text gives the reason and the way out in one sentence."""
+    """A server that cannot be used; the text gives the reason and the way out in one sentence."""
 
 
 class NoAnswer(ServerError):
-    """The server does not answer: it is not up yet, or no longer."""
+    """A server that does not answer: it is not up yet, or no longer."""
 
 
 class ServerConnection:
@@ -101,7 +101,7 @@ class ServerConnection:
 
 
 def parsed(text: str) -> Message | None:
-    """Return the message in a datagram's text; None if there is none that is used."""
+    """Return the message in a datagram's text; None if this package has no use for it."""
     try:
         return parse_message(text)
     except ProtocolError:
@@ -139,9 +139,9 @@ def connect(
     """Register a client with the server.
 
     Args:
-        host: of the server.
-        port: for players, usually 6000, or for the trainer, usually 6001.
-        team: of the player; "" for a trainer.
+        host: the server's host.
+        port: the server's port: for players usually 6000, for the trainer usually 6001.
+        team: name of the player's team; "" for a trainer.
         goalie: whether the player may catch the ball.
         answer_seconds: how long to wait for the answer.
 
@@ -179,7 +179,7 @@ def _answer(sock: socket.socket, where: str, seconds: float) -> tuple[Init, tupl
         try:
             message = parse_message(decode(datagram))
         except ProtocolError as error:
-            raise ServerError(f"what answers at {where} is not an rcssserver: {error}") from None
+            raise ServerError(f"the program at {where} is not an rcssserver: {error}") from None
         if isinstance(message, Init):
             return message, sender
         if isinstance(message, Refusal):
@@ -202,8 +202,8 @@ def readable(connections: Iterable[Readable], seconds: float) -> Sequence[Readab
 def kick_off(host: str, port: int) -> None:
     """Make the server start to play, as a monitor does on a user's command.
 
-    Repeat the call if the message is lost. A server started with ``server::keepaway_start=-1``,
-    the default, waits for it; another one starts earlier than it would have.
+    Repeat the call, since the message may be lost. A server started with the default,
+    ``server::keepaway_start=-1``, waits for this message; other servers start earlier with it.
     """
     with contextlib.suppress(OSError, ServerError), contextlib.ExitStack() as stack:
         family, address = address_of(host, port)

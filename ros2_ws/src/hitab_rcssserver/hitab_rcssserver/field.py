@@ -1,4 +1,4 @@
-"""The field as last reported by the server, in our own terms: y up, radians, our names.
+"""The field as last reported by the server, in HiTAB's terms: y up, radians, our names.
 
 The field is stored in the bodies of the simulated world, for percepts, takers and referee; the
 physics never moves these bodies here.
@@ -36,8 +36,8 @@ SETTINGS: Mapping[str, str] = {
     **dict.fromkeys(("player_speed_max", "ball_speed_max"), ""),
     **dict.fromkeys(("player_rand", "ball_rand", "kick_rand"), ""),
 }
-"""Our parameters that the server decides, with their names there; "" for the same name. A server
-that plays keepaway itself also decides `BOX`."""
+"""Parameters that the server decides, with the server's names; "" for the same name. A server that
+plays keepaway itself also decides `BOX`."""
 
 
 def parameters_of(server: Settings, ours: KeepawayParameters, rules: Rules) -> KeepawayParameters:
@@ -62,7 +62,7 @@ class ReportedField:
     """Everything on the field.
 
     Args:
-        parameters, rules: of the game.
+        parameters, rules: parameters and rules of the game.
 
     Attributes:
         physics: the bodies at their last positions.
@@ -77,7 +77,7 @@ class ReportedField:
         self._teams = (LEFT, self.physics.keepers), (RIGHT, self.physics.takers)
 
     def take(self, state: FullState) -> list[Mover]:
-        """Take over the server's state; return the players that kick in this cycle.
+        """Adopt the server's state; return the players that kick in this cycle.
 
         The keepers are the left team and the takers the right one, each by rising number, a
         goalie last.
@@ -105,7 +105,7 @@ class ReportedField:
         return kicked
 
     def missing(self, state: FullState) -> str:
-        """Return a sentence about missing or extra players, or ""."""
+        """Return a sentence about missing or extra players; "" if all are there."""
         for (side, movers), team in zip(self._teams, ("keepers", "takers"), strict=True):
             there = sum(player.side == side for player in state.players)
             if there != len(movers):

@@ -1,9 +1,10 @@
-"""The state of a server's game, cycle by cycle, with what its referee does not report.
+"""The state of a server's game, cycle by cycle, with reasons that its referee does not report.
 
-In keepaway, the referee only reports that an episode is over, after it has set up the next one.
-But the server checks for a ball that is out before one that is taken, and counts the takers'
-possession from earlier cycles. So the referee of the simulated world, which has the same rules,
-tells why. In a match, it stops play and tells why; the other reasons are our referee's.
+In keepaway, the server's referee only reports that an episode is over, after it has set up the
+next one. It has checked for a ball that is out before one that is taken, and has counted the
+takers' possession from earlier cycles. Our referee of the simulated world has the same rules, and
+gives the reason. In a match, the server's referee stops play with a reason; all other reasons come
+from our referee.
 """
 
 from __future__ import annotations
@@ -26,14 +27,14 @@ _AT_REST = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """The events since the previous cycle.
+    """The state of a cycle, and the events since the previous cycle.
 
     Attributes:
         state: the current field; None if the message was lost.
-        passed: number of cycles; more than one if the server did not wait for us.
+        passed: number of cycles since; more than one if the server did not wait for us.
         episode_cycle: length of the episode so far.
-        measures: of the episode so far.
-        ended: reason of the episode's end; "" during the episode.
+        measures: measures of the episode so far.
+        ended: reason for the episode's end; "" during the episode.
         began: whether a new episode has begun.
     """
 
@@ -49,15 +50,15 @@ class ReportedGame:
     """A game, as reported to its players.
 
     Args:
-        parameters: of the server's game.
-        rules: of the game.
-        by_sight: whether keepers perceive what they see, instead of the true field.
+        parameters: parameters of the server's game.
+        rules: rules of the game.
+        by_sight: whether keepers perceive their own sight, instead of the true field.
 
     Attributes:
-        field: the current one.
+        field: the current field.
         agents: the keepers.
-        mode: of play.
-        time: the server's; -1 if not known yet.
+        mode: the server's play mode.
+        time: the server's time in cycles; -1 if not known yet.
     """
 
     def __init__(self, parameters: KeepawayParameters, rules: Rules, *, by_sight: bool) -> None:
@@ -80,7 +81,7 @@ class ReportedGame:
         return self.time == self._began
 
     def measures(self, ended: str) -> dict[str, float]:
-        """Return the figures of the current episode so far."""
+        """Return the measures of the current episode so far."""
         return self._referee.measures(ended)
 
     def begin(self, time: int | None = None) -> None:
@@ -126,13 +127,13 @@ class ReportedGame:
         return Turn(state, passed, episode_cycle, measures, ended, began)
 
     def _judge(self, state: FullState) -> str | None:
-        """Take over a cycle's state, and return why the episode ended with it, if it did."""
+        """Adopt a cycle's state; return why the episode ended with it, "" if it continues."""
         for kicker in self.field.take(state):
             self._referee.saw_kick(kicker)
         return self._referee.judge(self.field.physics)
 
     def _why_over(self) -> str:
-        """Return why the referee ended the episode in the cycle after the last one seen."""
+        """Return why the server's referee ended the episode in the cycle after the last report."""
         ball, p = self.field.physics.ball, self.field.physics.parameters
         across, along = abs(ball.x + ball.vx), abs(ball.y + ball.vy)
         out = across >= p.width / 2.0 or along >= p.height / 2.0
@@ -142,7 +143,7 @@ class ReportedGame:
     def _set_up_anew(self, state: FullState) -> bool:
         """Return whether the field has just changed to the setup of a new episode.
 
-        This detects a new episode if the referee's message was lost.
+        The setup shows that an episode has begun even if the referee's message was lost.
         """
         x, y, vx, vy = state.ball
         ball = self.field.physics.ball

@@ -1,6 +1,7 @@
-"""Computes a player's place from the landmarks in its sight.
+"""The place of a player, computed from the landmarks in its sight.
 
-All figures are the server's: m, y points down, degrees clockwise. Places are complex numbers.
+All numbers are in the server's units and axes: m, y points down, degrees clockwise. Places are
+complex numbers.
 """
 
 from __future__ import annotations
@@ -54,8 +55,8 @@ def away(distance: float, direction: float) -> complex:
 def locate(objects: Iterable[SeenObject]) -> Pose | None:
     """Return the pose from which the landmarks look like this; None if fewer than two are seen.
 
-    It is the least-squares fit of the seen to the true positions, weighted by nearness, since the
-    error of a distance grows with it.
+    The pose is the least-squares fit of the seen to the true positions. Near landmarks weigh more,
+    since the error of a distance grows with the distance.
     """
     pairs = [
         (1.0 / (seen.distance**2 + _NEAR), away(seen.distance, seen.direction), place)

@@ -1,4 +1,4 @@
-"""All our clients on one server, which handle each cycle together."""
+"""The link to a server: all our clients, which handle each cycle together."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ from keepaway_world.physics import Names
 GOALIE = "goalie"
 """Name of the player that may catch the ball."""
 
-PARAMETERS_SECONDS = 1.0  # for the server's settings, which follow the answer to (init ...)
-STRAGGLER_SECONDS = 0.3  # after this, a client without the message that others have has lost it
-DONE_REPEAT_SECONDS = 0.4  # after this much silence, (done) is sent again
+PARAMETERS_SECONDS = 1.0  # maximum time from the answer to (init ...) to the settings
+STRAGGLER_SECONDS = 0.3  # after this time, a message that only other clients got counts as lost
+DONE_REPEAT_SECONDS = 0.4  # silence after which (done) is sent again
 GONE_SECONDS = 4.0  # a server waits 1.25 s for a (done), so a longer silence means it is gone
 REALTIME_STRAGGLER_SECONDS = 0.02
 
@@ -48,15 +48,15 @@ class Client:
     """One of our players, and its messages in this cycle.
 
     Attributes:
-        told: whether it has received any.
+        informed: whether the player has received a message in this cycle.
         thinking: whether the server waits for its ``(done)``.
-        time: of the cycle, in the server's count.
-        heard: from its teammates.
-        sighting: interprets the player's sight; None if that is not used.
+        time: the cycle, in the server's count.
+        heard: messages from the player's teammates.
+        sighting: interprets the player's sight; None if its sight is not used.
     """
 
     connection: ServerConnection
-    told: bool = False
+    informed: bool = False
     thinking: bool = False
     time: int = -1
     heard: list[str] = field(default_factory=list)
@@ -68,11 +68,11 @@ class Link:
 
     Attributes:
         clients: by name, the left team first.
-        settings: the server's own.
+        settings: the server's own settings.
         synch: whether the server waits for ``(done)``; else it plays in real time.
         full_state: whether the server reports the full state.
-        mode: of play, as last reported.
-        time: the server's, in cycles, as last reported.
+        mode: the play mode, as last reported.
+        time: the server's time in cycles, as last reported.
         referee: the referee's messages of this cycle, with the server's time.
         thinking_since: when the server last started to wait for us.
     """
@@ -82,12 +82,12 @@ class Link:
 
         Args:
             server: address of the server, and the teams.
-            names: of the keepers and the takers.
+            names: names of the keepers and the takers.
             keepaway: whether the server plays keepaway itself, instead of a match.
 
         Raises:
             NoAnswer: if there is no server.
-            ServerError: if it refuses, or plays another game.
+            ServerError: if the server refuses, or plays another game.
         """
         self.where = server.where
         self.clients: dict[str, Client] = {}
@@ -149,7 +149,7 @@ class Link:
             if self.full_state and (server.percepts == FULL_STATE or init.side == RIGHT):
                 continue
             client.sighting = Sighting((init.side, init.number), teams, decay, speed_max)
-            # Otherwise it would see in two cycles of three, at a wider angle.
+            # By default, a player sees in two cycles of three, at a wider angle.
             client.connection.send("(synch_see)", "(change_view narrow high)")
 
     @property
@@ -173,7 +173,7 @@ class Link:
     # -- messages of the server --------------------------------------------------------------
 
     def poll(self, seconds: float = 0.0) -> None:
-        """Take in what arrives within ``seconds``; return as soon as something has.
+        """Handle the messages that arrive within ``seconds``; return after the first ones.
 
         Raises:
             NoAnswer: if the server is gone.
@@ -195,7 +195,7 @@ class Link:
                 client.thinking = True
                 self.thinking_since = time.monotonic()
             case SenseBody():
-                client.told = True
+                client.informed = True
                 client.time = message.time
                 self.time = max(self.time, message.time)
                 if client.sighting is not None:
@@ -212,9 +212,9 @@ class Link:
                 self.settings = message
 
     def states(self) -> list[FullState]:
-        """Return the full state of each cycle since `forget`; of several if we were late.
+        """Return the full state of each cycle since `forget`; there are several if we were late.
 
-        If the server sends none, it is what our players see together.
+        If the server sends no full state, the states are combined from our players' sight.
         """
         if not self.full_state:
             eyes = (c.sighting for c in self.clients.values() if c.sighting is not None)
@@ -228,7 +228,7 @@ class Link:
         self.referee.clear()
         for client in self.clients.values():
             client.heard.clear()
-            client.told = False
+            client.informed = False
 
     # -- answering ----------------------------------------------------------------------------
 
@@ -244,14 +244,16 @@ class Link:
 
     @property
     def complete(self) -> bool:
-        """Whether all of our players have received a cycle and can act in it."""
+        """Whether all of our players have received a cycle's messages and can act in it."""
         clients = self.clients.values()
         if self.synch:  # (think) comes last
-            return all(c.told and c.time == self.time and c.thinking for c in clients)
+            return all(c.informed and c.time == self.time and c.thinking for c in clients)
         if self.full_state and not self._states:
             return False
         return all(
-            c.told and c.time == self.time and (c.sighting is None or c.sighting.time == self.time)
+            c.informed
+            and c.time == self.time
+            and (c.sighting is None or c.sighting.time == self.time)
             for c in clients
         )
 
@@ -259,7 +261,7 @@ class Link:
         """Wait until our players can act in the next cycle; datagrams may be lost.
 
         Raises:
-            NoAnswer: if the server is silent for longer than it can be.
+            NoAnswer: if the server is silent for longer than a running server can be.
         """
         began = repeated = time.monotonic()
         straggler = STRAGGLER_SECONDS if self.synch else REALTIME_STRAGGLER_SECONDS
@@ -271,7 +273,7 @@ class Link:
                     f"the rcssserver at {self.where} has been silent for {GONE_SECONDS:g} s; "
                     "start it again"
                 )
-            if any(c.thinking if self.synch else c.told for c in self.clients.values()):
+            if any(c.thinking if self.synch else c.informed for c in self.clients.values()):
                 some_since = some_since or now
                 if now - some_since > straggler:
                     return  # the others' messages were lost

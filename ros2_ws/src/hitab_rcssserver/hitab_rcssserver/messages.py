@@ -1,7 +1,7 @@
-"""rcssserver's messages to its clients as data, and its commands as text; protocol version 15.
+"""The messages of rcssserver as data, and its commands as text; protocol version 15.
 
-All values are the server's own: y points down, angles are in degrees, clockwise, speeds are per
-cycle. `hitab_rcssserver.field` converts them to ours.
+All values are in the server's units and axes: y points down, angles are in degrees, clockwise,
+speeds are per cycle. `hitab_rcssserver.field` converts them to HiTAB's.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _TOKEN = re.compile(r'[()]|"[^"]*"|[^\s()"]+|"')
 
 
 class ProtocolError(ValueError):
-    """A message that is not rcssserver's; the text says what is wrong with it."""
+    """A message that is not of rcssserver; the text describes the error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,9 +99,9 @@ class FullState:
 
 @dataclass(frozen=True, slots=True)
 class SeenObject:
-    """A seen object: its name in parts, such as ``("p", "takers", "2")``.
+    """A seen object, with its name in parts, such as ``("p", "takers", "2")``.
 
-    Unknown values are NaN, such as the distance of a line of which only the end is seen.
+    Unknown values are NaN, such as the distance of a line whose end alone is seen.
     """
 
     name: tuple[str, ...]
@@ -164,7 +164,7 @@ def parse_message(text: str) -> Message | None:
     """Return a message of the server as data; None if its kind is not used here.
 
     Raises:
-        ProtocolError: if it is not one, or lacks a part.
+        ProtocolError: if the text is no message, or lacks a part.
     """
     kind, *parts = parse(text) or [""]
     if not isinstance(kind, str) or not kind:
@@ -183,7 +183,7 @@ def parse(text: str) -> list[Expression]:
     """Return a message, an S-expression such as ``(hear 41 1 our 3 "p1")``, as a list.
 
     Raises:
-        ProtocolError: if it is not exactly one list, is unbalanced, or has an open quote.
+        ProtocolError: if the text is not exactly one list, is unbalanced, or has an open quote.
     """
     outermost: list[Expression] = []
     open_lists = [outermost]
@@ -322,7 +322,7 @@ _SAYABLE = re.compile(r"[0-9A-Za-z().+*/?<>_ -]+")
 
 
 def command_of(order: Order) -> tuple[str, ...]:
-    """Return the command for an order, if it is one: radians to degrees, y up to y down."""
+    """Return the server's command for an order, if any: radians to degrees, y up to y down."""
     kind, amount, direction = order
     if kind == "dash":
         return (f"(dash {_within(amount, -100.0, 100.0):.4f})",)

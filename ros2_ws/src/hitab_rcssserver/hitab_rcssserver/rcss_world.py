@@ -40,13 +40,13 @@ from keepaway_world.arranging import Place, entities_of, placed, places_of
 from keepaway_world.parameters import PAPER, KeepawayParameters
 from keepaway_world.rules import KEEPAWAY_RULES, Rules
 
-RETRY_SECONDS = 0.5  # between two attempts to reach a server
-JOIN_RETRY_SECONDS = 3.0  # between attempts to join one that refuses: each may use up a place
+RETRY_SECONDS = 0.5  # time between two attempts to reach a server
+JOIN_RETRY_SECONDS = 3.0  # the same for a server that refuses: an attempt may use up a place
 HOLD_SECONDS = 0.9  # how long to hold a server while paused; it waits 1.25 s for an answer
 NEW_EPISODE = ("(change_mode drop_ball)", "(change_mode play_on)", "(recover)")
 """Commands by which a trainer begins an episode: the first makes the server forget earlier
 kicks."""
-BUSY_SECONDS = 0.05  # longest time that `RcssWorld.idle` keeps playing before it returns
+BUSY_SECONDS = 0.05  # maximum time in which `RcssWorld.idle` plays before it returns
 
 
 SERVER_START_S = 30.0
@@ -67,11 +67,11 @@ class RcssWorld(EpisodicWorld):
 
     Args:
         server: address of the server, and the choice of takers.
-        parameters: of the game; those that the server decides are taken from it.
-        seed: of the run, for the agents; the server uses its own.
+        parameters: parameters of the game; values that the server decides are taken from it.
+        seed: the run's seed, for the agents; the server uses its own seed.
         rules: players, beginning and end of an episode.
-        patience: how long `reset` waits for an episode to begin, s. A node calls `idle` instead
-            and leaves it at 0.
+        patience: how long `reset` waits for an episode to begin, s; 0 for a node, which calls
+            `idle` instead.
     """
 
     cycle_seconds = 0.1
@@ -90,7 +90,7 @@ class RcssWorld(EpisodicWorld):
         self.parameters = parameters
         super().__init__(seed)
         self.waiting = sentences.CONNECTING.format(self.server.where)
-        self._ours, self._rules = parameters, rules
+        self._given_parameters, self._rules = parameters, rules
         self._patience = patience
         self._link: Link | None = None
         self._trainer: Trainer | None = None
@@ -99,7 +99,7 @@ class RcssWorld(EpisodicWorld):
         self.agents = self._game.agents
 
     def _forget(self) -> None:
-        """Clear everything known about the field."""
+        """Clear all data about the field."""
         self.size = self.parameters.width, self.parameters.height
         by_sight = self.server.percepts == SEE
         self._game = ReportedGame(self.parameters, self._rules, by_sight=by_sight)
@@ -113,11 +113,11 @@ class RcssWorld(EpisodicWorld):
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
         """Begin the next episode, or restart counting from 0.
 
-        With a trainer the players are placed as at an episode's beginning. Without one, an episode
-        that has already begun must end by itself; until then the world is `waiting`.
+        With a trainer, the players are placed as at an episode's beginning. Without a trainer, an
+        episode that has already begun must end by itself; until then the world is `waiting`.
 
         Raises:
-            WorldError: if asked to repeat an episode, or for another seed.
+            WorldError: for an episode that was played already, or for another seed.
         """
         if seed is not None and seed != self.seed:
             raise WorldError(
@@ -147,7 +147,7 @@ class RcssWorld(EpisodicWorld):
         """Keep the server connected until an episode begins.
 
         Raises:
-            WorldError: naming the cause of the delay, if that takes longer.
+            WorldError: naming the cause of the delay, if it exceeds the patience.
         """
         deadline = time.monotonic() + seconds
         while self.waiting:
@@ -166,7 +166,7 @@ class RcssWorld(EpisodicWorld):
         """Make the trainer move things; leave the server if it does not answer.
 
         Raises:
-            WorldError: if that fails.
+            WorldError: if the trainer cannot move them.
         """
         assert self._trainer is not None
         try:
@@ -183,7 +183,7 @@ class RcssWorld(EpisodicWorld):
     # -- cycles -----------------------------------------------------------------------------
 
     def percept(self, agent: str) -> Sensed:
-        """Return what a keeper perceives now.
+        """Return a keeper's present percept.
 
         Raises:
             WorldError: if there is no such keeper.
@@ -195,7 +195,7 @@ class RcssWorld(EpisodicWorld):
     def step(self, actions: Mapping[str, Action]) -> str | None:
         """Play one cycle; return why the episode ended with it, such as "out", else None.
 
-        If the server is lost, or stops play, nothing happens and the world is `waiting`.
+        If the server is lost or stops play, no cycle is played and the world is `waiting`.
         """
         if self.waiting:
             raise WorldError(self.waiting)
@@ -223,7 +223,7 @@ class RcssWorld(EpisodicWorld):
         return {taker.name: command_of(order) for taker, order in zip(takers, orders, strict=True)}
 
     def _exchange(self, given: Mapping[str, tuple[str, ...]]) -> bool:
-        """Send commands and take in the next cycle; return whether an episode began with it."""
+        """Send commands and receive the next cycle; return whether an episode began with it."""
         assert self._link is not None
         try:
             self._link.poll()  # in real time the server may already have moved on
@@ -236,7 +236,7 @@ class RcssWorld(EpisodicWorld):
         return self._observe(self._link)
 
     def _observe(self, link: Link) -> bool:
-        """Take in a cycle's messages; return whether an episode began with it."""
+        """Handle a cycle's messages; return whether an episode began with the cycle."""
         turn = self._game.take(link)
         link.forget()
         self.cycle += turn.passed
@@ -245,11 +245,11 @@ class RcssWorld(EpisodicWorld):
             self.ended = turn.ended
             if turn.ended:
                 self._result = EpisodeResult.of(self, turn.measures)
-        self._see_to_waiting(turn)
+        self._update_waiting(turn)
         return turn.began
 
-    def _see_to_waiting(self, turn: Turn) -> None:
-        """Decide whether there is an episode to play."""
+    def _update_waiting(self, turn: Turn) -> None:
+        """Set `waiting` by whether there is an episode to play."""
         missing = "" if turn.state is None else self._game.field.missing(turn.state)
         if self._game.mode == BEFORE_KICK_OFF:
             self.waiting = missing or sentences.BEFORE_PLAY.format(self.server.where)
@@ -319,7 +319,7 @@ class RcssWorld(EpisodicWorld):
         return RESTART if began else LOOK
 
     def _join(self) -> None:
-        """Try to join the server, unless that was tried just now."""
+        """Try to join the server, unless the last attempt was just now."""
         now = time.monotonic()
         if now < self._next_try:
             return
@@ -329,7 +329,9 @@ class RcssWorld(EpisodicWorld):
             physics = self._game.field.physics
             names = [m.name for m in physics.keepers], [m.name for m in physics.takers]
             self._link = Link(self.server, names, keepaway=not self._rules.stops)
-            self.parameters = parameters_of(self._link.settings, self._ours, self._rules)
+            self.parameters = parameters_of(
+                self._link.settings, self._given_parameters, self._rules
+            )
             self._forget()
             if self.server.trainer_port:
                 self._trainer = Trainer(self.server)
@@ -352,7 +354,7 @@ class RcssWorld(EpisodicWorld):
         """Take our players out of the game."""
         self._leave("the world has left the server")
 
-    # -- what there is to see, and to put somewhere ------------------------------------------
+    # -- the field ----------------------------------------------------------------------------
 
     def entities(self) -> list[Entity]:
         """Return the ball and the players as last reported by the server, in SI units."""

@@ -1,4 +1,4 @@
-"""Messages of a world on an rcssserver that cannot play, or cannot do what is asked."""
+"""Error texts of a world on an rcssserver."""
 
 CONNECTING = "connecting to the rcssserver at {}"
 BEFORE_PLAY = (
@@ -7,8 +7,8 @@ BEFORE_PLAY = (
 )
 PLAYING_ON = "waiting for the end of the episode that the rcssserver at {} is playing"
 JOINED_LATE = (
-    "{}; it began to play before our players had joined, which it does not survive: start it "
-    "with server::keepaway_start=-1, to have it wait for them"
+    "{}; it began to play before our players had joined, and such a server crashes: start it "
+    "with server::keepaway_start=-1, so that it waits for them"
 )
 SERVER_STOPPED = 'the rcssserver at {} has stopped play ("{}"); start it with server::half_time=-1'
 NO_TRAINER = (

@@ -1,4 +1,4 @@
-"""The rcssserver to use, and this world's role on it."""
+"""The settings of an rcssserver: its address, and this world's role on it."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ class ServerSettings(Parameters):
     """The server, and our role on it.
 
     Attributes:
-        host, port: of the server, for players.
+        host, port: the server's address for players.
         trainer_port: for a trainer, usually 6001; 0 to connect none.
         team, taker_team: names of the teams.
         our_takers: whether this world plays the takers; otherwise they are other clients, which
             must connect after the keepers.
         kick_off: whether this world makes the server start to play once all players have joined.
-        percepts: source of the keepers' percepts: "fullstate", the server's exact state, quantised
-            as `KeepawayParameters.sight` says; or "see", what the server lets each of them see.
+        percepts: source of the keepers' percepts: "fullstate" for the server's exact state,
+            quantised as `KeepawayParameters.sight` says; "see" for each keeper's own sight.
     """
 
     WORLD = "rcssserver"

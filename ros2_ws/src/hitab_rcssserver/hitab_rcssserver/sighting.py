@@ -1,7 +1,7 @@
-"""Interprets what the server lets one player see, or several together.
+"""The sighting of a player: the field as one player, or several together, know it from sight.
 
-All figures are the server's: m and m/cycle, y points down, degrees clockwise. Places and
-velocities are complex numbers.
+All numbers are in the server's units and axes: m and m/cycle, y points down, degrees clockwise.
+Places and velocities are complex numbers.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ Who: TypeAlias = tuple[str, int]
 class Sighting:
     """A player's knowledge of the field.
 
-    An object out of sight stays where it was last seen; the ball keeps rolling.
+    A player out of sight counts as standing where it was last seen; a ball keeps rolling.
 
     Args:
-        me: side and number.
+        me: the player's side and number.
         teams: side of each team by its name.
-        ball_decay, ball_speed_max: of the server.
+        ball_decay, ball_speed_max: the server's parameters of the ball.
 
     Attributes:
-        time: of the last cycle with a sighting; -1 for never.
-        ball_seen_from: distance at which the ball was seen in this cycle; infinite if it was not.
+        time: the last cycle with a sighting; -1 if there was none.
+        ball_seen_from: distance at which the ball was seen in this cycle; infinite if unseen.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class Sighting:
         self._players: dict[Who, complex] = {}
 
     def feel(self, body: SenseBody) -> None:
-        """Begin a cycle with what the player feels."""
+        """Begin a cycle with the player's own motion, as reported by the server."""
         self._kicked = 0 <= self._body.kicks < body.kicks
         self._body = body
         self._ball += self._ball_velocity
@@ -57,7 +57,7 @@ class Sighting:
         self.ball_seen_from = math.inf
 
     def see(self, see: See) -> None:
-        """Take in what the player sees in this cycle."""
+        """Update the knowledge with the objects seen in this cycle."""
         pose = locate(see.objects)
         if pose is None:
             return
@@ -89,7 +89,7 @@ class Sighting:
             turning = seen.distance * math.radians(seen.direction_change)
             relative = complex(seen.distance_change, turning)
             velocity = self._velocity + relative * away(1.0, neck + seen.direction)
-        # A ball that is too fast was placed there.
+        # A ball that seems too fast was placed there.
         self._ball, self._ball_velocity = (
             there,
             0j if abs(velocity) > self._speed_max else velocity,
@@ -109,7 +109,7 @@ class Sighting:
                 self._players[nearest[1]] = place
 
     def state(self, mode: str) -> FullState | None:
-        """Return the field as the player knows it, itself first; None if it is lost itself."""
+        """Return the field as the player knows it, itself first; None without its own place."""
         if self._pose is None:
             return None
         place, neck = self._pose
@@ -127,9 +127,9 @@ def _xy(value: complex) -> tuple[float, float]:
 
 
 def together(sightings: Iterable[Sighting], mode: str) -> FullState | None:
-    """Return the field as several players know it together; None if no player knows anything.
+    """Return the field as several players know it together; None if no player has a sighting.
 
-    The ball's place is that which the player closest to it sees. Each player reports its own
+    The ball's place is the one seen by the player closest to the ball. Each player reports its own
     place; places of other players come from the player nearest to the ball.
     """
     by_nearness = sorted(sightings, key=lambda sighting: sighting.ball_seen_from)

@@ -1,4 +1,4 @@
-"""The trainer's connection, which can move things."""
+"""The trainer: a client of the server that can move the ball and players."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Trainer:
         server: address of the server and the names of the teams.
 
     Raises:
-        ServerError: if the server does not accept it.
+        ServerError: if the server does not accept a trainer.
     """
 
     def __init__(self, server: ServerSettings) -> None:
@@ -38,16 +38,17 @@ class Trainer:
     def put(
         self, places: Mapping[str, Place], who: Mapping[str, Who], center: float, *before: str
     ) -> None:
-        """Put the ball and players somewhere, by our names; wait until it is done.
+        """Put the ball and players somewhere; wait until the server has moved them.
 
         Args:
-            places: by name, in our terms.
+            places: the new places by name, in HiTAB's terms.
             who: side and number of each player, by name.
-            center: of our field on the server's: its x there, m.
-            before: commands of a trainer to give first.
+            center: x coordinate of our field's center on the server's field, m.
+            before: trainer's commands to send first.
 
         Raises:
-            ServerError: if the server refuses; NoAnswer if it is gone.
+            NoAnswer: if the server is gone.
+            ServerError: if the server refuses.
         """
         self._connection.receive()
         self._connection.send(*before)

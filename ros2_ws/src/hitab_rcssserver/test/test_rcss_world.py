@@ -91,7 +91,7 @@ def garbled(text):
     ("server", "settings"),
     [
         pytest.param({}, {}, id="a server that waits for its players"),
-        pytest.param({"begun": False}, {}, id="one that waits to be told to begin"),
+        pytest.param({"begun": False}, {}, id="one that waits for a command to begin"),
         pytest.param({"players": 3}, {"our_takers": False}, id="somebody else's takers"),
         pytest.param({"synch": False, "edit": realtime}, {}, id="real time"),
         pytest.param({"edit": garbled}, {}, id="garbled datagrams"),

@@ -1,4 +1,4 @@
-"""Which of the programs that take a robot's velocity have come back. No ROS here."""
+"""The subscribers of a robot's velocity: whether one is a base, and was restarted. No ROS here."""
 
 from __future__ import annotations
 
@@ -6,21 +6,21 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-NAMED_S = 2.0
-"""How long to wait for the name of a program that is new in the ROS graph, s."""
+NAME_TIMEOUT_S = 2.0
+"""How long to wait for the node name of a new subscription, s."""
 
 LISTENERS = re.compile(r"/(hitab|rosbag2_recorder|foxglove_bridge|(_ros2cli|rqt_gui_py_node)_\d+)")
-"""Programs that only listen, whenever they are started."""
+"""Names of nodes that only listen and are no base."""
 
 
 class Bases:
-    """The programs that take a robot's velocity: its base, and others that only listen.
+    """The subscribers of a robot's velocity: its base, and programs that only listen.
 
-    A base that was started again has the name of the one before, and another subscription.
+    A base that was started again has its old name and a new subscription.
 
     Attributes:
-        missing: whether all of them only listen, or may.
-        unnamed: whether a new base has no name yet, and may be one that came back.
+        missing: whether there is no subscriber that is surely a base.
+        unnamed: whether a new subscriber has no name yet, and may be a base that was restarted.
     """
 
     def __init__(self) -> None:
@@ -30,16 +30,18 @@ class Bases:
         self._settled = 0.0
 
     def look(self, takers: Mapping[bytes, str], now: float) -> set[str]:
-        """Return the names of those that came back since the last look; call this often.
+        """Return the names of bases that were restarted since the last look; call this often.
 
         Args:
-            takers: names by identity of the subscription; empty if the name is not known yet.
-            now: s; any steady clock.
+            takers: the subscribers' names, by identity of the subscription; an empty name is not
+                known yet.
+            now: time on any steady clock, s.
         """
-        # One may be named late: then it is new once more.
+        # A subscriber that gets its name late counts as new again.
         new = {name for identity, name in takers.items() if self._known.get(identity) != name}
-        self.unnamed = "" in new and now - self._settled < NAMED_S
-        # One without a name yet may only listen: a robot that is armed now would stop at its name.
+        self.unnamed = "" in new and now - self._settled < NAME_TIMEOUT_S
+        # A subscriber without a name may only listen. It counts as no base, since a robot that is
+        # armed now would stop as soon as the name shows that a base was restarted.
         self.missing = all(
             LISTENERS.fullmatch(name) or (self.unnamed and not name) for name in takers.values()
         )

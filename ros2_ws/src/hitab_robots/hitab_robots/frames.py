@@ -1,4 +1,4 @@
-"""Where sensors sit, as tf2 tells it, where tf2 is installed."""
+"""The mounts of sensors from tf2, where tf2 is installed."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from hitab_robots.mount import Mount
 
 
 def mounts_of_tf(node: Node, base_frame: str) -> Callable[[str], Mount | None]:
-    """Return a function that returns the mount of the sensor with a frame; None if not known yet.
+    """Return a function from a sensor's frame to its mount; None while tf2 does not know it.
 
     Args:
-        node: to listen with.
+        node: the node that listens to tf2.
         base_frame: the robot's own frame, such as ``base_link``.
 
     Raises:
@@ -48,5 +48,5 @@ def mounts_of_tf(node: Node, base_frame: str) -> Callable[[str], Mount | None]:
             )
         return known[frame]
 
-    mount.listener = listener  # type: ignore[attr-defined]  # it lives as long as this function
+    mount.listener = listener  # type: ignore[attr-defined]  # lives as long as the function
     return mount

@@ -1,4 +1,4 @@
-"""How old a reading is, whatever its stamp says."""
+"""The freshness of readings: their age, even if stamps are missing or wrong."""
 
 from __future__ import annotations
 
@@ -10,25 +10,26 @@ CLOCK_TOLERANCE_S = 0.1
 
 
 class Freshness:
-    """The last reading of one sensor; it has values as long as it is not too old.
+    """The last reading of one sensor, which has values until it is too old.
 
     A reading is as old as its stamp says. A stamp of zero, or ahead of the clock, says nothing
     about age: the time of arrival counts instead, so that no reading stays fresh for ever. A
-    reading that is older than the one before came late and is ignored, unless the one before is
-    too old itself: then the sensor's clock was set back.
+    reading with an earlier stamp than the previous one came late and is ignored, unless the
+    previous one is too old itself: then the sensor's clock was set back.
 
     Attributes:
-        trouble: fault of the stamps, for people; empty if there is none.
+        trouble: the fault of the stamps, as an error text; empty if there is none.
     """
 
     def __init__(self, count: int, max_age: float, ahead: float = CLOCK_TOLERANCE_S) -> None:
         """Start without a reading.
 
         Args:
-            count: how many values a reading has.
-            max_age: s; an older reading has no values.
-            ahead: s; how far a stamp may be ahead of the clock. Infinite in a simulation: there is
-                one clock only, and a stamp ahead of it just came sooner than the clock's message.
+            count: number of values in a reading.
+            max_age: age, s, from which on a reading has no values.
+            ahead: how far a stamp may be ahead of the clock, s. Infinite in a simulation, which
+            has
+                one clock: a reading may arrive before the clock's message of the same time.
         """
         self.trouble = ""
         self._none = (math.nan,) * count
@@ -42,11 +43,11 @@ class Freshness:
         """Take a reading; return whether it counts.
 
         Args:
-            values: of the reading.
-            stamp: when it was measured, s, by the sensor's clock; 0 if it does not say.
-            now: s, by the user's clock.
+            values: the reading's values.
+            stamp: time of the measurement on the sensor's clock, s; 0 if unknown.
+            now: time on the clock of this process, s.
         """
-        if now < self._arrived:  # the clock was set back, as a simulation that starts again does
+        if now < self._arrived:  # the clock was set back, as by a restarted simulation
             self._measured = self._arrived = -math.inf
         known = stamp > 0.0 and math.isfinite(stamp)
         late = known and self._stamp > 0.0 and stamp < self._stamp
@@ -70,5 +71,5 @@ class Freshness:
         return self._arrived <= now <= self._measured + self._max_age
 
     def values(self, now: float) -> Sequence[float]:
-        """Return the last reading's values, NaN if it is too old or there is none."""
+        """Return the last reading's values; all NaN if it is too old or there is none."""
         return self._values if self.is_fresh(now) else self._none

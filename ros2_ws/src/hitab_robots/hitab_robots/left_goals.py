@@ -1,4 +1,4 @@
-"""Cancels the goals of actions that an agent has left, as long as the agent itself cannot."""
+"""The action goals of an agent, for the relay to cancel when the agent itself cannot."""
 
 from __future__ import annotations
 
@@ -12,19 +12,20 @@ from hitab_ros import GuardedNode, names, qos
 
 
 class LeftGoals:
-    """The goals that the servers of actions have of one agent, as the agent said last.
+    """The goals of one agent at action servers, as the agent last published them.
 
-    Goals of others on the same servers are not touched.
+    Goals of other clients on the same servers are not touched.
 
     Attributes:
-        closed: whether the agent is gone for good: then another one may tell of goals of its own.
+        closed: whether the agent has died. Then messages are ignored: they come from the agent
+            that replaces it.
     """
 
     def __init__(self, node: GuardedNode) -> None:
         """Begin to listen.
 
         Args:
-            node: in the agent's namespace.
+            node: a node in the agent's namespace.
         """
         self.closed = False
         self._node = node
@@ -46,7 +47,7 @@ class LeftGoals:
             self._goals[goal.key, goal.value] = request
 
     def cancel(self) -> None:
-        """Ask the servers to cancel what is left; call this again until nothing is."""
+        """Ask servers that are ready to cancel the remaining goals; call this repeatedly."""
         for goal in list(self._goals):
             server = self._servers[goal[0]]
             if server.service_is_ready():

@@ -1,4 +1,4 @@
-"""Where a sensor sits on its robot."""
+"""The mount of a sensor: its place on the robot."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ class Mount:
 
     Attributes:
         x, y: m.
-        yaw: which way it faces, rad, counter-clockwise from ahead.
-        upside_down: whether it is turned over about its own x axis and counts clockwise.
+        yaw: direction in which the sensor faces, rad, counter-clockwise from ahead.
+        upside_down: whether the sensor is turned over about its x axis, so that its angles grow
+            clockwise.
     """
 
     x: float = 0.0
@@ -30,7 +31,7 @@ class Mount:
     def of_transform(
         cls, translation: tuple[float, float, float], rotation: tuple[float, float, float, float]
     ) -> Mount:
-        """Return the mount that a transform from the sensor's frame to the robot's describes.
+        """Return the mount for a transform from the sensor's frame to the robot's.
 
         Args:
             translation: x, y, z in m.
@@ -43,11 +44,11 @@ class Mount:
         return cls(translation[0], translation[1], yaw, up < 0.0)
 
     def points(self, distances: Floats, angles: Floats) -> tuple[Floats, Floats]:
-        """Return where things are, seen from the robot: distances in m and bearings in rad.
+        """Return distances in m and bearings in rad of things, as seen from the robot.
 
         Args:
-            distances: from the sensor, m, shape (n,).
-            angles: in the sensor's frame, rad, shape (n,).
+            distances: distances from the sensor, m, shape (n,).
+            angles: directions in the sensor's frame, rad, shape (n,).
         """
         facing = self.yaw + (-angles if self.upside_down else angles)
         x = self.x + distances * np.cos(facing)

@@ -1,4 +1,4 @@
-"""Tells a process that hangs from one that is starved of CPU or disk."""
+"""The state of a process: one that is starved of CPU or disk does not hang."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def waits_for_cpu_or_disk(pid: int) -> bool:
-    """Whether a process waits for a CPU or its disk, instead of hanging."""
+    """Return whether a process waits for a CPU or a disk, instead of hanging."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(") ")[2][:1]
     except OSError:

@@ -1,4 +1,4 @@
-"""The relay of an agent's robot as a process of its own, which outlives the agent."""
+"""The process of a robot's relay, which outlives the agent that starts it."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from hitab_ros import names
 MODULE = "hitab_robots.velocity_relay"
 
 RELAY_HUNG_S = 0.5
-"""A relay that waits or is suspended, and gives no sign of life for so long, s, hangs. It gives
-ten a second, and a network that loses one in ten loses five in a row once in 10,000 s."""
+"""Silence, s, after which a relay that is suspended or waits counts as hung. Relays give ten signs
+of life a second; a network that loses one in ten loses five in a row once in 10,000 s."""
 
-BUSY_S = 2.0
+RELAY_STARVED_S = 2.0
 """The same for a relay that is only starved of CPU or disk, s."""
 
 END_S = 3.0
@@ -28,12 +28,11 @@ END_S = 3.0
 
 
 class RelayProcess:
-    """Starts the relay, and tells whether it has ended or hangs (`hitab_robots.relay_watch`).
+    """Starts the relay, and reports whether it has ended or hangs (`hitab_robots.relay_watch`).
 
-    The names that the agent's node uses hold for the relay: its namespace, and its remappings of
-    the topics. If the agent's clock is simulated, so is that by which the relay stamps velocities;
-    how long the agent may be silent always counts by the machine's. A relay whose agent has died
-    stops the robot and ends.
+    The relay gets the namespace and the topic remappings of the agent's node. If the agent's clock
+    is simulated, the relay stamps velocities by it too, but always measures the agent's silence by
+    the machine's clock. A relay whose agent has died stops the robot and ends.
     """
 
     def __init__(self, node: AgentNode, settings: RelaySettings, odometry: str) -> None:
@@ -45,7 +44,7 @@ class RelayProcess:
             *("-r", f"{ODOMETRY_TOPIC}:={node.resolve_topic_name(odometry)}"),
             *("-p", f"state_dir:={node.settings.state_dir}"),
             *("-p", f"agent_pid:={os.getpid()}"),
-            # Outside of a swarm, a killed agent would stay down.
+            # Outside of a swarm, nothing restarts a killed agent.
             *("-p", f"kills_hung_agent:={str(bool(node.settings.swarm)).lower()}"),
             *_simulated_clock(node),
             *settings.arguments(),
@@ -57,17 +56,17 @@ class RelayProcess:
         self.start()
 
     def start(self) -> None:
-        """Start the relay, again if it has ended."""
+        """Start the relay process."""
         self._process = subprocess.Popen(self._command, stdin=subprocess.DEVNULL)
 
     def trouble(self, unheard_s: float) -> str:
-        """Return the fault of a relay that has ended or hangs; one that hangs is ended.
+        """Return the fault of a relay that has ended or hangs; kill it if it hangs.
 
         Args:
-            unheard_s: since its last sign of life, s.
+            unheard_s: time since the relay's last sign of life, s.
         """
         status = self._process.poll()
-        timeout = BUSY_S if waits_for_cpu_or_disk(self._process.pid) else RELAY_HUNG_S
+        timeout = RELAY_STARVED_S if waits_for_cpu_or_disk(self._process.pid) else RELAY_HUNG_S
         if status is None and unheard_s < timeout:
             return ""
         if status is None:
@@ -77,12 +76,12 @@ class RelayProcess:
         return f"the robot's {names.VELOCITY_RELAY} {what}; it is started again"
 
     def stand_in(self) -> None:
-        """Have the base stand still, which the relay cannot do while it starts."""
+        """Send the base a zero velocity, in the place of a relay that is still starting."""
         if self._base is not None:
             self._base.publish(self._still)
 
     def end(self) -> None:
-        """End the relay, which stops the robot."""
+        """End the relay; it stops the robot first."""
         self._process.terminate()
         try:
             self._process.wait(END_S)
@@ -92,7 +91,7 @@ class RelayProcess:
 
 
 def _simulated_clock(node: AgentNode) -> tuple[str, ...]:
-    """Return the arguments that give the relay the agent's clock, if that is simulated."""
+    """Return the arguments that give the relay the agent's clock, if it is simulated."""
     if not node.get_parameter("use_sim_time").value:
         return ()
     clock = node.resolve_topic_name("/clock")

@@ -1,4 +1,4 @@
-"""Watches the relay of an agent's robot: whether the robot may act."""
+"""The watch on a robot's relay: whether it lives, and whether the robot may act."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ RELAY_PERIOD_S = 0.1
 """Period of the watch, s."""
 
 FIRST_SIGN_TIMEOUT_S = 10.0
-"""How long a relay may take to give the first sign of life, s."""
+"""How long a relay may take to give its first sign of life, s."""
 
 RESTART_INTERVAL_S = 1.0
-"""Least time between two starts, s."""
+"""Minimum time between two starts of the relay, s."""
 
 
 class RelayWatch:
-    """Gives the relay signs of life, and has the agent stand still while the relay does.
+    """Sends the relay signs of life, and withholds the agent's actions while the relay is stopped.
 
-    A relay that has ended or hangs is started again. Until it gives a sign of life, the base is
-    told to stand still in its stead, since it may hold an older velocity.
+    A relay that has ended or hangs is restarted. Until the new relay gives a sign of life, this
+    class sends the base zero velocities, since the base may hold an older velocity.
 
     Attributes:
         why: why the robot may not act, and the way out; empty if it may.
-        is_emergency: whether an emergency stop holds it.
+        is_emergency: whether an emergency stop holds the robot.
     """
 
     def __init__(self, node: AgentNode, process: RelayProcess | None) -> None:
         """Begin to watch.
 
         Args:
-            node: of the agent.
-            process: of the relay; None if it is started elsewhere.
+            node: the agent's node.
+            process: the relay's process; None if the relay is started elsewhere.
         """
         self.why = f"its {names.VELOCITY_RELAY} has not answered yet"
         self.is_emergency = False
@@ -43,14 +43,14 @@ class RelayWatch:
         self._process = process
         self._cause = ""
         self._is_replaced = False
-        # Counted in turns, not by a clock: this process may be starved itself.
+        # Counted in checks, not by a clock: a process that gets no CPU would see silence.
         self._unheard_s = 0.0 if process is None else -FIRST_SIGN_TIMEOUT_S
         self._publisher = node.create_publisher(msg.StopState, HEARTBEAT, qos.STREAM)
         node.create_subscription(msg.StopState, names.STOP_STATE, self._hear, qos.STREAM)
         steady_timer(node, RELAY_PERIOD_S, self._look)
 
     def cause(self, why: str) -> None:
-        """Stop the robot until it is re-armed, since its agent cannot act; empty if it can."""
+        """Stop the robot until it is re-armed; ``why`` its agent cannot act, empty if it can."""
         if why != self._cause:
             self._cause = why
             self._give_sign()
@@ -58,20 +58,20 @@ class RelayWatch:
     def _hear(self, relay: msg.StopState) -> None:
         self._unheard_s = 0.0
         self.is_emergency = bool(relay.emergencies)
-        self._tell(why_stopped(relay.why, relay.causes))
+        self._set_why(why_stopped(relay.why, relay.causes))
 
     def _look(self) -> None:
         self._give_sign()
         self._unheard_s += RELAY_PERIOD_S
         if self._process is not None and (trouble := self._process.trouble(self._unheard_s)):
             self._node.guard.log(trouble)
-            self._tell(trouble)
+            self._set_why(trouble)
             self._is_replaced = True
             if self._unheard_s >= RESTART_INTERVAL_S - FIRST_SIGN_TIMEOUT_S:
                 self._process.start()
                 self._unheard_s = -FIRST_SIGN_TIMEOUT_S
         elif self._unheard_s > RELAY_HUNG_S:
-            self._tell(f"its {names.VELOCITY_RELAY} gives no sign of life")
+            self._set_why(f"its {names.VELOCITY_RELAY} gives no sign of life")
         if self._process is not None and self._is_replaced and self._unheard_s < 0.0:
             self._process.stand_in()
 
@@ -81,7 +81,7 @@ class RelayWatch:
         causes = [self._cause] if self._cause else []
         self._publisher.publish(stop_report(self._node, state, causes))
 
-    def _tell(self, why: str) -> None:
+    def _set_why(self, why: str) -> None:
         if why != self.why:
             self.why = why
             self._node.stop_changed()

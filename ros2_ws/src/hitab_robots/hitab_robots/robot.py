@@ -1,4 +1,4 @@
-"""A robot with standard sensors and a drive, and its body, on which words act. No ROS here."""
+"""A robot with standard sensors and a drive, and the body that behaviors act on. No ROS here."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from hitab_robots.sensors import Sensor
 from hitab_robots.velocity import NO_VELOCITY, Drive, Velocity, is_velocity
 
 MOTION_MEMORY_S = 10.0
-"""How far back a body remembers how it moved, s."""
+"""How far back a body remembers its motion, s."""
 
 TIME_LABEL = "time"
-"""The first value of each percept: when it is, s."""
+"""The first value of each percept: its time, s."""
 
 
 @dataclass(frozen=True)
 class Robot:
-    """The parts of a robot, as plain data; given to a domain, it makes the bodies.
+    """The parts of a robot, as plain data; a domain makes its bodies with it.
 
     The percept is the time in s and then the values of the sensors, in order; the action is
     ``[ahead, left, turn]`` in m/s, m/s and rad/s, or empty if no behavior drives the robot.
@@ -30,11 +30,11 @@ class Robot:
     Attributes:
         sensors: each with a name of its own.
         drive: limits of its velocity, and which message it takes.
-        odometry: the sensor that says where the robot is.
-        needed_to_drive: sensors, such as ``scan``, or single values, such as ``scan.ahead.range``:
-            while one has no value, the robot does not drive, whatever it performs.
-        body: class of the bodies, derived from `RobotBody`, if words need to remember something;
-            None: `RobotBody` itself.
+        odometry: name of the sensor for the robot's pose.
+        needed_to_drive: sensors, such as ``scan``, or single values, such as ``scan.ahead.range``,
+            without which the robot does not drive, whatever behavior it performs.
+        body: class of the bodies, derived from `RobotBody`, if behaviors or features need memory;
+            None for `RobotBody` itself.
 
     Examples:
         >>> from hitab_robots import Odometry
@@ -70,17 +70,17 @@ class Robot:
 
     @cached_property
     def values(self) -> tuple[str, ...]:
-        """The names of the numbers of a percept."""
+        """The names of a percept's values."""
         return (TIME_LABEL, *(value for sensor in self.sensors for value in sensor.values))
 
     @cached_property
     def index(self) -> dict[str, int]:
-        """The place of each of these numbers."""
+        """The index of each value in a percept, by name."""
         return {name: i for i, name in enumerate(self.values)}
 
     @cached_property
     def needed(self) -> dict[str, tuple[int, ...]]:
-        """The places of the numbers without all of which it does not drive, by name."""
+        """The indices of the values of each entry of ``needed_to_drive``, by name."""
         return {
             name: tuple(i for value, i in self.index.items() if f"{value}.".startswith(f"{name}."))
             for name in self.needed_to_drive
@@ -88,22 +88,22 @@ class Robot:
 
 
 @dataclass(frozen=True, slots=True)
-class _Moment:
-    """The pose of a robot, and its commanded motion until then."""
+class _PastPose:
+    """A past pose of a robot, and the velocity that was commanded until then."""
 
     time: float
     x: float
     y: float
     heading: float
-    told: Velocity
+    commanded: Velocity
 
 
 @dataclass(slots=True)
 class Motion:
-    """How far a robot was told to move, and did: lengths of ways, m, and turns, rad."""
+    """The commanded and the measured motion of a robot: length of the way, m, and turn, rad."""
 
-    told_way: float = 0.0
-    told_turn: float = 0.0
+    commanded_way: float = 0.0
+    commanded_turn: float = 0.0
     way: float = 0.0
     turn: float = 0.0
 
@@ -112,18 +112,18 @@ class RobotBody:
     """The body of one robot: its percept, and its next motion.
 
     Attributes:
-        robot: its sensors and its drive.
-        velocity: the next command; None if no behavior drives the robot.
+        robot: the robot's sensors and drive.
+        velocity: the velocity until the next percept; None if no behavior drives the robot.
     """
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.velocity: Velocity | None = None
         self._values: Sequence[float] = (math.nan,) * len(robot.values)
-        self._past: deque[_Moment] = deque()
+        self._past: deque[_PastPose] = deque()
 
     def __getitem__(self, name: str) -> float:
-        """Return a value by name, such as ``odom.x``; NaN if there is none now.
+        """Return a value by name, such as ``odom.x``; NaN if it is unknown now.
 
         Raises:
             VocabularyError: if the robot has no such value.
@@ -134,55 +134,57 @@ class RobotBody:
         return self._values[index]
 
     def sense(self, values: Sequence[float], heard: Sequence[str]) -> None:
-        """Take a percept. Until a behavior says otherwise, the robot is not driven."""
+        """Take a percept, and reset the velocity: no behavior drives the robot yet."""
         if len(values) != len(self.robot.values):
             raise VocabularyError(
                 f"a percept has {quantity(len(values), 'value')} and this robot "
-                f"{len(self.robot.values)}; both must come of one declaration"
+                f"{len(self.robot.values)}; both must come from one declaration"
             )
         self._values = values
         self._remember()
         self.velocity = None
 
     def act(self) -> tuple[Sequence[float], str]:
-        """Return the action; this robot has nothing to say to others."""
+        """Return the action, and an empty message: robots say nothing to others."""
         return self.velocity or (), ""
 
     def drive(self, ahead: float, turn: float = 0.0, left: float = 0.0) -> None:
-        """Move so until the next percept, within the limits of the robot's drive.
+        """Set the velocity until the next percept, within the limits of the robot's drive.
 
         Args:
             ahead: m/s, negative backwards.
             turn: rad/s, counter-clockwise.
-            left: m/s, of robots that can move sideways.
+            left: m/s, for robots that can move sideways.
 
         Raises:
-            FeatureValueError: if one is NaN or infinite, such as what is made of a silent sensor's
-                values, or if the robot lacks a sensor that its motion needs. The robot stops until
-                it is re-armed.
+            FeatureValueError: if a speed is NaN or infinite, such as one computed from a silent
+                sensor's values, or if a value that is needed to drive is missing. The robot stops
+                until it is re-armed.
         """
         velocity = (ahead, left, turn)
         if not is_velocity(velocity):
             missing = [name for name in self.robot.values if math.isnan(self[name])]
             raise FeatureValueError(
-                "its behavior commands a velocity that is no number; without a value now: "
+                "its behavior commands a velocity that is not a number; without a value now: "
                 f"{some(missing) or 'nothing'}"
             )
         velocity = self.robot.drive.clipped(velocity)
         for name, places in self.robot.needed.items() if velocity != NO_VELOCITY else ():
             if all(math.isnan(self._values[i]) for i in places):
-                raise FeatureValueError(f"{name} has no value, and it must not drive without it")
+                raise FeatureValueError(
+                    f"{name} has no value, and the robot must not drive without it"
+                )
         self.velocity = velocity
 
     @property
     def place(self) -> tuple[float, float, float]:
-        """Where the robot is and which way it faces, in the frame of its odometry: m, m, rad."""
+        """The robot's pose x, y and heading in the frame of its odometry: m, m, rad."""
         name = self.robot.odometry
         return self[f"{name}.x"], self[f"{name}.y"], self[f"{name}.heading"]
 
     @property
     def position(self) -> tuple[float, float] | None:
-        """Where the robot is, m, m, as its commander hears of it; None if it does not know."""
+        """The robot's position, m, m, for reports to its commander; None if unknown."""
         if f"{self.robot.odometry}.x" not in self.robot.index:
             return None
         x, y, _ = self.place
@@ -193,19 +195,20 @@ class RobotBody:
             return
         time, past = self._values[0], self._past
         if past and not past[-1].time < time <= past[-1].time + 1.0:
-            past.clear()  # it was not driven meanwhile, or the clock was set
-        past.append(_Moment(time, *self.place, self.velocity or NO_VELOCITY))
+            past.clear()  # the robot was not driven meanwhile, or the clock was set
+        past.append(_PastPose(time, *self.place, self.velocity or NO_VELOCITY))
         while time - past[0].time > MOTION_MEMORY_S:
             past.popleft()
 
     def moved(self, seconds: float) -> Motion | None:
-        """Return how far the robot was told to move of late, and how far it did.
+        """Return how far the robot was recently commanded to move, and how far it moved.
 
         Args:
             seconds: how far to look back, at most `MOTION_MEMORY_S`.
 
         Returns:
-            None if it was not told to move all that time, or does not remember that long.
+            The motion; None if the robot was not commanded to move during all of that time, or its
+            memory is shorter.
         """
         now = self._values[0]
         recent = [moment for moment in self._past if moment.time >= now - seconds - 1e-9]
@@ -213,11 +216,11 @@ class RobotBody:
             return None
         motion = Motion()
         for before, after in pairwise(recent):
-            if after.told == NO_VELOCITY:
+            if after.commanded == NO_VELOCITY:
                 return None
             step = after.time - before.time
-            motion.told_way += math.hypot(after.told[0], after.told[1]) * step
-            motion.told_turn += abs(after.told[2]) * step
+            motion.commanded_way += math.hypot(after.commanded[0], after.commanded[1]) * step
+            motion.commanded_turn += abs(after.commanded[2]) * step
             motion.way += math.hypot(after.x - before.x, after.y - before.y)
             motion.turn += abs(math.remainder(after.heading - before.heading, math.tau))
         return motion if len(recent) > 1 else None

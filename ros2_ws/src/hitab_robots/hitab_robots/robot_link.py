@@ -40,28 +40,28 @@ from hitab_ros import EmergencySwitch, names, steady_timer
 from hitab_ros.stamps import seconds_of
 
 FAULT_PERIOD_S = 0.5
-"""How often to look for faults, s."""
+"""Time between two checks for faults, s."""
 
 SENSOR_TIMEOUT_S = 3.0
-"""How long sensors and the relay may take to be found before their silence is a fault, s."""
+"""How long the discovery of sensors and relay may take before their silence is a fault, s."""
 
 ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
 
 NEWEST = QoSProfile(depth=1)
-"""QoS of velocities: reliable, and only the newest counts."""
+"""QoS of velocities: reliable, and only the newest is kept."""
 
 
 class RobotLink:
-    """Ticks the agent at a fixed rate with what the sensors said last, and drives as it says.
+    """Ticks the agent at a fixed rate with the last sensor readings, and drives the robot.
 
-    Its parameters: ``rate``, Hz; for each sensor its ``patience``, s, and for those whose place
+    Parameters are ``rate``, Hz; for each sensor its ``patience``, s, and for sensors whose place
     matters ``x``, ``y``, ``yaw`` and ``upside_down``, such as ``scan.yaw``. With ``base_frame``,
     the places come from tf2 instead.
 
     The velocity goes to the robot's relay (`hitab_robots.velocity_relay`), never to its base: the
-    relay stops the robot when the agent cannot, and decides when it may act again
-    (`hitab_robots.relay_watch`). The link starts it and hands its parameters on
-    (`hitab_robots.settings`), unless ``relay`` is false, since one is started elsewhere.
+    relay stops the robot when the agent cannot, and decides when the robot may act again
+    (`hitab_robots.relay_watch`). The link starts the relay and passes its parameters on
+    (`hitab_robots.settings`), unless the parameter ``relay`` is false: then a person starts it.
     """
 
     def __init__(self, node: AgentNode, world: str, on_percept: OnPercept) -> None:
@@ -75,7 +75,7 @@ class RobotLink:
         self._on_percept = on_percept
         self._faults = node.guard.faults
         self._clock = node.get_clock()
-        self._looks_from = time.monotonic() + SENSOR_TIMEOUT_S
+        self._checks_from = time.monotonic() + SENSOR_TIMEOUT_S
         rate = declare_number(node, "rate", 10.0)
         mounts = _mounts_of_tf(node)
         self._sensors = [_SensorInput(node, sensor, mounts) for sensor in domain.body.sensors]
@@ -86,7 +86,7 @@ class RobotLink:
             odometry = (s.topic_name for s in domain.body.sensors if s.message == ODOMETRY_TYPE)
             self._relay = RelayProcess(node, settings, next(odometry, ODOMETRY_TOPIC))
         node.stop = RelayWatch(node, self._relay)
-        # The more keep a stop, the surer it reaches a relay that is found late.
+        # The more processes remember a stop, the more surely it reaches a relay found late.
         self._switch = EmergencySwitch(node, hands_on=True)
         self._rest_until = self._now()
         self._cycle = 0
@@ -110,7 +110,7 @@ class RobotLink:
         self._drive(action, seconds)
 
     def _drive(self, action: Any, seconds: float) -> None:
-        """Send the velocity on; without one, stand still for a moment and then leave the robot."""
+        """Send a velocity; without one, send zeros for a moment, then nothing."""
         if action:
             self._rest_until = seconds + REST_S
         elif not self._rest_until - REST_S <= seconds <= self._rest_until:
@@ -124,7 +124,7 @@ class RobotLink:
         self._velocities.publish(velocity)
 
     def _look_for_faults(self) -> None:
-        if time.monotonic() < self._looks_from:
+        if time.monotonic() < self._checks_from:
             return
         for sensor in self._sensors:
             self._faults.set(f"sensor {sensor.name}", sensor.trouble(self._now()))
@@ -153,9 +153,9 @@ class _SensorInput:
     """The topic of a sensor, and its last reading.
 
     Attributes:
-        name: of the sensor.
-        freshness: holds the reading.
-        reach: the longest range of the sensor, m, if known.
+        name: name of the sensor.
+        freshness: the last reading, and its age.
+        reach: the longest range of the sensor, m; infinite if it has none or none is known yet.
     """
 
     def __init__(
@@ -195,10 +195,10 @@ class _SensorInput:
         )
 
     def trouble(self, now: float) -> str:
-        """Return why the sensor has no values, and what is wrong with it otherwise."""
+        """Return why the sensor has no values, or another fault; empty if there is none."""
         what = f"sensor {self.name}, {self._subscription.topic_name}"
         if self._unplaced:
-            return f"{what}: tf2 knows no way from its frame {self._unplaced} to base_frame"
+            return f"{what}: tf2 has no transform from its frame {self._unplaced} to base_frame"
         if self.freshness.trouble:
             return f"{what}: {self.freshness.trouble}; set the clocks of all machines"
         if self.freshness.is_fresh(now):

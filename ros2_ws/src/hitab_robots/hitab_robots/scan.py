@@ -1,4 +1,4 @@
-"""A laser scanner as a few numbers: the nearest return in each of some sectors."""
+"""A laser scanner as a few numbers: the nearest return in each sector."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ import numpy as np
 from hitab_robots.mount import Mount
 from hitab_robots.sensors import Sensor, check_name
 
-EDGE = 1e-6
-"""How far outside of a sector a ray may be, rad: angles are added up in single precision."""
+ANGLE_TOLERANCE = 1e-6
+"""How far outside of a sector a ray may be, rad, since angles are sums in single precision."""
 
 
 @dataclass(frozen=True)
@@ -40,23 +40,23 @@ CENTER = Mount()
 
 @dataclass(frozen=True, kw_only=True)
 class Scan(Sensor):
-    """A `sensor_msgs/LaserScan`: for each sector the ``range`` and ``bearing`` of what is nearest.
+    """A `sensor_msgs/LaserScan`: ``range`` and ``bearing`` of the nearest return in each sector.
 
-    Both are as seen from the robot's center, wherever the scanner sits and whichever way it faces.
-    The range is ``max_range`` if nothing is within range there, and the bearing is then NaN. Both
-    are NaN if it is not known: no ray of the scanner is in the sector, or fewer than half of these
-    measured anything.
+    Both values are relative to the robot's center, whatever the scanner's mount is. If nothing is
+    within range in a sector, the range is ``max_range`` and the bearing is NaN. Both are NaN if
+    the sector is unknown: no ray of the scanner is in it, or fewer than half of its rays measured
+    anything.
 
-    Meaning of a ray (REP 117): NaN and values below ``range_min`` are no measurements; negative
+    A ray means what REP 117 says: NaN and values below ``range_min`` are no measurements; negative
     infinity is a thing too near to be measured, and counts as ``range_min``; from the maximum on
-    there is nothing. Of a scan of several rays without an angle between them nothing is known.
+    there is nothing. A scan of several rays with an angle increment of 0 is unknown as a whole.
 
     Attributes:
         sectors: parts of the scan, each with two values, such as ``scan.ahead.range``.
-        max_range: m; None for the scanner's ``range_max``. Needed if robots with other scanners
-            are to share what they learn.
-        zero_is_clear: whether 0.0 means that there is nothing, as the drivers of some small
-            scanners mean it, and not that nothing was measured.
+        max_range: largest range, m; None for the scanner's ``range_max``. Needed if robots with
+            different scanners should share behaviors.
+        zero_is_clear: whether a range of 0.0 means that nothing is there, as with the drivers of
+            some small scanners, and not that nothing was measured.
     """
 
     message: ClassVar[str] = "sensor_msgs/msg/LaserScan"
@@ -106,7 +106,7 @@ class Scan(Sensor):
             clear |= ranges == 0.0
         clear &= ~near
         hit = (ranges >= least) & ~clear & (near | (ranges > 0.0))
-        # How far a ray goes that meets nothing: it matters for its bearing only.
+        # The length of a ray that meets nothing matters only for its bearing.
         reach = np.where(hit, ranges, 1e3 if math.isnan(most) else most)
         distances, bearings = mount.points(reach, angles)
         if not math.isnan(most):
@@ -115,7 +115,7 @@ class Scan(Sensor):
         found: list[float] = []
         for sector in self.sectors:
             beside = np.remainder(bearings - sector.center + math.pi, math.tau) - math.pi
-            inside = np.abs(beside) <= sector.width / 2.0 + EDGE
+            inside = np.abs(beside) <= sector.width / 2.0 + ANGLE_TOLERANCE
             hits = inside & hit
             if hits.any():
                 nearest = int(np.argmin(np.where(hits, distances, math.inf)))

@@ -1,7 +1,7 @@
-"""The sensors of a robot: what each reads from its standard message, as plain numbers.
+"""The sensors of a robot: each reads plain numbers from a standard message.
 
-No ROS here: a sensor takes any object with the fields of its message. SI units and REP 103. A
-number that was not measured, or is infinite, is NaN.
+No ROS here: a sensor takes any object with the fields of its message. Values are in SI units and
+the axes of REP 103. A value that was not measured, or is infinite, is NaN.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ class Sensor(ABC):
     """A sensor of a robot, as plain data.
 
     Attributes:
-        name: a word; its values are called after it, such as ``odom.x``.
-        topic: relative to the robot's namespace; empty if equal to the name.
-        patience: s; a reading that is older counts for nothing, and all of its values are NaN.
-        mount: where it sits; None if it does not matter.
+        name: the sensor's name, with which the names of its values begin, such as ``odom.x``.
+        topic: the topic, relative to the robot's namespace; empty if equal to the name.
+        patience: age, s, from which on all values of a reading are NaN.
+        mount: the sensor's place on the robot; None if it does not matter.
     """
 
     message: ClassVar[str] = ""
@@ -62,7 +62,7 @@ class Sensor(ABC):
             )
 
     def check_distinct(self, what: str, names: Sequence[str]) -> None:
-        """Check that there is at least one of something, and none is there twice.
+        """Check that a list of names has at least one name, and none twice.
 
         Raises:
             VocabularyError: if not.
@@ -93,8 +93,8 @@ class Sensor(ABC):
         """Return the values in a message, a number for each of `fields`.
 
         Args:
-            message: of the sensor's type, or anything with its fields.
-            mount: where the sensor sits; None for the declared mount.
+            message: a message of the sensor's type, or any object with its fields.
+            mount: the sensor's place on the robot; None for the declared mount.
         """
 
     def reach(self, message: Any) -> float:
@@ -103,12 +103,12 @@ class Sensor(ABC):
 
 
 def finite(value: float) -> float:
-    """Return a number, NaN if it is infinite."""
+    """Return a number, or NaN if it is infinite."""
     return float(value) if math.isfinite(value) else math.nan
 
 
 def angles_of(rotation: Any) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw of a quaternion, rad; NaN if it is none, as one of zeros is."""
+    """Return roll, pitch and yaw of a quaternion, rad; NaN if it is invalid, such as all zeros."""
     x, y, z, w = rotation.x, rotation.y, rotation.z, rotation.w
     length = math.sqrt(x * x + y * y + z * z + w * w)
     if not 0.5 < length < 2.0:
@@ -226,7 +226,7 @@ class Joints(Sensor):
     """A `sensor_msgs/JointState`: position and velocity of some joints.
 
     A joint ``left_wheel`` has the values ``left_wheel.position`` and ``left_wheel.velocity``, in
-    rad and rad/s, or m and m/s if it is no rotating one. A message without it has no value of it.
+    rad and rad/s, or in m and m/s for a sliding joint. They are NaN if a message lacks the joint.
 
     Attributes:
         joints: names of the joints.

@@ -1,4 +1,4 @@
-"""The parameters of a robot, of its link, on the agent's node, and of its relay; their topics."""
+"""The parameters and topics of a robot's link, on the agent's node, and of its relay."""
 
 from __future__ import annotations
 
@@ -14,43 +14,43 @@ from hitab_core import HitabError
 from hitab_robots.velocity import Drive
 
 BASE_TOPIC = "cmd_vel"
-"""Topic to the base; relative to the robot's namespace."""
+"""Topic of velocities to the base; relative to the robot's namespace."""
 
 AGENT_VELOCITY_TOPIC = "cmd_vel_agent"
-"""Topic from an agent to its relay, `TwistStamped`; relative to the agent's namespace."""
+"""Topic of velocities from an agent to its relay, `TwistStamped`; relative to the namespace."""
 
 HEARTBEAT = "agent_heartbeat"
-"""Topic from an agent to its relay, several times a second; relative to the agent's namespace."""
+"""Topic of an agent's signs of life for its relay; relative to the agent's namespace."""
 
 ODOMETRY_TOPIC = "odom"
-"""Topic on which a relay looks whether the robot stands still; relative to its namespace."""
+"""Topic by which a relay checks that the robot stands still; relative to its namespace."""
 
-OF_RELAY = {
+RELAY_SETTINGS = {
     "max_velocity": "m/s ahead, m/s to the left, rad/s; also backwards",
     "max_accel": "how fast the robot may gain speed, per s",
     "max_decel": "how fast it may lose speed, per s, unless it has to stop",
     "enable_stamped_cmd_vel": "whether the base takes TwistStamped instead of Twist",
-    "cmd_vel_timeout": "s; the robot stops when no velocity of its agent came for longer",
+    "cmd_vel_timeout": "s without a velocity of the agent after which the robot stops",
     "smoothing_frequency": "Hz; how often a velocity is sent to the base",
-    "auto_rearm": "act again by itself when what stopped the robot is over: a risk",
+    "auto_rearm": "act again without re-arming after a stop: a risk",
 }
-"""Parameters that the link hands on to its relay."""
+"""Parameters that the link passes on to its relay."""
 
 RELAY_PARAMETERS = {
-    **OF_RELAY,
+    **RELAY_SETTINGS,
     "rate": "Hz; how often the agent decides and acts",
     "relay": "start the relay; false if it is started elsewhere",
-    "base_frame": "the robot's frame, such as base_link, to have tf2 tell where sensors sit; "
-    "empty: the sensors' parameters tell",
-    "state_dir": "folder where an emergency stop survives a crash; empty if none",
-    "agent_pid": "process to end with, once the robot stands still; 0 if none",
-    "kills_hung_agent": "kill the agent when it hangs, since its supervisor restarts it",
+    "base_frame": "the robot's frame, such as base_link, to look up the sensors' places in tf2; "
+    "empty to take them from the sensors' parameters",
+    "state_dir": "folder in which an emergency stop survives a crash; empty for none",
+    "agent_pid": "the agent's process: the relay ends after it; 0 for none",
+    "kills_hung_agent": "kill the agent when it hangs; its supervisor restarts it",
 }
-OF_SENSOR = {
+SENSOR_PARAMETERS = {
     "patience": "s; an older reading has no value",
-    "x": "m; where the sensor sits in the robot's frame",
-    "y": "m; where the sensor sits in the robot's frame",
-    "yaw": "rad; which way the sensor faces in the robot's frame",
+    "x": "m; the sensor's place in the robot's frame",
+    "y": "m; the sensor's place in the robot's frame",
+    "yaw": "rad; the sensor's direction in the robot's frame",
     "upside_down": "whether the sensor is turned over about its x axis",
 }
 """Parameters after the name of a sensor, such as ``scan.yaw``."""
@@ -58,10 +58,10 @@ OF_SENSOR = {
 
 def declare(node: Node, name: str, default: Any) -> Any:
     """Declare a parameter that does not change, and return its value."""
-    if node.has_parameter(name):  # the agent's own
+    if node.has_parameter(name):  # the agent's node has it already
         return node.get_parameter(name).value
     sensor, _, field = name.rpartition(".")
-    description = OF_SENSOR[field] if sensor else RELAY_PARAMETERS[name]
+    description = SENSOR_PARAMETERS[field] if sensor else RELAY_PARAMETERS[name]
     descriptor = ParameterDescriptor(description=description, read_only=True)
     return node.declare_parameter(name, default, descriptor).value
 
@@ -70,7 +70,7 @@ def declare_number(node: Node, name: str, default: float) -> float:
     """Declare a number that must be above zero, such as a rate, and return its value.
 
     Raises:
-        HitabError: if it is not.
+        HitabError: if the number is not above zero.
     """
     value = float(declare(node, name, default))
     if not 0.0 < value < math.inf:
@@ -80,7 +80,7 @@ def declare_number(node: Node, name: str, default: float) -> float:
 
 @dataclass(frozen=True)
 class RelaySettings:
-    """How a relay drives its robot's base; each field, and each of the drive's, is a parameter."""
+    """The settings of a relay; each of its fields, and of the drive's fields, is a parameter."""
 
     drive: Drive
     cmd_vel_timeout: float = 0.3
@@ -92,7 +92,7 @@ class RelaySettings:
         """Declare the parameters and return their values.
 
         Args:
-            node: of the agent or the relay.
+            node: the node of the agent or the relay.
             drive: the defaults.
 
         Raises:
@@ -111,8 +111,8 @@ class RelaySettings:
         )
 
     def arguments(self) -> Iterator[str]:
-        """Yield the command line that gives a relay these parameters."""
-        for name in OF_RELAY:
+        """Yield the command-line arguments that give a relay these settings."""
+        for name in RELAY_SETTINGS:
             value = getattr(self, name, None)
             if value is None:
                 value = getattr(self.drive, name)

@@ -1,4 +1,4 @@
-"""Ready words for robots: basic behaviors, features and targets of a `RobotBody`. No ROS here.
+"""Ready-made basic behaviors, features and targets of a `RobotBody`. No ROS here.
 
 A value is named after its sensor and its quantity, such as ``odom.x`` or ``scan.ahead.range``.
 Features are required unless said otherwise: a robot whose sensor is silent must not drive on.
@@ -16,11 +16,11 @@ from hitab_robots.robot import MOTION_MEMORY_S, RobotBody
 
 Point = tuple[float, float]
 
-FULL_TURN = 0.5
-"""rad; a target that is farther off than this is turned to at full speed."""
+FULL_SPEED_ANGLE = 0.5
+"""Angle to the target, rad, above which a robot turns at full speed."""
 
 SLOW_M = 0.3
-"""Within this distance of its target, m, a robot drives more slowly."""
+"""Distance to the target, m, below which a robot drives more slowly."""
 
 ARRIVED_M = 0.02
 """Distance to the target, m, below which a robot stands still: its direction would be noise."""
@@ -29,10 +29,10 @@ ARRIVED_M = 0.02
 def motion(
     name: str, ahead: float = 0.0, turn: float = 0.0, left: float = 0.0, description: str = ""
 ) -> BasicBehavior:
-    """Return a behavior that moves at a constant velocity; without one, it stands still.
+    """Return a behavior that moves at a constant velocity; by default, it stands still.
 
     Args:
-        name: a word.
+        name: the behavior's name.
         ahead: m/s.
         turn: rad/s, counter-clockwise.
         left: m/s, of robots that can move sideways.
@@ -67,11 +67,11 @@ def _moving(ahead: float, turn: float, left: float) -> str:
 def turn_to(name: str = "TurnTo", turn: float = 0.8, description: str = "") -> BasicBehavior:
     """Return a behavior that turns the robot on the spot to face a target, the shorter way.
 
-    It goes on while it is performed, and follows a target that moves; a feature such as `facing`
-    says when the robot faces it.
+    The behavior has no end, and follows a target that moves; a feature such as `facing` shows when
+    the robot faces the target.
 
     Args:
-        name: a word; its parameter is ``X``, as in ``TurnTo(goal)``.
+        name: the behavior's name; its parameter is ``X``, as in ``TurnTo(goal)``.
         turn: rad/s, at most.
         description: for people.
     """
@@ -89,12 +89,12 @@ def drive_to(
 ) -> BasicBehavior:
     """Return a behavior that drives straight to a target, and stands still there.
 
-    It turns first and then keeps facing the target, by the odometry. It sees no obstacles: train
-    when something else has to be performed. It goes on while it is performed; a feature such as
-    `distance_to` says when the robot has arrived.
+    The robot first turns to the target and then keeps facing it, by the odometry. The behavior is
+    blind to obstacles: train when to perform another one. It has no end; a feature such as
+    `distance_to` shows when the robot has arrived.
 
     Args:
-        name: a word; its parameter is ``X``, as in ``DriveTo(goal)``.
+        name: the behavior's name; its parameter is ``X``, as in ``DriveTo(goal)``.
         ahead: m/s, at most.
         turn: rad/s, at most.
         description: for people.
@@ -113,9 +113,9 @@ def drive_to(
         distance, bearing = _distance(body, point), _bearing(body, point)
         if distance <= ARRIVED_M:
             body.drive(0.0)
-        elif abs(bearing) > FULL_TURN:
+        elif abs(bearing) > FULL_SPEED_ANGLE:
             body.drive(0.0, _turning(bearing, turn))
-        else:  # also if there is no value: min and max return their first argument then
+        else:  # with NaN, min and max return their first argument, so NaN stays
             body.drive(ahead * min(distance / SLOW_M, 1.0), _turning(bearing, turn))
 
     return BasicBehavior(
@@ -124,31 +124,31 @@ def drive_to(
 
 
 def _distance(body: RobotBody, point: Point) -> float:
-    """Return how far away a point is from the robot's center, m."""
+    """Return the distance of a point from the robot's center, m."""
     x, y, _ = body.place
     return math.hypot(point[0] - x, point[1] - y)
 
 
 def _bearing(body: RobotBody, point: Point) -> float:
-    """Return in which direction a point is, rad from ahead, positive left."""
+    """Return the direction of a point, rad from ahead, positive left."""
     x, y, heading = body.place
     angle = math.atan2(point[1] - y, point[0] - x) - heading
     return math.remainder(angle, math.tau) if math.isfinite(angle) else math.nan
 
 
 def _turning(bearing: float, turn: float) -> float:
-    """Return how fast to turn, rad/s: the slower, the less there is to turn; NaN stays NaN."""
-    return turn * max(min(bearing / FULL_TURN, 1.0), -1.0)
+    """Return the turn rate for a remaining angle, rad/s: slower for small ones; NaN stays NaN."""
+    return turn * max(min(bearing / FULL_SPEED_ANGLE, 1.0), -1.0)
 
 
 def reading(name: str, value: str, *, required: bool = True, **more: Any) -> Feature:
     """Return a feature that is one of the robot's values, such as ``imu.pitch``.
 
     Args:
-        name: a word.
+        name: the feature's name.
         value: the name of the value.
-        required: whether nothing is decided without it.
-        more: kind, unit and others of `Feature`.
+        required: whether the agent must not decide without a value.
+        more: further arguments of `Feature`, such as kind and unit.
     """
     more.setdefault("description", f"the value {value}")
     return Feature(name, ValueOf(value), required=required, **more)
@@ -166,12 +166,12 @@ class ValueOf:
 
 
 def nearest_range(name: str, sector: str, *, required: bool = True) -> Feature:
-    """Return how far away the nearest thing in a sector is, m; the most if there is nothing.
+    """Return the distance to the nearest thing in a sector, m; the maximum if there is nothing.
 
     Args:
-        name: a word.
-        sector: of a scanner, such as ``scan.ahead``.
-        required: whether nothing is decided without it.
+        name: the feature's name.
+        sector: a sector of a scanner, such as ``scan.ahead``.
+        required: whether the agent must not decide without a value.
 
     Examples:
         >>> from hitab_robots import Robot, Scan, Sector
@@ -181,17 +181,17 @@ def nearest_range(name: str, sector: str, *, required: bool = True) -> Feature:
         >>> nearest_range("RangeAhead", "scan.ahead").read(body)
         0.8
     """
-    nearest = f"how far away the nearest thing is that {sector} sees"
+    nearest = f"distance to the nearest thing in {sector}"
     return reading(name, f"{sector}.range", required=required, unit="m", description=nearest)
 
 
 def nearest_bearing(name: str, sector: str, *, required: bool = False) -> Feature:
-    """Return where the nearest thing in a sector is, rad from ahead; no value if there is nothing.
+    """Return the bearing of the nearest thing in a sector, rad; no value if there is nothing.
 
     Args:
-        name: a word.
-        sector: of a scanner, such as ``scan.around``.
-        required: whether nothing is decided without it.
+        name: the feature's name.
+        sector: a sector of a scanner, such as ``scan.around``.
+        required: whether the agent must not decide without a value.
     """
     return reading(
         name,
@@ -199,7 +199,7 @@ def nearest_bearing(name: str, sector: str, *, required: bool = False) -> Featur
         required=required,
         kind=FeatureKind.TOROIDAL,
         unit="rad",
-        description=f"in which direction the nearest thing is that {sector} sees; 0: ahead",
+        description=f"direction of the nearest thing in {sector}; 0: ahead",
     )
 
 
@@ -211,12 +211,12 @@ def distance_to(name: str = "DistanceTo", *, required: bool = True) -> Feature:
         parameters=("X",),
         unit="m",
         required=required,
-        description="how far away the target is",
+        description="distance to the target",
     )
 
 
 def heading_to(name: str = "HeadingTo", *, required: bool = True) -> Feature:
-    """Return where a target is, rad from where the robot faces: 0 is ahead, positive left.
+    """Return the direction of a target relative to the robot, rad: 0 is ahead, positive left.
 
     Examples:
         >>> from hitab_robots import Odometry, Robot
@@ -232,7 +232,7 @@ def heading_to(name: str = "HeadingTo", *, required: bool = True) -> Feature:
         parameters=("X",),
         unit="rad",
         required=required,
-        description="in which direction the target is; 0: ahead",
+        description="direction of the target; 0: ahead",
     )
 
 
@@ -241,35 +241,35 @@ def facing(
 ) -> Feature:
     """Return whether the robot faces a target.
 
-    One command on a `heading_to` holds near the heading of that moment only, which a real robot
-    never meets again exactly; this feature is yes or no.
+    Prefer this feature to `heading_to`: one command by an angle is learned for that exact angle,
+    which a real robot never meets again.
 
     Args:
-        name: a word.
-        within: rad to either side.
-        required: whether nothing is decided without it.
+        name: the feature's name.
+        within: largest angle to either side, rad.
+        required: whether the agent must not decide without a value.
 
     Raises:
-        VocabularyError: if that is no angle up to half a turn.
+        VocabularyError: if ``within`` is not between 0 and half a turn.
     """
     if not 0.0 < within < math.pi:
         raise VocabularyError(
             f'feature "{name}" is true within {within:g} rad; it must be between 0 and pi'
         )
-    about = f"it faces the target, within {math.degrees(within):.0f} deg"
+    about = f"the robot faces the target, within {math.degrees(within):.0f} deg"
     return _within(name, _bearing, within, required, about)
 
 
 def near(name: str = "Near", within: float = 0.2, *, required: bool = True) -> Feature:
     """Return whether the robot's center is near a target.
 
-    A command on a `distance_to`, given when the robot has stopped at its target, holds up to that
-    distance only, which the robot may not reach again; this feature is yes or no.
+    Prefer this feature to `distance_to`: a command at the target is learned for distances up to
+    the present one, which the robot may not reach again.
 
     Args:
-        name: a word.
-        within: m.
-        required: whether nothing is decided without it.
+        name: the feature's name.
+        within: largest distance, m.
+        required: whether the agent must not decide without a value.
     """
     return _within(name, _distance, within, required, f"the target is within {within:g} m")
 
@@ -281,7 +281,7 @@ def _within(
     required: bool,
     description: str,
 ) -> Feature:
-    """Return whether what is measured is at most so large, on either side."""
+    """Return a feature: whether the magnitude of a measurement is at most a limit."""
 
     def read(body: RobotBody, point: Point) -> float:
         measured = measure(body, point)
@@ -298,17 +298,17 @@ def _within(
 
 
 def stuck(name: str = "Stuck", seconds: float = 2.0, fraction: float = 0.2) -> Feature:
-    """Return whether the robot was told to move for a while and did not.
+    """Return whether the robot was commanded to move for a while and did not.
 
-    The odometry tells whether it moved: wheels that spin on the spot look like moving.
+    The odometry measures the motion, so a robot whose wheels spin on the spot seems to move.
 
     Args:
-        name: a word.
-        seconds: how long it must have been told to move.
-        fraction: of the commanded way or turn; a robot that moves less is stuck.
+        name: the feature's name.
+        seconds: how long the robot must have been commanded to move.
+        fraction: fraction of the commanded way or turn; a robot that moves less is stuck.
 
     Raises:
-        VocabularyError: if that is longer than a body remembers.
+        VocabularyError: if ``seconds`` exceeds a body's memory.
     """
     if not 0.0 < seconds <= MOTION_MEMORY_S:
         raise VocabularyError(
@@ -321,8 +321,8 @@ def stuck(name: str = "Stuck", seconds: float = 2.0, fraction: float = 0.2) -> F
         moved = body.moved(seconds)
         if moved is None:
             return 0.0
-        drives = moved.told_way > 0.0 and moved.way >= fraction * moved.told_way
-        turns = moved.told_turn > 0.0 and moved.turn >= fraction * moved.told_turn
+        drives = moved.commanded_way > 0.0 and moved.way >= fraction * moved.commanded_way
+        turns = moved.commanded_turn > 0.0 and moved.turn >= fraction * moved.commanded_turn
         return float(not (drives or turns))
 
     return Feature(
@@ -330,19 +330,19 @@ def stuck(name: str = "Stuck", seconds: float = 2.0, fraction: float = 0.2) -> F
         read,
         FeatureKind.BOOLEAN,
         required=True,
-        description=f"it should have moved in the last {seconds:g} s and has not",
+        description=f"the robot was commanded to move for {seconds:g} s and has not",
     )
 
 
 def battery_low(
     name: str = "BatteryLow", below: float = 0.2, sensor: str = "battery_state"
 ) -> Feature:
-    """Return whether the battery holds less than a part of its charge.
+    """Return whether the battery's charge is below a fraction.
 
     Args:
-        name: a word.
-        below: from 0 to 1.
-        sensor: name of the battery.
+        name: the feature's name.
+        below: the fraction, from 0 to 1.
+        sensor: name of the battery sensor.
     """
 
     def read(body: RobotBody) -> float:
@@ -359,11 +359,11 @@ def place(name: str, x: float, y: float, description: str = "") -> Target:
 
 
 def nearest_return(name: str, sector: str = "scan.around", description: str = "") -> Target:
-    """Return a target that is where the nearest thing is now, in the frame of the odometry.
+    """Return a target at the nearest thing that a scanner sees, in the frame of the odometry.
 
     Args:
-        name: a word.
-        sector: of a scanner.
+        name: the target's name.
+        sector: a sector of a scanner, such as ``scan.around``.
         description: for people.
     """
 

@@ -1,4 +1,4 @@
-"""Velocities of a robot's base: their limits, and when the robot has to stand still.
+"""Velocities of a robot's base: their limits, and the choice between their sources.
 
 No ROS here. A velocity is ``(ahead, left, turn)`` in m/s, m/s and rad/s (REP 103).
 """
@@ -16,26 +16,26 @@ Velocity = tuple[float, float, float]
 NO_VELOCITY: Velocity = (0.0, 0.0, 0.0)
 
 REST_S = 1.0
-"""How long a robot that has to stand still is sent zeros, s; then others may drive it."""
+"""How long zeros are sent to a robot that has to stand still, s; then others may drive it."""
 
-BREAK_S = 3.0
-"""An agent that falls silent for so long, s, while it moves does not drive again by itself."""
+BREAK_OFF_S = 3.0
+"""Silence during a motion, s, after which an agent must be re-armed to drive again."""
 
 STEP_MAX_S = 0.25
-"""The longest time between two velocities, s, for which a base may gain speed."""
+"""Largest time between two velocities, s, that counts for the limits of acceleration."""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """How a robot's base is driven; the numbers are those of its velocity.
+    """The drive of a robot's base: limits for each component of its velocity.
 
-    The names are those of Nav2's velocity smoother; the relay has parameters of the same names,
-    whose defaults these are.
+    The names are those of Nav2's velocity smoother. The relay has parameters of the same names,
+    with these values as defaults.
 
     Attributes:
-        max_velocity: m/s, m/s, rad/s; also backwards. 0: it does not move so.
-        max_accel: how fast it may gain speed, per s.
-        max_decel: how fast it may lose speed, per s. A stop ignores this limit.
+        max_velocity: largest speeds, m/s, m/s and rad/s, also backwards; 0 for no motion.
+        max_accel: largest gain of speed, per s.
+        max_decel: largest loss of speed, per s. A stop ignores this limit.
         enable_stamped_cmd_vel: whether the base takes `TwistStamped` instead of `Twist`.
     """
 
@@ -46,7 +46,7 @@ class Drive:
 
     @property
     def moves(self) -> bool:
-        """Whether there is a base at all; one that may not move at any speed is none."""
+        """Whether the robot has a base: at least one speed may differ from 0."""
         return any(self.max_velocity)
 
     def __post_init__(self) -> None:
@@ -59,7 +59,7 @@ class Drive:
                 )
 
     def clipped(self, velocity: Sequence[float]) -> Velocity:
-        """Return a velocity within the limits of speed; standing still if it is no velocity."""
+        """Return a velocity within the limits of speed; zero for an invalid velocity."""
         if not is_velocity(velocity):
             return NO_VELOCITY
         ahead, left, turn = (
@@ -69,12 +69,12 @@ class Drive:
         return ahead, left, turn
 
     def towards(self, wanted: Sequence[float], now: Velocity, seconds: float) -> Velocity:
-        """Return the velocity after some time on the way to the wanted one.
+        """Return the velocity after some time of changing it towards a wanted one.
 
         Args:
-            wanted: where to; within the limits or not.
+            wanted: the wanted velocity, within the limits or not.
             now: the present velocity.
-            seconds: how long there was to change it.
+            seconds: time since the present velocity was set.
         """
         seconds = max(0.0, min(seconds, STEP_MAX_S))
         ahead, left, turn = (
@@ -92,7 +92,7 @@ def is_velocity(values: Sequence[float]) -> bool:
 
 
 def _towards(wanted: float, now: float, gain: float, loss: float) -> float:
-    """Return a speed on the way from one to another, through standing still if it turns round."""
+    """Return a speed on the way to a wanted one; a change of direction passes through 0."""
     if now * wanted < 0.0:
         wanted = 0.0
     step = gain if abs(wanted) > abs(now) else loss
@@ -103,9 +103,9 @@ class _Commanded:
     """The velocity of one source, and when it was last sent.
 
     Attributes:
-        velocity: within the limits.
-        since: s; when it was commanded.
-        moved: whether it was a motion.
+        velocity: the commanded velocity, within the limits.
+        since: time of the command, s.
+        moved: whether the command was a motion.
     """
 
     def __init__(self) -> None:
@@ -117,22 +117,22 @@ class _Commanded:
 class Gate:
     """Decides which velocity a base gets: the commanded one, none, or zero.
 
-    A person who drives by hand counts, and not the agent, until the person is silent.
+    A person who drives by hand takes precedence over the agent until the person is silent.
 
     Attributes:
         held: whether the robot has to stand still, whatever is commanded.
-        insists: whether zeros are sent as long as it is held, to keep other drivers out.
-        closed: whether nothing more will pass.
+        insists: whether zeros are sent as long as the robot is held, to keep other drivers out.
+        closed: whether no command passes any more.
         silent: whether every last command is too old.
     """
 
     def __init__(self, drive: Drive, timeout: float, now: float) -> None:
-        """Let nothing pass yet: send zeros, since the base may hold an older velocity.
+        """Begin by sending zeros, since the base may hold an older velocity.
 
         Args:
             drive: the limits.
-            timeout: s; a command that is older counts for nothing.
-            now: s; any steady clock.
+            timeout: age, s, from which on a command is ignored.
+            now: time on any steady clock, s.
         """
         self.held = self.insists = self.closed = False
         self.silent = True
@@ -140,39 +140,39 @@ class Gate:
         self._timeout = timeout
         self._velocity = NO_VELOCITY
         self._agent, self._person = _Commanded(), _Commanded()
-        self._before = now
+        self._last_time = now
         self.rest(now)
 
     def command(self, velocity: Sequence[float], now: float, *, by_hand: bool = False) -> str:
-        """Take a command; return why the robot must not obey unasked, or an empty text.
+        """Take a command; return why the robot must be re-armed first, or an empty text.
 
-        One that is no number, infinite or NaN has the robot stand still.
+        An invalid velocity, such as one with NaN, makes the robot stand still.
 
         Args:
-            velocity: the wanted one.
-            now: s.
-            by_hand: whether a person commands it, and not the agent.
+            velocity: the wanted velocity.
+            now: present time, s.
+            by_hand: whether the command comes from a person, not from the agent.
         """
         commanded = self._person if by_hand else self._agent
-        broke_off = commanded.moved and not by_hand and now - commanded.since > BREAK_S
+        broke_off = commanded.moved and not by_hand and now - commanded.since > BREAK_OFF_S
         commanded.velocity = self._drive.clipped(velocity)
         commanded.moved = commanded.velocity != NO_VELOCITY
         commanded.since = now
         if is_velocity(velocity):
-            return f"fell silent for over {BREAK_S:g} s while it moved" if broke_off else ""
-        if commanded is self._counting(now):
+            return f"fell silent for over {BREAK_OFF_S:g} s while it moved" if broke_off else ""
+        if commanded is self._in_control(now):
             self._velocity = NO_VELOCITY
-        return f"commands {velocity}, which is no velocity"
+        return f"commands {velocity}, which is not a velocity"
 
     def velocity(self, now: float) -> Velocity | None:
         """Return the velocity to send to the base now; None leaves the base to other drivers."""
-        seconds, self._before = now - self._before, now
-        commanded = None if self.closed else self._counting(now)
+        seconds, self._last_time = now - self._last_time, now
+        commanded = None if self.closed else self._in_control(now)
         self.silent = commanded is None
         if self.held or commanded is None:
             moved = self._velocity != NO_VELOCITY
             self._velocity = self._agent.velocity = self._person.velocity = NO_VELOCITY
-            self._agent.moved &= not self.held  # a person has it move again
+            self._agent.moved &= not self.held  # a held robot moves again only after re-arming
             if moved or (self.held and self.insists and not self.closed):
                 self.rest(now)
             return NO_VELOCITY if now <= self._rest_until else None
@@ -184,8 +184,8 @@ class Gate:
         """Send zeros for a while, whenever there is nothing else to send."""
         self._rest_until = now + REST_S
 
-    def _counting(self, now: float) -> _Commanded | None:
-        """Return whose command counts; None if no command counts."""
+    def _in_control(self, now: float) -> _Commanded | None:
+        """Return the command to obey; None if all are too old."""
         for commanded in (self._person, self._agent):
             if 0.0 <= now - commanded.since <= self._timeout:
                 return commanded

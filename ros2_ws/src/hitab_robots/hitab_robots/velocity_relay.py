@@ -1,9 +1,10 @@
-"""Passes an agent's velocities on to its robot's base, and stops the robot when it has to stop.
+"""The relay: passes an agent's velocities on to its robot's base, and stops the robot.
 
-A person who drives the robot by hand does so through the relay too, and counts before the agent.
+A person who drives the robot by hand does so through the relay too, with precedence over the
+agent.
 
-It is a process of its own, since agents die too. The link of an agent starts it; so does, for an
-agent whose parameter ``relay`` is false::
+The relay is a process of its own, since it must outlive an agent that dies. The agent's link
+starts it, unless the agent's parameter ``relay`` is false. Then start it by hand::
 
     ros2 run hitab_robots velocity_relay --ros-args -r __ns:=/robot_1
 """
@@ -48,53 +49,53 @@ from hitab_ros import GuardedNode, KnownStops, Spinner, Stop, names, qos, run, s
 STOP_FILE = "emergency_stop.json"
 
 SILENCE = "silence"
-"""The cause of that name: the agent's."""
+"""The stop's cause for a silent agent."""
 
-MISSED_S = 0.3
-"""An agent that gives no sign of life for so long, s, does not cancel its goals itself."""
+GOALS_SILENT_S = 0.3
+"""The agent's silence, s, after which the relay of a stopped robot cancels the agent's goals."""
 
 AGENT_HUNG_S = 1.0
-"""Silence, s, after which an agent on this machine that waits or is suspended does not drive again
-by itself."""
+"""Silence, s, of an agent on this machine that is suspended or waits; then the robot must be
+re-armed."""
 
 SILENT_S = 3.0
-"""Any other agent that gives no sign of life for so long, s, does not drive again by itself."""
+"""Silence, s, of any other agent, after which the robot must be re-armed."""
 
-GONE_S = 10.0
-"""An agent that gives no sign of life for so long, s, is killed if it is started again then."""
+KILLED_S = 10.0
+"""Silence, s, after which an agent is killed, if a supervisor restarts it."""
 
-NOTICED_S = 0.1
-"""A longer time between two looks, s, does not count: then the relay itself was held up."""
+CHECK_GAP_S = 0.1
+"""Largest time between two checks, s, that counts as silence: longer, the relay was delayed."""
 
-STANDS = (0.02, 0.02, 0.05)
-"""A robot whose odometry measures no more, m/s, m/s and rad/s, stands still."""
+STANDSTILL = (0.02, 0.02, 0.05)
+"""Largest speeds of a robot that stands still, by its odometry, m/s, m/s and rad/s."""
 
-TOLD_S = 0.2
-"""How long a base must have been told to stand still, s."""
+ZEROS_S = 0.2
+"""How long only zeros must have been sent before a robot counts as standing still, s."""
 
 MEASURED_S = 1.0
 """How long a measurement of the odometry counts, s."""
 
 
 class VelocityRelay(GuardedNode):
-    """Sends the base the agent's velocities within limits; zero when the robot has to stop.
+    """Sends the base the agent's velocities within limits, and zeros when the robot has to stop.
 
-    A person's velocity on ``cmd_vel_teleop`` counts instead of the agent's. The relay stops the
-    robot when both have been silent for `cmd_vel_timeout`, whatever the reason, and until it is
-    re-armed (`hitab_ros.stop_machine`) after an emergency stop, a sign of life of its agent that
-    was missed, whatever keeps the agent from acting, the loss of its base, a command that is no
-    velocity, and its own start. A stopping relay sends zeros for a second and, except in an
-    emergency, nothing more, so that others can drive. Only finite numbers pass.
+    A person's velocity on ``cmd_vel_teleop`` takes precedence over the agent's. The robot stops
+    while both are silent for longer than `cmd_vel_timeout`. It stops until it is re-armed
+    (`hitab_ros.stop_machine`) after an emergency stop, when the agent is silent or cannot act,
+    when the base is lost, after an invalid velocity, and when the relay starts. A stopping relay
+    sends zeros for a second and, except in an emergency, nothing more, so that others can drive.
+    Only finite numbers pass.
 
-    The goals that its agent has at servers of actions are canceled by the agent when the robot has
-    to stop, and by the relay when the agent is silent. A robot that has but actions has no base.
+    When the robot has to stop, the agent cancels its goals at action servers; the relay cancels
+    them if the agent is silent. A robot that only has actions has no base.
     """
 
     def __init__(self, finished: Callable[[], None] = lambda: None, **options: Any) -> None:
-        """Start.
+        """Start with a stopped robot.
 
         Args:
-            finished: called when its agent is gone and the robot stands still.
+            finished: called when the agent has died and the robot stands still.
             options: passed on to the base class.
 
         Raises:
@@ -114,8 +115,8 @@ class VelocityRelay(GuardedNode):
         self._matched = 0
         self._goals = LeftGoals(self)
         self._still_since = time.monotonic()  # when the first of the last zeros was sent
-        self._looked = time.monotonic()
-        self._unheard_s = SILENT_S  # until it is heard for the first time
+        self._last_look = time.monotonic()
+        self._unheard_s = SILENT_S  # until the agent's first sign of life
         self._agent_stands = True
         self._measured: tuple[float, Velocity] = (-MEASURED_S, NO_VELOCITY)
         kind = TwistStamped if self._stamped else Twist
@@ -149,7 +150,7 @@ class VelocityRelay(GuardedNode):
         if why := self._gate.command(velocity, time.monotonic(), by_hand=by_hand):
             self._interrupt(f"{'the person who drives by hand' if by_hand else 'the agent'} {why}")
         if was_silent:
-            self._tick()  # do not have the robot wait when it starts
+            self._tick()  # send the first velocity at once
 
     def _on_heartbeat(self, agent: StopState) -> None:
         self._unheard_s = 0.0
@@ -167,49 +168,49 @@ class VelocityRelay(GuardedNode):
             self._stop.machine.cause(name, why)
 
     def _interrupt(self, why: str) -> None:
-        """Stop the robot for what may be over by now."""
-        for told in (why, ""):
-            self._cause("interruption", told)
+        """Stop the robot for a cause that does not last; re-arming is possible at once."""
+        for cause in (why, ""):
+            self._cause("interruption", cause)
 
     def _look_after_base(self, now: float) -> None:
-        """Notice that the base is gone, or is back: it must not move before it is re-armed."""
+        """Stop the robot until it is re-armed if its base is lost or was restarted."""
         if self._base is None:
             return
         topic = self._base.topic_name
         infos = self.get_subscriptions_info_by_topic(topic)
         if back := self._bases.look({bytes(i.endpoint_gid): name_of(i) for i in infos}, now):
-            self._interrupt(f"{some(sorted(back))}, which takes {topic}, was started again")
+            self._interrupt(f"{some(sorted(back))}, subscribed to {topic}, was started again")
         before, self._matched = self._matched, self._base.get_subscription_count()
         if self._matched > before:
-            self._gate.rest(now)  # it may hold another driver's velocity
+            self._gate.rest(now)  # the base may hold another driver's velocity
             self._still_since = now
         missing = self._bases.missing or not self._matched
-        self._cause("base", f"no base takes {topic}" if missing else "")
+        self._cause("base", f"no base subscribes to {topic}" if missing else "")
 
     def _look_after_agent(self, now: float) -> None:
-        """Notice that the agent is dead, or gives no sign of life."""
-        self._unheard_s += min(now - self._looked, NOTICED_S)
-        self._looked = now
+        """Stop the robot if the agent has died or is silent."""
+        self._unheard_s += min(now - self._last_look, CHECK_GAP_S)
+        self._last_look = now
         if self._agent_pid and os.getppid() != self._agent_pid and not self._gate.closed:
             self._gate.closed = self._goals.closed = True
-            self._gate.rest(now)  # also if it stands still: its goals are to be canceled
-        is_near = self._agent_pid and not waits_for_cpu_or_disk(self._agent_pid)
-        if self._unheard_s >= (AGENT_HUNG_S if is_near else SILENT_S):
+            self._gate.rest(now)  # gives time to cancel its goals, even if the robot stands still
+        may_hang = self._agent_pid and not waits_for_cpu_or_disk(self._agent_pid)
+        if self._unheard_s >= (AGENT_HUNG_S if may_hang else SILENT_S):
             self._cause(SILENCE, "its agent gives no sign of life")
-        if self._unheard_s >= GONE_S and self._kills and not self._gate.closed:
-            self.get_logger().error(f"kills the agent, which hangs since {GONE_S:g} s")
+        if self._unheard_s >= KILLED_S and self._kills and not self._gate.closed:
+            self.get_logger().error(f"kills the agent, which has hung for {KILLED_S:g} s")
             os.kill(self._agent_pid, signal.SIGKILL)
 
     def _stands(self) -> bool:
-        """Whether the robot stands still: as measured, else as it was told."""
+        """Return whether the robot stands still: by its odometry and by what was sent to it."""
         when, velocity = self._measured
         now = time.monotonic()
         if now - when < MEASURED_S and any(
-            abs(speed) > most for speed, most in zip(velocity, STANDS, strict=True)
+            abs(speed) > most for speed, most in zip(velocity, STANDSTILL, strict=True)
         ):
             return False
-        told = now - self._still_since >= TOLD_S
-        return told and (self._agent_stands or self._unheard_s >= SILENT_S)
+        only_zeros = now - self._still_since >= ZEROS_S
+        return only_zeros and (self._agent_stands or self._unheard_s >= SILENT_S)
 
     def _tick(self) -> None:
         now = time.monotonic()
@@ -222,7 +223,7 @@ class VelocityRelay(GuardedNode):
             self._send(velocity)
         elif self._gate.closed:
             self.finished()
-        if self._gate.closed or (stopped and self._unheard_s >= MISSED_S):
+        if self._gate.closed or (stopped and self._unheard_s >= GOALS_SILENT_S):
             self._goals.cancel()
 
     def _send(self, velocity: Velocity) -> None:
@@ -244,7 +245,7 @@ class VelocityRelay(GuardedNode):
 
     def _stop_changed(self) -> None:
         if self._stop is None:
-            return  # it is being made, and the robot is held
+            return  # __init__ has not made it yet, and the robot is held
         self._gate.insists = Stop.EMERGENCY in self._stop.machine.causes
         self._tick()
 
@@ -253,24 +254,25 @@ class VelocityRelay(GuardedNode):
         return Path(state_dir).expanduser() / own / STOP_FILE if state_dir else None
 
     def _kept(self) -> KnownStops:
-        """Return the stops that an earlier relay of this robot knew when it ended."""
+        """Return the stops that an earlier relay of this robot has stored."""
         if self._file is None or not self._file.exists():
             return KnownStops()
         try:
             return KnownStops.of_texts(**json.loads(self._file.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError, AttributeError):
-            # Which stops it knew is lost: what moves nothing is assumed.
+            # The stored stops are lost, so assume one: the robot must not move.
             why = f"{self._file} cannot be read"
             return KnownStops().stopped(uuid.uuid4().hex, names.own_name(self), why)
 
     def _keep(self, known: KnownStops) -> None:
         if self._file is not None:
-            # Not synced: it has to survive the relay, and a sync could delay the next velocity.
+            # Not synced to disk: the file has to survive only the process, and a sync could delay
+            # the next velocity.
             write_durably(self._file, f"{json.dumps(known.texts())}\n".encode(), sync=False)
 
     def destroy_node(self) -> None:
         """Stop the robot, then destroy the node."""
-        with suppress(Exception):  # nothing may keep the process from ending
+        with suppress(Exception):  # the process must end in any case
             self._send(NO_VELOCITY)
             if self._base is not None:
                 self._base.wait_for_all_acked(Duration(seconds=0.5))

@@ -1,4 +1,4 @@
-"""Wiring between an agent and its robot that cannot work, as the ROS graph shows it."""
+"""Checks of the wiring between an agent and its robot, by the ROS graph."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from hitab_robots.standard_domain import ValueOf
 from hitab_ros import fault_texts, names
 
 Reach = Mapping[str, float]
-"""The farthest that a sensor has said it can measure, m, by its name."""
+"""The largest ranges of the sensors, as in their messages, m, by name."""
 
 Check = Callable[[AgentNode, Reach], str]
-"""Returns what is wrong and the way out; empty if nothing is."""
+"""A check returns a fault and the way out; an empty text if there is none."""
 
 
 def stopped_clock(node: AgentNode, reach: Reach) -> str:
-    """Report simulated time without a publisher."""
+    """Report simulated time without a publisher of the clock."""
     topic = node.resolve_topic_name(names.CLOCK)
     if not node.get_parameter("use_sim_time").value or node.count_publishers(topic):
         return ""
@@ -34,13 +34,13 @@ def stopped_clock(node: AgentNode, reach: Reach) -> str:
 
 
 def deaf_base(node: AgentNode, reach: Reach) -> str:
-    """Say that the base takes another type or QoS than it is sent, or is not there."""
+    """Report a base that is missing, or takes another type or QoS than the relay sends."""
     topic = node.resolve_topic_name(BASE_TOPIC)
     publishers = node.get_publishers_info_by_topic(topic)
     own = [info for info in publishers if _is_own(node, info)]
     sent = {info.topic_type for info in own}
     if not sent:
-        return ""  # the relay's absence is another fault
+        return ""  # a missing relay is another fault
     takers = node.get_subscriptions_info_by_topic(topic)
     if not takers:
         return (
@@ -66,21 +66,21 @@ def deaf_base(node: AgentNode, reach: Reach) -> str:
 
 
 def second_driver(node: AgentNode, reach: Reach) -> str:
-    """Say who sends velocities to the base past the relay."""
+    """Report nodes that send velocities to the base past the relay."""
     topic = node.resolve_topic_name(BASE_TOPIC)
     publishers = node.get_publishers_info_by_topic(topic)
     others = sorted({name_of(info) for info in publishers if not _is_own(node, info)} - {""})
     if not others:
         return ""
     return (
-        f"{some(others)} publishes {topic}, past the {names.VELOCITY_RELAY}: neither its limits "
-        f"nor the emergency stop hold for that; remap it to "
+        f"{some(others)} publishes {topic}, past the {names.VELOCITY_RELAY}: neither the relay's "
+        f"limits nor the emergency stop apply to it; remap it to "
         f"{node.resolve_topic_name(AGENT_VELOCITY_TOPIC)}, as TwistStamped"
     )
 
 
 def far_threshold(node: AgentNode, reach: Reach) -> str:
-    """Say which trained behaviors decide by a range that the sensor never measures."""
+    """Report trained behaviors that decide by a range that the sensor never measures."""
     repertoire, far = node.agent.repertoire, set()
     for automaton in repertoire.automata.values():
         for function in automaton.transitions.values():
@@ -102,8 +102,7 @@ CHECKS: tuple[Check, ...] = (stopped_clock, deaf_base, second_driver, far_thresh
 
 
 def unheard(node: Node, topic: str, message: str) -> str:
-    """Return why no message of this type comes on a topic."""
-    # The name as remapped: the graph knows no other.
+    """Return why no message of this type comes on a topic, given by its remapped name."""
     types = {info.topic_type for info in node.get_publishers_info_by_topic(topic)}
     if message in types:
         return fault_texts.SILENT
@@ -121,6 +120,6 @@ def unheard(node: Node, topic: str, message: str) -> str:
 
 
 def _is_own(node: Node, info: Any) -> bool:
-    """Whether a publisher is that of the relay, or of an agent that needs none in a simulation."""
+    """Return whether a publisher belongs to the relay or to the agent's own node."""
     own = (names.VELOCITY_RELAY, node.get_name())
     return info.node_namespace == node.get_namespace() and info.node_name in own

@@ -254,7 +254,7 @@ def test_a_robot_whose_base_was_started_again_waits_to_be_re_armed(bench):
 def test_a_robot_that_lost_its_base_waits_to_be_re_armed(bench):
     bench.until_it_moves()
     bench.peer.destroy_subscription(bench.base)
-    missing = "no base takes /robot_1/cmd_vel"
+    missing = "no base subscribes to /robot_1/cmd_vel"
     bench.until(lambda: bench.has(StopState.STOPPED, missing), lambda: bench.drive(0.2))
     assert missing in bench.arm(lambda: bench.drive(0.2))
     bench.start_base()

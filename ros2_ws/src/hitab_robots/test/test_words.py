@@ -159,7 +159,7 @@ def test_who_was_told_to_move_and_did_not_is_stuck():
         ((0.0, 1.0), 1.0, 1.0, 0.0),
         ((0.0, 1.0), 1.0, 0.0, 1.0),
         ((0.4, 1.0), 0.0, 1.0, 0.0),  # it turns at least
-        ((0.0, 0.0), 1.0, 1.0, 0.0),  # told to stand still
+        ((0.0, 0.0), 1.0, 1.0, 0.0),  # commanded to stand still
         ((5.0, 0.0), 0.9, 1.0, 0.0),  # what is beyond its limits is not expected of it
     ]:
         found = drive(DOMAIN.body("robot_1"), 5.0, velocity, moves, turns)

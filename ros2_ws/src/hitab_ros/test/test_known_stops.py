@@ -30,7 +30,7 @@ class Participant:
 
 
 class Room:
-    """Participants of whom any may be out of reach of any other, for any time."""
+    """Participants, any of which may be out of reach of any other, for any time."""
 
     def __init__(self):
         self.all = [Participant(i < RELAYS) for i in range(RELAYS + PEOPLE)]

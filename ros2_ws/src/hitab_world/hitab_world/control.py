@@ -1,4 +1,4 @@
-"""How a world is run: what its services change and a restart must not lose."""
+"""The control of a world: the settings that its services change and a restart keeps."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from hitab_world.settings import WorldSettings
 
 @dataclass
 class Control:
-    """How a world is run; files store the fields under these names.
+    """The control of a world; files store the fields under these names.
 
     Attributes:
         pace: whether the world waits for its agents; see `WorldSettings`.
         factor: speed in real-time pace, as a factor of real time.
-        paused: whether it is paused, except for the cycles of ``steps_left``.
+        paused: whether the world is paused, except for the cycles of ``steps_left``.
         steps_left: cycles to play while paused.
-        episodes_left: episodes to play until it pauses; 0 for no limit.
-        run: number of the run that was begun last, unlike that of any other.
+        episodes_left: episodes to play until the world pauses; 0 for no limit.
+        run: number of the last run, unique among all runs.
         held: why the world rests in spite of all requests, such as an emergency stop; else empty.
-            No file stores it.
+            It is not stored.
     """
 
     pace: str
@@ -61,15 +61,15 @@ class Control:
         self.steps_left = cycles
 
     def take_over(self, other: Control) -> None:
-        """Run the world as another process did."""
+        """Take over the control of another process's world."""
         vars(self).update(vars(other))
 
     @classmethod
     def read(cls, values: Mapping[str, Any]) -> Control:
-        """Return the control that ``dataclasses.asdict`` turned into these values.
+        """Return the control with these values, as ``dataclasses.asdict`` gives them.
 
         Raises:
-            HitabError, LookupError, TypeError, ValueError: if a world cannot be run so.
+            HitabError, LookupError, TypeError, ValueError: if a value is missing or invalid.
         """
         control = cls(**values)
         for name, kind in get_type_hints(cls).items():

@@ -1,4 +1,4 @@
-"""A demo: what `hitab demo` teaches, plays and compares; a domain offers one by entry point."""
+"""A demo, as data for `hitab demo`; a domain offers one by entry point."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class Demo:
         lessons: shipped lessons, in the order in which they are played.
         behavior: performed by all agents afterwards.
         against: the opponents, for the title of the result.
-        reference: of `references`, and of `examples`, such as ``paper``.
-        references: mean and standard error of measures elsewhere; no error: None.
-        examples: how many examples each automaton took there.
-        closing: a sentence about the effort of training there.
+        reference: source of ``references`` and ``examples``, such as ``paper``.
+        references: mean and standard error (None if unknown) of the measures in the source.
+        examples: number of examples for each automaton in the source.
+        closing: a sentence about the effort of training in the source.
     """
 
     swarm: str

@@ -7,7 +7,7 @@ from hitab_ros import Guard
 from hitab_ros.diagnostics import Diagnosis, Level
 from hitab_world.run_state import RunState
 
-NAMED_MAX = 10  # most agents that a message names
+NAMED_MAX = 10  # maximum number of agents that a message names
 
 
 def diagnosis_of_world(
@@ -16,10 +16,10 @@ def diagnosis_of_world(
     """Return the faults of a world.
 
     Args:
-        run_state: of the world.
-        guard: of its node; its faults are shown.
+        run_state: the world's run state.
+        guard: the guard of the world's node, whose faults are shown.
         hardware: the world's namespace, which is unique.
-        errors: the keys of faults with which it cannot go on.
+        errors: the keys of faults with which the world cannot continue.
     """
     world, control, round_answers = run_state.world, run_state.control, run_state.round_answers
     found = [

@@ -1,4 +1,4 @@
-"""What every simulated world counts in the same way: its run, episodes and cycles."""
+"""The base class of simulated worlds: it counts runs, episodes and cycles."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ class EpisodicWorld:
     """A base class for worlds, see `hitab_world.world.World`, that counts episodes and cycles.
 
     Args:
-        seed: of the run. Episode i draws from a generator seeded with the two, so that it can be
-            replayed by itself.
+        seed: the run's seed. Episode i draws from a generator seeded with it and i, so that any
+            episode can be replayed by itself.
     """
 
     def __init__(self, seed: int) -> None:
@@ -22,7 +22,7 @@ class EpisodicWorld:
         self.refused: Mapping[str, str] = {}
 
     def begin_episode(self, episode: int | None, seed: int | None) -> None:
-        """Count a new episode: the given one, or the next one; of the given run, or of this."""
+        """Begin to count an episode: the next one of this run, or the given ones."""
         if seed is not None:
             self.seed = int(seed)
         self.episode = self.episode + 1 if episode is None else int(episode)
@@ -31,7 +31,7 @@ class EpisodicWorld:
         self.refused = {}
 
     def refuse_after_end(self) -> None:
-        """Raise unless another cycle can be played.
+        """Check that another cycle can be played.
 
         Raises:
             WorldError: if the episode has ended.

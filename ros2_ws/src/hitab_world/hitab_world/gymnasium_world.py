@@ -1,4 +1,7 @@
-"""Gymnasium environments and PettingZoo parallel ones as worlds; only the user imports these."""
+"""Gymnasium environments and PettingZoo parallel environments as worlds.
+
+This module imports neither library; the user's file does.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +16,14 @@ class GymnasiumWorld(Simulation):
     """Base of a world whose steps are those of an environment.
 
     agent_1 is the first of the environment's ``possible_agents``, agent_2 the second and so on; a
-    Gymnasium environment has one agent. An agent that has left the episode perceives what it
-    perceived last, and its actions are ignored. One that has not joined it perceives zeros.
+    Gymnasium environment has one agent. An agent that has left the episode keeps its last percept,
+    and its actions are ignored. An agent that has not joined the episode perceives zeros.
 
     Attributes:
-        idle: the action of an agent that does nothing; None for the first of a Discrete space,
-            in a Box the numbers nearest to 0.
+        idle: the action of an agent that does nothing. None for the first action of a Discrete
+            space, or the numbers of a Box that are nearest to 0.
         env: the environment of this episode; each episode has its own.
-        reward: of all agents in the episode so far.
+        reward: the sum of all agents' rewards in the episode so far.
     """
 
     measures = (Measure("reward"),)
@@ -67,7 +70,7 @@ class GymnasiumWorld(Simulation):
         }
         observed, rewards, terminated, truncated, _ = _parts(self._all.step(given), "step", 5)
         self.reward += float(sum(rewards.values()))
-        # Some environments leave those who have ended among their agents.
+        # Some environments keep ended agents in their list of agents.
         self._over |= {their for ends in (terminated, truncated) for their in ends if ends[their]}
         if self._over.issuperset(self._all.agents):
             self.ended = "truncated" if any(truncated.values()) else "terminated"

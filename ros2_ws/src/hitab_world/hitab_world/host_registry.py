@@ -1,4 +1,4 @@
-"""Percepts to hosts of many agents, and their actions back: one message per host and cycle."""
+"""The registry of hosts: it sends them percepts and takes actions, one message per cycle."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_world.lockstep import Answer
 
 PerceptOf = Callable[[str], tuple[Sequence[float], Sequence[str]] | None]
-"""Returns an agent's percept; None to send nothing."""
+"""A function that returns an agent's percept; None to send nothing."""
 
-HOSTS_MAX = 1000  # announcements that are kept for a late reader
-TAKE_IN = QoSProfile(
+HOSTS_MAX = 1000  # how many announcements are kept until this process reads them
+ROSTERS_QOS = QoSProfile(
     depth=HOSTS_MAX, reliability=qos.LATCHED.reliability, durability=qos.LATCHED.durability
 )
 
 
 class _Host:
-    """A host, as its last announcement describes it."""
+    """A host, as described by its last announcement."""
 
     def __init__(self, node: GuardedNode, roster: msg.HostRoster, known: frozenset[str]) -> None:
         self.number = roster.number
@@ -38,7 +38,7 @@ class _Host:
         return bool(self.publisher.get_subscription_count())
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
-        """Send the percepts of its agents."""
+        """Send the percepts of the host's agents."""
         batch = msg.PerceptBatch(roster=self.number, **common)
         agents, values, value_counts = array("I"), array("d"), array("I")
         heard_counts, heard = array("I"), list[str]()
@@ -70,26 +70,26 @@ class HostRegistry:
         """Subscribe to announcements and actions.
 
         Args:
-            node: of the world.
+            node: the world's node.
             agents: all agents of the world.
             take: receives each agent's answer, with the sequence of the percept.
-            swarm: identity of the world's swarm, whose hosts are taken; empty if all are taken.
-            report: called with why a host is not taken.
+            swarm: identity of the swarm whose hosts are accepted; empty to accept all.
+            report: called with the reason why a host is refused.
         """
         self._node, self._agents, self._take = node, frozenset(agents), take
         self._swarm, self._report = swarm, report
         self._hosts: dict[str, _Host] = {}
-        self._there: set[str] = set()
+        self._hosted: set[str] = set()
         self._listening: set[tuple[str, int]] = set()  # names and numbers of hosts
         rosters = names.in_swarm(node, names.HOSTS)
-        node.create_subscription(msg.HostRoster, rosters, self._on_roster, TAKE_IN)
+        node.create_subscription(msg.HostRoster, rosters, self._on_roster, ROSTERS_QOS)
         node.create_subscription(
             msg.ActionBatch, names.ACTION_BATCHES, self._on_actions, qos.CYCLE
         )
 
     def _on_roster(self, roster: msg.HostRoster) -> None:
         if self._agents.isdisjoint(roster.agents):
-            return  # none of them is an agent of this world
+            return  # the host runs no agent of this world
         if self._swarm and roster.swarm != self._swarm:
             self._report(
                 f"refused the host {roster.host}, which lists {some(roster.agents)}: it is of "
@@ -109,12 +109,12 @@ class HostRegistry:
         there = {name: host for name, host in self._hosts.items() if host.listens}
         before = self._listening
         self._listening = {(name, host.number) for name, host in there.items()}
-        self._there = {host.names[i] for host in there.values() for i in host.indices}
+        self._hosted = {host.names[i] for host in there.values() for i in host.indices}
         return before != self._listening
 
     def has(self, agent: str) -> bool:
-        """Whether a host that was present at the last `look` runs an agent."""
-        return agent in self._there
+        """Return whether an agent runs in a host that was present at the last `look`."""
+        return agent in self._hosted
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
         """Send all hosts their percepts.

@@ -1,9 +1,9 @@
-"""Play episodes in one process: world and agents without ROS, as fast as they can.
+"""Episodes in one process: world and agents without ROS, as fast as the machine allows.
 
 Each agent has a player, which is notified when an episode begins and makes the agent's
 body act on each percept. `AutomatonPlayer` performs a behavior of a repertoire just as an agent
 node does; `PolicyPlayer` calls a function with the body. Agents perceive and act through the
-domain's body alone, so what is played here plays the same over topics.
+domain's body alone, so the same behaviors play the same game over topics.
 
 Example::
 
@@ -25,7 +25,7 @@ from hitab_core.running import FeatureCache, RunContext
 from hitab_world.world import EpisodeResult, World
 
 Policy = Callable[[Any], None]
-"""Makes a body act: called once a cycle, after the body has sensed."""
+"""A function that makes a body act; called once a cycle, after the body has sensed."""
 
 
 Between = Callable[[], None]
@@ -35,7 +35,7 @@ class Player(Protocol):
     """A player of one agent.
 
     Attributes:
-        body: of the agent; see `hitab_core.domain.Body`.
+        body: the agent's body; see `hitab_core.domain.Body`.
     """
 
     body: Any
@@ -55,7 +55,7 @@ class PolicyPlayer:
         self._policy = policy
 
     def begin(self, seed: int, episode: int) -> None:
-        """Begin an episode: nothing to be done."""
+        """Do nothing: a policy has no state."""
 
     def tick(self) -> None:
         """Act on the percept that the body has just sensed."""
@@ -66,10 +66,10 @@ class AutomatonPlayer:
     """Plays an agent by performing a behavior, from Start in each episode.
 
     Args:
-        repertoire: the behaviors that there are.
+        repertoire: the available behaviors.
         use: the behavior to perform, bound to targets.
-        name: of the agent.
-        time: returns the simulated time, s; for timers.
+        name: name of the agent.
+        time: returns the simulated time, s, for timers.
     """
 
     def __init__(
@@ -117,15 +117,15 @@ def play(
     cycles_max: int | None = None,
     first: int | None = None,
 ) -> list[EpisodeResult]:
-    """Play whole episodes and return how they went; the world is left at the end of the last.
+    """Play whole episodes and return their results; the world stays at the end of the last.
 
     Args:
-        world: is reset before each episode.
-        players: by agent; agents without a player do nothing.
-        episodes: how many.
+        world: the world, which is reset before each episode.
+        players: the players by agent; agents without a player do nothing.
+        episodes: number of episodes.
         between: see `cycle`.
-        cycles_max: break an episode off after so many cycles; its result has ``ended == ""``.
-        first: number of the first episode; by default the next one, or the present one if nothing
+        cycles_max: maximum cycles of an episode; if it is cut off, its result has ``ended == ""``.
+        first: number of the first episode; by default the next one, or the present one if no cycle
             of it has been played yet.
     """
     fresh = world.episode_cycle == 0 and not world.ended
@@ -158,8 +158,8 @@ def cycle(
     """Play one cycle: all perceive, all act; return why the episode ended, or None.
 
     Args:
-        world: is stepped.
-        players: by agent.
+        world: the world to step.
+        players: the players by agent.
         between: called between the percepts and the actions of a cycle, such as for commanders.
     """
     for name, player in players.items():

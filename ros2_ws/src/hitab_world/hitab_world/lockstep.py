@@ -1,4 +1,4 @@
-"""Lockstep: which agents of a world are present, and have answered the percepts of a round."""
+"""The answers of a lockstep round: which agents are present, and which have answered."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ Answer = tuple[Sequence[float], str]
 class RoundAnswers:
     """Records the answers to one round of percepts.
 
-    An agent that misses a deadline is not waited for until it answers again: a dead agent must not
-    slow down the others for longer than one deadline. All are waited for in the first round played
-    after rounds of looking, so that a run without one of the agents has a missed deadline.
+    A world does not wait for an agent that missed a deadline until the agent answers again: a dead
+    agent must not slow down the others for longer than one deadline. In the first round after
+    look-only ones, the world waits for all agents, so that a run without one of them has a missed
+    deadline.
     """
 
     def __init__(self, agents: Iterable[str], joined: Callable[[str], bool]) -> None:
@@ -31,21 +32,21 @@ class RoundAnswers:
         self._silent: set[str] = set()
         self._awaited: set[str] = set()
         self._sequence = 0
-        self._looked = True
+        self._last_was_look = True
 
     @property
     def missing(self) -> list[str]:
-        """The agents that no node answers for."""
+        """The agents for which no node answers."""
         return [name for name in self.agents if name not in self.present or name in self._silent]
 
     @property
     def silent(self) -> bool:
-        """Whether an agent is present but not waited for."""
+        """Whether an agent is present but missed a deadline, and has not answered since."""
         return bool(self._silent)
 
     @property
     def complete(self) -> bool:
-        """Whether no agent is waited for in this round."""
+        """Whether all agents that are waited for in this round have answered."""
         return not self._awaited
 
     @property
@@ -57,25 +58,25 @@ class RoundAnswers:
         """Update which agents are present; return whether that has changed."""
         present = {name for name in self.agents if self._joined(name)}
         changed = present != self.present
-        self._silent -= self.present - present  # one that returns starts over
+        self._silent -= self.present - present  # an agent that returns is awaited again
         self.present = present
         return changed
 
     def begin(self, sequence: int, *, look: bool = False) -> None:
-        """Begin a round, in which the agents may only ``look``: forget the previous answers."""
+        """Begin a round and forget the previous answers; ``look`` marks a look-only round."""
         self._sequence = sequence
         self.answers = {}
-        if self._looked and not look:
+        if self._last_was_look and not look:
             self._silent = set()
-        self._looked = look
+        self._last_was_look = look
         if self._silent >= self.present:
-            # All of them were late, so something held them up, such as a commander. By now they
-            # no longer wait for it.
+            # All of them were late, so they had a common cause, such as a commander that they
+            # waited for. By now they no longer wait for it.
             self._silent = set()
         self._awaited = self.present - self._silent
 
     def excuse(self, agent: str) -> None:
-        """Do not wait for an agent in this round: it has nothing to answer."""
+        """Do not wait for an agent in this round, since it got no percept."""
         self._awaited.discard(agent)
 
     def take(self, agent: str, sequence: int, answer: Answer) -> None:
@@ -96,6 +97,6 @@ class RoundAnswers:
         return late
 
     def give_up_on_late(self) -> None:
-        """Do not wait for the agents that have not answered until they do."""
+        """No longer wait for the agents that have not answered, until they answer."""
         self._silent |= self._awaited
         self._awaited = set()

@@ -1,4 +1,4 @@
-"""The figures of a kind of world: a frozen dataclass that refuses invalid values by name.
+"""The parameters of a kind of world: a frozen dataclass that refuses invalid values by name.
 
 For example::
 
@@ -11,7 +11,7 @@ For example::
         leaves: int = 3
         rain: bool = False
 
-Independent of ROS; `hitab_world.ros_parameters` declares such figures as the parameters of a node.
+Independent of ROS; `hitab_world.ros_parameters` declares such a class as parameters of a node.
 """
 
 from __future__ import annotations
@@ -26,16 +26,16 @@ from hitab_core import HitabError, has
 
 
 class ParameterError(HitabError, ValueError):
-    """An invalid figure of a world; the message names the figure and its limit."""
+    """An invalid parameter of a world; the message names the parameter and its limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """The limit of a figure.
+    """The limit of a parameter.
 
     Attributes:
-        words: complete "it must", such as ``be at least 2 m``.
-        holds: whether a value of the right type is within the limit.
+        words: the limit in words that follow "it must", such as ``be at least 2 m``.
+        holds: returns whether a value of the right type is within the limit.
     """
 
     words: str
@@ -48,7 +48,7 @@ FRACTION = Limit("lie between 0 and 1, exclusive", lambda value: bool(0 < value 
 
 
 def at_least(least: float, unit: str = "") -> Limit:
-    """Return the limit of a number that has a smallest value, with a unit or none."""
+    """Return the limit of a number with a smallest value."""
     return Limit(f"be at least {least:g} {unit}".rstrip(), lambda value: bool(value >= least))
 
 
@@ -64,14 +64,14 @@ def one_of(*names: str) -> Limit:
 
 @dataclass(frozen=True)
 class Parameters:
-    """Base of the figures of a kind of world: fields of type bool, int, float or str.
+    """Base class of the parameters of a kind of world: fields of type bool, int, float or str.
 
-    A subclass gives every field a default. It checks conditions on several figures in its own
+    A subclass gives every field a default. It checks conditions on several parameters in its own
     ``__post_init__``, after this one.
 
     Attributes:
-        WORLD: what the world is called in errors.
-        LIMITS: of single figures, by name; all other numbers must be above 0.
+        WORLD: the world's name in errors.
+        LIMITS: limits of single parameters, by name; all other numbers must be above 0.
     """
 
     WORLD: ClassVar[str]
@@ -81,7 +81,7 @@ class Parameters:
         """Refuse invalid values.
 
         Raises:
-            ParameterError: naming the figure and its limit.
+            ParameterError: naming the parameter and its limit.
         """
         for figure in fields(self):
             value = getattr(self, figure.name)

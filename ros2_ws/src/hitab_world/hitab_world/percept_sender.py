@@ -1,4 +1,4 @@
-"""The receivers of a world's percepts: agents with their own topics, and hosts of many agents."""
+"""The sender of a world's percepts: to agents with their own topics, and to hosts."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hitab_ros import GuardedNode, Receivers, names, qos
 from hitab_world.host_registry import HostRegistry, PerceptOf
 from hitab_world.lockstep import Answer
 
-ALONE_MAX = 64  # agents for which topics are created before they join
+EARLY_TOPICS_MAX = 64  # number of agents up to which topics are created before agents join
 
 
 class PerceptSender:
@@ -20,10 +20,10 @@ class PerceptSender:
     def __init__(self, node: GuardedNode, agents: tuple[str, ...]) -> None:
         self._node = node
         self._agents = agents
-        self._alone: dict[str, Any] = {}  # publishers
+        self._publishers: dict[str, Any] = {}
         self._receivers: dict[str, Receivers] = {}
         self._hosts: HostRegistry | None = None
-        if len(agents) <= ALONE_MAX:
+        if len(agents) <= EARLY_TOPICS_MAX:
             for name in agents:
                 self._expect(name)
 
@@ -42,27 +42,27 @@ class PerceptSender:
         def on_action(action: msg.Action) -> None:
             take(action.agent, action.sequence, (action.values, action.say))
 
-        # All may answer before this process reads the first.
+        # All agents may answer before this process reads the first answer.
         self._node.create_subscription(msg.Action, names.ACTIONS, on_action, qos.ROLL_CALL)
         self._hosts = HostRegistry(self._node, self._agents, take, swarm, report)
 
     def look(self) -> bool:
-        """Update which hosts are present; return whether some receiver is a process just found.
+        """Update which hosts are present; return whether a receiver was newly discovered.
 
-        A process that takes the place of a killed one may be found before the other is given up,
-        or just when it is.
+        Discovery may find the successor of a killed process before it drops the killed one, or at
+        the same time.
         """
         changed = [receivers.look() for receivers in self._receivers.values()]
         return (self._hosts is not None and self._hosts.look()) or any(changed)
 
     def has(self, agent: str) -> bool:
-        """Whether a node or a host answers for an agent."""
+        """Return whether a node or a host answers for an agent."""
         if self._hosted(agent):
             return True
-        if agent in self._alone:
-            return bool(self._alone[agent].get_subscription_count())
+        if agent in self._publishers:
+            return bool(self._publishers[agent].get_subscription_count())
         if self._node.count_subscribers(names.in_swarm(self._node, agent, names.PERCEPT)):
-            self._expect(agent)  # it is present once discovery has matched the two
+            self._expect(agent)  # the agent is present once discovery has matched it
         return False
 
     def send(self, common: dict[str, Any], percept_of: PerceptOf) -> None:
@@ -72,7 +72,7 @@ class PerceptSender:
             common: the fields that all percepts of a cycle share.
             percept_of: returns an agent's percept; None to send nothing.
         """
-        for name, publisher in self._alone.items():
+        for name, publisher in self._publishers.items():
             if not self._hosted(name) and (sensed := percept_of(name)) is not None:
                 publisher.publish(msg.Percept(**common, values=sensed[0], heard=sensed[1]))
         if self._hosts is not None:
@@ -84,5 +84,5 @@ class PerceptSender:
     def _expect(self, agent: str) -> None:
         topic = names.in_swarm(self._node, agent, names.PERCEPT)
         publisher = self._node.create_publisher(msg.Percept, topic, qos.CYCLE)
-        self._alone[agent] = publisher
+        self._publishers[agent] = publisher
         self._receivers[agent] = Receivers(self._node, publisher)

@@ -1,4 +1,4 @@
-"""The figures of a kind of world as ROS parameters, declared from their dataclass."""
+"""The parameters of a kind of world as ROS parameters, declared from their dataclass."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ PARAMETER_GROUP = "parameters"
 
 
 class GivenParameters:
-    """Stands in for the node with whose parameters a world is made, where ROS is not started.
+    """Parameters of a world without a node, for worlds that are made without ROS.
 
     Args:
-        figures: those that are given, by name.
+        values: the given values, by name.
     """
 
-    def __init__(self, figures: Mapping[str, Any]) -> None:
-        self._parameter_overrides = {f"{PARAMETER_GROUP}.{name}": v for name, v in figures.items()}
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self._parameter_overrides = {f"{PARAMETER_GROUP}.{name}": v for name, v in values.items()}
 
     def declare_parameter(self, name: str, default: Any, *described: Any) -> Any:
-        """Return an object with the given value, or else the default, as ``value``."""
+        """Return an object whose ``value`` is the given value, or else the default."""
         return SimpleNamespace(value=self._parameter_overrides.get(name, default))
 
 
 def declare_parameters(node: Node, *kinds: type[Any]) -> Any:
-    """Return the figures that a node's parameters give, such as ``-p parameters.width:=30.0``.
+    """Return the world's parameters from those of a node, such as ``-p parameters.width:=30.0``.
 
     Args:
         node: the world's node.
@@ -39,7 +39,7 @@ def declare_parameters(node: Node, *kinds: type[Any]) -> Any:
             have a field of the same name. For several, a list is returned.
 
     Raises:
-        HitabError: for an invalid or unknown figure.
+        HitabError: for an invalid or unknown parameter.
     """
     values = [
         {
@@ -59,10 +59,10 @@ def declare_parameters(node: Node, *kinds: type[Any]) -> Any:
 
 
 def declare(node: Node, name: str, figure: Field[Any], description: str = "") -> Any:
-    """Return the value of a parameter that has the default and the type of a figure.
+    """Declare a parameter with a default and its type, and return its value.
 
     Raises:
-        HitabError: if it has another type.
+        HitabError: if the given value has another type.
     """
     descriptor = ParameterDescriptor(description=description, read_only=True)
     return node.declare_parameter(name, figure.default, descriptor).value

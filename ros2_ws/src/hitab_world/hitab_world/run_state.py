@@ -1,4 +1,4 @@
-"""The run state of a world: how it is run, its agents and its episodes."""
+"""The run state of a world: its control, its agents and its episodes."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ class RunState:
 
     Attributes:
         world: the world.
-        control: how it is run.
-        round_answers: which agents take part.
-        changes: number of the last change from outside, unlike that of any other process.
-        disturbed: whether the world has changed since the agents were shown it.
+        control: the settings that services change.
+        round_answers: the agents that take part, and their answers.
+        changes: number of the last change from outside, unique among all processes.
+        disturbed: whether the world has changed since its last percepts.
         restart: whether agents begin at Start with the next percept.
         begins: whether a run begins with the next cycle.
         in_real_time: whether the run has depended on a clock.
@@ -43,13 +43,13 @@ class RunState:
     def go_on(self) -> None:
         """Continue a run that another process began.
 
-        Running agents do not start over, and what happened after the snapshot happens again.
+        Running agents continue, and the world plays the cycles after the snapshot again.
         """
         self.restart = False
         self.in_real_time = True
 
     def begin_run(self, seed: int) -> None:
-        """Begin the first episode of a run, reproducible so far."""
+        """Begin the first episode of a run, which counts as reproducible so far."""
         self.round_answers.missed_deadlines = 0
         self.in_real_time = False
         self.control.run += 1
@@ -63,7 +63,7 @@ class RunState:
         self.touched = True
 
     def end_episode(self) -> None:
-        """Count an episode that has ended, and begin the next; pause if it was the last."""
+        """Count the ended episode, and begin the next; pause if it was the last to play."""
         control = self.control
         if control.episodes_left:
             control.episodes_left -= 1
@@ -72,7 +72,7 @@ class RunState:
         self.begin_episode()
 
     def mark_restart(self) -> None:
-        """Have the agents begin at Start with the next percept."""
+        """Make the agents begin at Start with the next percept."""
         self.restart = True
         self.disturbed = True
 

@@ -26,7 +26,7 @@ WORLD_PARAMETERS = {
 
 @dataclass(frozen=True)
 class WorldSettings(Parameters):
-    """How a world is run; each field is a ROS parameter, described above."""
+    """The parameters of a world's node; each field is a ROS parameter, described above."""
 
     WORLD = "world"
     LIMITS = MappingProxyType(
@@ -55,7 +55,7 @@ class WorldSettings(Parameters):
         """Declare the parameters and return their values.
 
         Raises:
-            HitabError: if one has another type, or is out of its range.
+            HitabError: if a parameter has another type, or is out of its range.
         """
         return cls(
             **{s.name: declare(node, s.name, s, WORLD_PARAMETERS[s.name]) for s in fields(cls)}

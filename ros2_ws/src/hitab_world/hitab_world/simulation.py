@@ -1,6 +1,6 @@
-"""A world in one file: a class of the user's own that steps, beside functions as words.
+"""A world in one file: a class that steps, and functions as behaviors, features and targets.
 
-The functions are those of `hitab_core.plain`; `hitab up FILE` runs the file.
+The functions are marked with decorators of `hitab_core.plain`; `hitab up FILE` runs the file.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from hitab_world.world import (
 
 SIMULATION_VERSION = 2
 PLACED = "placed"
-"""Key of a placement, where a step has the actions of agents."""
+"""Key of a placement in the record of an episode; steps have agents' actions instead."""
 
 ENDED_BY_TIME = "time"
 Values = Sequence[float]
@@ -40,17 +40,17 @@ Things = Mapping[str, Mapping[str, float]]
 
 
 class Simulation:
-    """Base of a world in one file.
+    """Base class of a world in one file.
 
     Attributes:
-        agents: how many; they are called agent_1, agent_2 and so on.
+        agents: number of agents; they are called agent_1, agent_2 and so on.
         cycle_seconds: simulated duration of a step, s.
-        size: width and height of the field, m; it is centered on the origin.
+        size: width and height of the field, m; the field is centered on the origin.
         looks: how viewers draw each kind of thing.
-        measures: by which behaviors are compared.
-        longest: how many steps an episode takes at most; then it ends with "time".
-        ended: why the episode has ended; a step sets it. `reset` begins with "".
-        names: of the agents.
+        measures: the measures by which behaviors are compared.
+        longest: maximum number of steps in an episode, which then ends with "time".
+        ended: why the episode has ended, set by a step; `reset` begins with "".
+        names: names of the agents.
     """
 
     agents: int = 1
@@ -65,7 +65,7 @@ class Simulation:
     def reset(self, seed: int) -> Mapping[str, Values]:
         """Begin an episode, which depends on the seed alone; return each agent's percept.
 
-        By default, it begins with a step in which nothing is done.
+        By default, the episode begins with a step in which no agent acts.
         """
         return self.step({name: [] for name in self.names})
 
@@ -80,7 +80,8 @@ class Simulation:
         """Put things elsewhere; return each agent's percept.
 
         Args:
-            things: by name, with what is given of x, y, m, heading, rad, vx and vy, m/s.
+            things: the given values of each thing, by its name: x and y in m, heading in rad, vx
+                and vy in m/s.
         """
         raise WorldError(
             f"{some(list(things))} cannot be moved; define place(self, things) in the file, or "
@@ -139,20 +140,19 @@ class SimulationParameters(Parameters):
 
 
 class SimulationWorld(EpisodicWorld):
-    """Makes a simulation a `hitab_world.world.World`.
+    """Adapts a simulation to the interface `hitab_world.world.World`.
 
-    A snapshot holds the actions and placements of the episode so far; to restore it, they are
-    done again.
+    A snapshot holds the actions and placements of the episode so far; restoring repeats them.
     """
 
-    def __init__(self, figures: SimulationParameters, seed: int = 0) -> None:
-        kind = simulation_in(Path(figures.file))
-        self._place = f"{figures.file}: {kind.__name__}"
-        self.parameters = figures
-        self.agents = tuple(f"agent_{i + 1}" for i in range(figures.agents or kind.agents))
+    def __init__(self, parameters: SimulationParameters, seed: int = 0) -> None:
+        kind = simulation_in(Path(parameters.file))
+        self._place = f"{parameters.file}: {kind.__name__}"
+        self.parameters = parameters
+        self.agents = tuple(f"agent_{i + 1}" for i in range(parameters.agents or kind.agents))
         self._kind = kind
-        self._source = hashlib.sha256(Path(figures.file).read_bytes()).hexdigest()[:16]
-        self.name = Path(figures.file).stem
+        self._source = hashlib.sha256(Path(parameters.file).read_bytes()).hexdigest()[:16]
+        self.name = Path(parameters.file).stem
         self.cycle_seconds = kind.cycle_seconds
         self.size = kind.size
         self.looks = kind.looks
@@ -166,7 +166,7 @@ class SimulationWorld(EpisodicWorld):
     def _played(
         self, done: list[dict[str, Any]], seed: int, episode: int
     ) -> tuple[Simulation, dict[str, list[float]], list[dict[str, Any]]]:
-        """Return an episode in which all of this was done.
+        """Return a simulation after these steps and placements of an episode.
 
         Raises:
             WorldError: naming the line of the file that raised.
@@ -180,14 +180,14 @@ class SimulationWorld(EpisodicWorld):
         return simulation, percepts, list(done)
 
     def _done_once(self, simulation: Simulation, one: dict[str, Any]) -> dict[str, list[float]]:
-        """Return the percepts of all agents after a step with these actions, or a placement."""
+        """Return the percepts of all agents after a step or a placement."""
         if PLACED not in one:
             return self._stepped(simulation, one)
         things = {name: dict(fields) for name, fields in one[PLACED].items()}
         return self._checked(simulation.place(things), "place")
 
     def _do(self, one: dict[str, Any]) -> None:
-        """Take a step, or place something; if that fails, maybe half-way, nothing changes."""
+        """Do a step or a placement; if it fails, perhaps half-way, the world does not change."""
         try:
             with self._naming_the_line():
                 self._percepts = self._done_once(self._simulation, one)
@@ -199,7 +199,7 @@ class SimulationWorld(EpisodicWorld):
 
     @contextmanager
     def _naming_the_line(self) -> Iterator[None]:
-        """Raise what the file raises as a `WorldError` that names its line."""
+        """Turn exceptions of the file into `WorldError`, naming the line."""
         try:
             yield
         except HitabError:
@@ -249,14 +249,14 @@ class SimulationWorld(EpisodicWorld):
             if not all(map(math.isfinite, found[name])):
                 raise WorldError(
                     f"{where}: the percept of {name} is not finite: {found[name]}; a feature may "
-                    "return NaN, a percept has numbers alone"
+                    "return NaN, but percepts must be finite"
                 )
         if len({*map(len, found.values())}) > 1:
             raise WorldError(f"{where}: percepts differ in length; give all agents equally many")
         return found
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        """Begin an episode: the given one, or the next one; of the given run, or of this one."""
+        """Begin the next episode of this run, or the given episode of the given run."""
         self.begin_episode(episode, seed)
         self._begin()
 
@@ -328,10 +328,10 @@ class SimulationWorld(EpisodicWorld):
         return {**snapshots.header(self, SIMULATION_VERSION), "source": self._source, "done": done}
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
-        """Do again what was done until a snapshot.
+        """Repeat the steps and placements of a snapshot.
 
         Raises:
-            WorldError: if it is of another world, or damaged; then nothing has changed.
+            WorldError: if the snapshot is of another world, or damaged; nothing has changed then.
         """
         with snapshots.reading(snapshot, self, SIMULATION_VERSION) as moment:
             if snapshots.text(snapshot["source"]) != self._source:
@@ -357,7 +357,7 @@ class SimulationWorld(EpisodicWorld):
         self._simulation, self._percepts, self._done = again
 
     def result(self) -> EpisodeResult:
-        """Return how the present episode has gone so far."""
+        """Return the result of the present episode so far."""
         with self._naming_the_line():
             return EpisodeResult.of(self, dict(self._simulation.measured()))
 

@@ -18,7 +18,7 @@ def make_world(node: Node, seed: int) -> SimulationWorld:
     """Create the world in the file that the node's parameters name.
 
     Raises:
-        HitabError: if the file has no simulation, or that cannot begin an episode.
+        HitabError: if the file has no simulation, or its simulation cannot begin an episode.
     """
     return SimulationWorld(declare_parameters(node, SimulationParameters), seed)
 

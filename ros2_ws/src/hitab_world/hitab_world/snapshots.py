@@ -1,7 +1,7 @@
-"""The common part of all worlds' snapshots: of which world they are, and when they were taken.
+"""The common header of all worlds' snapshots: the world, and the time of the snapshot.
 
-A world's `World.snapshot` returns `header` and, under further keys, its own state; its `restore`
-reads that within `reading`, which refuses a snapshot that is damaged or of another world::
+A world's `World.snapshot` returns `header` and, under further keys, its own state. Its `restore`
+reads them within `reading`, which refuses a snapshot that is damaged or of another world::
 
     def restore(self, snapshot):
         with reading(snapshot, self, VERSION) as moment:
@@ -43,7 +43,7 @@ class SnapshotHeader:
     ended: str
 
     def bring_back(self, world: World) -> None:
-        """Set the world's counts, and clear what was refused since."""
+        """Set the world's counts, and clear the actions that were refused since."""
         for name, value in asdict(self).items():
             setattr(world, name, value)
         world.refused = {}
@@ -57,7 +57,7 @@ def header(world: ParameterizedWorld, version: int) -> dict[str, Any]:
 
     Args:
         world: the world.
-        version: of the layout of this kind of world's snapshots.
+        version: version of the layout of this kind of world's snapshots.
     """
     moment = {name: getattr(world, name) for name in (*SNAPSHOT_COUNTS, "ended")}
     return {**_origin(world, version), **moment}
@@ -70,18 +70,18 @@ def reading(
     """Check a snapshot's header, and refuse the snapshot if reading the rest of it fails.
 
     Args:
-        snapshot: to restore.
-        world: where to restore it; the body of the ``with`` must not change it.
+        snapshot: the snapshot to restore.
+        world: the world to restore it in. Until all of it was read, the world must not change.
         version: as in `header`.
 
     Raises:
-        WorldError: if it is of another kind of world, of one with other figures, or damaged.
+        WorldError: if the snapshot is damaged, or of a world of another kind or other parameters.
     """
     try:
         for key, mine in _origin(world, version).items():
             if snapshot.get(key) != mine:
                 way_out = (
-                    "another version of HiTAB took it: take it anew"
+                    "another version of HiTAB took it: take a new snapshot"
                     if key == "version"
                     else "restore it in a world like the one it was taken from"
                 )
@@ -145,11 +145,11 @@ def _difference(key: str, there: Any, here: Any) -> str:
     if not isinstance(there, Mapping) or not isinstance(here, Mapping):
         return f"the snapshot's {key} is {there}, this world's is {here}"
     names = sorted(name for name in {*there, *here} if there.get(name) != here.get(name))
-    told = [f"{name}: {there.get(name)} there, {here.get(name)} here" for name in names]
-    return f"the snapshot was taken with other {key} ({some(told)})"
+    differences = [f"{name}: {there.get(name)} there, {here.get(name)} here" for name in names]
+    return f"the snapshot was taken with other {key} ({some(differences)})"
 
 
 def _origin(world: ParameterizedWorld, version: int) -> dict[str, Any]:
     """Return the fields that must match in the world where a snapshot is restored."""
-    figures = world.parameters.as_dict()
-    return {"world": world.name, "version": version, "parameters": figures}
+    parameters = world.parameters.as_dict()
+    return {"world": world.name, "version": version, "parameters": parameters}

@@ -1,9 +1,9 @@
 """The interface of a simulated world; implement it to connect your own world.
 
 A world is stepped by its caller and knows neither ROS nor clocks. An episode is identified by the
-seed of the run and its number in the run: the same two and the same actions give the same episode,
-bit for bit. All quantities of the interface are in SI units; x points right, y up, angles are
-counter-clockwise (REP 103).
+seed of the run and its number in the run: with the same two and the same actions, an episode is
+the same bit for bit. All quantities of the interface are in SI units; x points right, y up, angles
+are counter-clockwise (REP 103).
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ class Look:
     """The look of one kind of thing in viewers.
 
     Attributes:
-        color: such as ``"#f2c94c"``; "" leaves it to the viewer, which colors agents by what they
-            do.
+        color: such as ``"#f2c94c"``; "" leaves it to the viewer, which colors agents by their
+            active states.
         shape: ``"disc"``, ``"square"``, or ``"ball"``: a disc that stays visible from far away.
         faces: whether its heading shows.
         labelled: whether its name shows where there is room.
@@ -93,7 +93,7 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class Placement:
-    """Where to put an entity; NaN keeps the present value. Units as in `Entity`."""
+    """The place to put an entity; NaN keeps the present value. Units as in `Entity`."""
 
     name: str
     x: float = NAN
@@ -108,13 +108,13 @@ MORE, LESS = "more", "less"
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """A figure of an episode by which behaviors are compared.
+    """A measure of an episode, by which behaviors are compared.
 
-    A world may declare its own as ``measures``: one of `EpisodeResult.measures`, or ``seconds``.
+    A world may declare its own as ``measures``: names in `EpisodeResult.measures`, or ``seconds``.
 
     Attributes:
-        name: such as ``boxes``.
-        unit: such as ``s``; "" for a number.
+        name: the measure's name, such as ``boxes``.
+        unit: the measure's unit, such as ``s``; "" for a number.
         better: `MORE` or `LESS`.
 
     Raises:
@@ -130,25 +130,25 @@ class Measure:
             raise WorldError(unknown("way to be better", self.better, (MORE, LESS)))
 
     def of(self, result: EpisodeResult) -> float:
-        """Return the measure's value in an episode; NaN if it has none."""
+        """Return the measure's value in an episode; NaN if the episode has none."""
         return result.seconds if self.name == SECONDS else result.measures.get(self.name, NAN)
 
 
 SECONDS = "seconds"
-"""The measure that every episode has: how long it took, s."""
+"""The measure that every episode has: its duration, s."""
 
 
 @dataclass(frozen=True, slots=True)
 class EpisodeResult:
-    """How an episode went.
+    """The result of an episode.
 
     Attributes:
-        number: of the episode in its run, from 0.
-        seed: of the run; ``reset(number, seed)`` plays the episode again.
-        cycles: how long it lasted, in cycles.
-        seconds: the same in simulated seconds.
-        ended: why it ended, such as ``"out"``; "" while it is being played.
-        measures: further figures of this kind of world, such as ``{"passes": 3.0}``.
+        number: number of the episode in its run, from 0.
+        seed: seed of the run; ``reset(number, seed)`` plays the episode again.
+        cycles: duration in cycles.
+        seconds: duration in simulated seconds.
+        ended: why the episode ended, such as ``"out"``; "" while it is being played.
+        measures: further measures of this kind of world, such as ``{"passes": 3.0}``.
     """
 
     number: int
@@ -160,7 +160,7 @@ class EpisodeResult:
 
     @classmethod
     def of(cls, world: World, measures: Mapping[str, float]) -> EpisodeResult:
-        """Return how a world's present episode went so far, with the figures of its kind."""
+        """Return the result of a world's present episode so far, with the given measures."""
         # Rounded, so that 262 cycles of 0.1 s are not 26.200000000000003 s.
         seconds = round(world.episode_cycle * world.cycle_seconds, 9)
         return cls(world.episode, world.seed, world.episode_cycle, seconds, world.ended, measures)
@@ -173,15 +173,15 @@ class World(Protocol):
         name: kind of world, which is also the name of its domain.
         agents: names of the agents, in a fixed order.
         cycle_seconds: simulated duration of a cycle, s.
-        looks: how viewers draw each kind of entity; viewers choose for kinds without one.
-        size: width and height of the field, m; it is centered on the origin.
-        seed: of the run.
+        looks: how viewers draw each kind of entity; viewers choose for kinds without a look.
+        size: width and height of the field, m; the field is centered on the origin.
+        seed: seed of the run.
         episode: number of the present episode, from 0.
         cycle: cycles since the world was created; never goes back, except in `restore`.
         episode_cycle: cycles since the present episode began.
-        ended: why the present episode has ended, "" while it is being played.
-        refused: faults of the last cycle's actions, by agent; each such action was
-            treated as no action.
+        ended: why the present episode has ended; "" while it is being played.
+        refused: faults of the last cycle's actions, by agent; a refused action counts as no
+            action.
     """
 
     name: str
@@ -197,17 +197,17 @@ class World(Protocol):
     refused: Mapping[str, str]
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        """Begin an episode: the given one, or the next one; of the given run, or of this one."""
+        """Begin the next episode of this run, or the given episode of the given run."""
 
     def percept(self, agent: str) -> Sensed:
-        """Return the percept of ``agent``; asking again gives the same."""
+        """Return the percept of ``agent``, the same at each call in a cycle."""
 
     def step(self, actions: Mapping[str, Action]) -> str | None:
         """Advance by one cycle; agents that are not in ``actions`` do nothing.
 
         Returns:
-            why the episode ended with this cycle, or None. An ended world stays unchanged until
-            `reset` begins the next episode.
+            Why the episode ended with this cycle, or None. After the end, the world stays
+            unchanged until `reset` begins the next episode.
 
         Raises:
             WorldError: if the episode had already ended.
@@ -220,22 +220,22 @@ class World(Protocol):
         """Move things, optionally beginning the next episode with them there.
 
         Raises:
-            WorldError: if anything cannot be placed; then nothing is.
+            WorldError: if any of them cannot be placed; nothing has changed then.
         """
 
     def snapshot(self) -> dict[str, Any]:
         """Return the complete state, random generator included, as JSON-able data."""
 
     def restore(self, snapshot: Mapping[str, Any]) -> None:
-        """Bring back a state that `snapshot` returned.
+        """Restore a state that `snapshot` returned.
 
         Raises:
-            WorldError: if the snapshot is damaged or of another world; then nothing has changed.
+            WorldError: if the snapshot is damaged or of another world; nothing has changed then.
                 See `hitab_world.snapshots`.
         """
 
     def result(self) -> EpisodeResult:
-        """Return how the present episode has gone so far."""
+        """Return the result of the present episode so far."""
 
 
 LOOK = "look"
@@ -247,22 +247,22 @@ RESTART = "restart"
 
 @runtime_checkable
 class LiveWorld(Protocol):
-    """Further members of a `World` that runs by itself, such as on a server elsewhere.
+    """Further members of a `World` that runs by itself, such as on another server.
 
     Attributes:
-        waiting: why the world cannot be stepped at the moment, such as a missing server, in one
-            sentence with the remedy; "" if it can.
+        waiting: why the world cannot be stepped now, such as a missing server, in one sentence
+            with the remedy; "" if it can be stepped.
     """
 
     waiting: str
 
     def idle(self) -> str:
-        """Do what is needed while the world is not stepped; must return quickly.
+        """Keep the world alive while it is not stepped; must return quickly.
 
-        The caller does this at least ten times a second while the world is paused, has no agents,
+        The caller calls this at least ten times a second while the world is paused, has no agents,
         or is waiting.
 
         Returns:
-            `RESTART` if an episode has begun, `LOOK` if what the agents perceive has changed,
-            else "".
+            `RESTART` if an episode has begun, `LOOK` if the agents' percepts have changed, else
+            "".
         """

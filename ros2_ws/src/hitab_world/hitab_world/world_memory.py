@@ -1,8 +1,8 @@
-"""The memory from which a restarted world continues: its latest state and snapshots.
+"""The memory of a world: snapshots, and the latest state for a restarted process.
 
-The latest state is replaced at a period, and before a request that has changed it is acknowledged.
-The memory is valid for one start of a swarm: the next start follows the description, but a paused
-world stays paused. A snapshot that a person saves stays until a person deletes it.
+The latest state is saved periodically, and after each request that changes the world, before the
+request is acknowledged. The state is valid for one start of a swarm: the next start follows the
+swarm file, but a paused world stays paused. Snapshots stay until a person deletes them.
 """
 
 from __future__ import annotations
@@ -23,15 +23,14 @@ from hitab_world.world import LiveWorld
 
 LATEST_FILE = "latest.json"
 NAMED = "snapshot-"
-LEISURE = 50
-"""Minimum time between two states, as a multiple of the time that saving one takes."""
+SAVE_INTERVAL_FACTOR = 50
+"""Minimum time between two saved states, as a multiple of the time that saving takes."""
 
 
 class WorldMemory:
     """A folder with the latest state of a world and one file per saved snapshot.
 
-    Nothing is saved for a world outside any swarm or one that runs by itself, such as on a server
-    elsewhere.
+    A world outside any swarm, or one that runs by itself on another server, is not saved.
 
     Attributes:
         named: the saved snapshots, by name, also of earlier starts.
@@ -48,16 +47,16 @@ class WorldMemory:
         """Locate the files of the previous process, if there are any.
 
         Args:
-            name: of the world and its folder, which is created with the first file.
+            name: name of the world and its folder, which is created with the first file.
             run_state: the state to save.
-            settings: where, how often, and for which swarm.
-            warn: called with what cannot be restored.
-            unsaved: called with why the state cannot be saved, and "" once it can be again.
+            settings: the world's parameters: folder, period and swarm.
+            warn: called with a warning about a file that cannot be restored.
+            unsaved: called with the reason why the state cannot be saved, and with "" once it can.
         """
         self.named: dict[str, dict[str, Any]] = {}
         self._run_state, self._warn, self._unsaved = run_state, warn, unsaved
         self._swarm, self._period = settings.swarm, settings.snapshot_period
-        self._kept: tuple[Any, ...] = ()
+        self._saved: tuple[Any, ...] = ()
         self._next_s = self._earliest_s = 0.0
         self._folder: Path | None = None
         wanted = settings.swarm and settings.state_dir and settings.snapshot_period
@@ -65,7 +64,7 @@ class WorldMemory:
             self._folder = Path(settings.state_dir).expanduser() / name
 
     def restore(self) -> bool:
-        """Continue where the previous process ended; return whether there was one."""
+        """Restore the previous process's state; return whether there was one."""
         if self._folder is None:
             return False
         for path in sorted(self._folder.glob(f"{NAMED}*.json")):
@@ -74,7 +73,8 @@ class WorldMemory:
 
     def _take_over(self, latest: dict[str, Any]) -> bool:
         if latest["swarm"] != self._swarm:
-            # From an earlier start of the swarm; only a person ends a pause.
+            # The state is from an earlier start of the swarm. Keep its pause, which only a person
+            # ends.
             self._run_state.control.paused |= latest["control"]["paused"] is True
             return False
         control = Control.read(latest["control"])
@@ -83,7 +83,7 @@ class WorldMemory:
         return True
 
     def _read(self, path: Path, take: Callable[[dict[str, Any]], Any]) -> Any:
-        """Hand over what is in a file; a file that cannot be used is ignored, with a warning."""
+        """Pass the contents of a file on; warn about a file that cannot be used, and ignore it."""
         try:
             return take(json.loads(path.read_text(encoding="utf-8")))
         except FileNotFoundError:
@@ -93,25 +93,25 @@ class WorldMemory:
             return None
 
     def save_if_due(self) -> None:
-        """Save the state if it is due and has changed; called between cycles."""
+        """Save the state if that is due and the state has changed; called between cycles."""
         now = time.monotonic()
         if now >= self._earliest_s and (self._run_state.touched or now >= self._next_s):
             self.save_latest()
 
     def save_now(self) -> None:
-        """Save what a request has changed: then acknowledge it."""
+        """Save the state after a request's change, before the request is acknowledged."""
         if self._run_state.touched:
             self.save_latest()
 
     def save_latest(self) -> None:
-        """Save the state, if it has changed."""
+        """Save the state if it has changed."""
         if self._folder is None:
             return
         run_state, now = self._run_state, time.monotonic()
         control = asdict(run_state.control)
         state = (run_state.world.cycle, *control.values())
         self._next_s = now + self._period
-        if state == self._kept and not run_state.touched:
+        if state == self._saved and not run_state.touched:
             return
         run_state.touched = False
         path = self._folder / LATEST_FILE
@@ -119,25 +119,25 @@ class WorldMemory:
         try:
             saved = {"swarm": self._swarm, "control": control, "world": run_state.world.snapshot()}
             self._folder.mkdir(parents=True, exist_ok=True)
-            # Readers see it whole or not at all; it need not survive a power failure.
+            # Readers see a whole file or none; the file need not survive a power failure.
             beside.write_text(json.dumps(saved), encoding="utf-8")
             beside.replace(path)
-            self._kept = state
+            self._saved = state
             self._unsaved("")
         except Exception as error:  # a world's snapshot may be third-party code
             why = error.strerror if isinstance(error, OSError) else repr(error)
-            back = f"go back to cycle {self._kept[0]}" if self._kept else "start over"
+            back = f"go back to cycle {self._saved[0]}" if self._saved else "start over"
             self._unsaved(
                 f"its state cannot be saved to {path} ({why}): if its process restarts, it will "
                 f"{back}"
             )
-        self._earliest_s = now + LEISURE * (time.monotonic() - now)
+        self._earliest_s = now + SAVE_INTERVAL_FACTOR * (time.monotonic() - now)
 
     def save(self, name: str, state: dict[str, Any]) -> None:
         """Save a snapshot under a name; it is on disk when this returns.
 
         Raises:
-            HitabError: if it cannot be written; then it is not saved at all.
+            HitabError: if the snapshot cannot be written; nothing is saved then.
         """
         if self._folder is not None:
             path = self._file(self._folder, name)

@@ -1,4 +1,4 @@
-"""The node that owns time: it offers a simulated world as topics and services."""
+"""The node of a simulated world, which owns time and offers the world on topics and services."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ from hitab_world.world_services import WorldServices
 from hitab_world.world_topics import WorldTopics
 
 STATUS_PERIOD_NS = NANOSECONDS
-FAULTS_PERIOD_NS = NANOSECONDS // 20  # between a change of the faults and its publication
+FAULTS_PERIOD_NS = NANOSECONDS // 20  # time from a change of the faults to its publication
 LISTENER_S = 10.0  # how long a restarted world waits for subscribers to its episodes
-NAMED_MAX = 10  # most agents that an error names
+NAMED_MAX = 10  # maximum number of agents that an error names
 TURN, STEP, REFUSED, LATE, WAITING = "turn", "step", "refused", "late", "waiting"  # faults
-UNSAVED_FAULT = "unsaved"  # another
-STOP_PERIOD_S = 0.5  # between two reports whether an emergency stop holds the world
-STEPPED_DEADLINES = 3  # how long to wait in a cycle that a client steps
-UNREAD_MAX = 100  # most events that are handled after a deadline, in search of unread answers
+UNSAVED_FAULT = "unsaved"
+STOP_PERIOD_S = 0.5  # time between two reports whether an emergency stop holds the world
+STEPPED_DEADLINES = 3  # how many deadlines to wait for answers in a stepped cycle
+UNREAD_MAX = 100  # maximum number of events handled after a deadline, to find unread answers
 
 
 class WorldNode(GuardedNode):
@@ -59,7 +59,7 @@ class WorldNode(GuardedNode):
 
     `run` is the process's main loop: a cycle sends a percept to each agent, waits for their
     answers (lockstep) or for the time to pass (real time), and advances the world. While paused,
-    it shows the agents the world at each change, so that a demonstrator's next command is recorded
+    the world sends percepts at each change, so that a demonstrator's next command is recorded
     with the current percept.
     """
 
@@ -67,7 +67,7 @@ class WorldNode(GuardedNode):
         """Create the node and its world.
 
         Args:
-            make_world: called with this node, to declare parameters on, and the seed.
+            make_world: creates the world; called with this node, for its parameters, and the seed.
 
         Raises:
             HitabError: if a parameter is unusable.
@@ -78,7 +78,7 @@ class WorldNode(GuardedNode):
         self.world = make_world(self, settings.seed)
         self._live_world = self.world if isinstance(self.world, LiveWorld) else None
         self.control = Control(settings.pace, settings.factor, settings.paused)
-        # The time of day, so that a restarted world has new round numbers.
+        # Rounds are numbered from the time of day, so that a restarted world has new numbers.
         self._sequence = time.time_ns()
         self._next_cycle_ns = 0
         self._next_status_ns = 0
@@ -100,20 +100,20 @@ class WorldNode(GuardedNode):
         if self._restored:
             self.run_state.go_on()
         self._world_services = WorldServices(
-            self, self.run_state, self.memory, self._topics, self.look_who_is_there
+            self, self.run_state, self.memory, self._topics, self.update_presence
         )
         self._switch = EmergencySwitch(self, self._emergency, hands_on=True)
-        steady_timer(self, STOP_PERIOD_S, self._tell_of_stop)
+        steady_timer(self, STOP_PERIOD_S, self._publish_stop_state)
 
     def _emergency(self, known: KnownStops) -> None:
-        """Hold the world as long as the robots are stopped; then it goes on as before."""
+        """Hold the world while an emergency stop is engaged; then continue as before."""
         self.control.held = stopped_by(known)
         self.run_state.disturbed = True
         held = self.control.held
         self.guard.faults.set("stop", held and f"{STOPPED}: {held}", Fix.GO())
-        self._tell_of_stop()
+        self._publish_stop_state()
 
-    def _tell_of_stop(self) -> None:
+    def _publish_stop_state(self) -> None:
         held = self.control.held
         state = StopState.STOPPED if held else StopState.ARMED
         causes = [held] if held else []
@@ -124,8 +124,8 @@ class WorldNode(GuardedNode):
         self.memory.save_latest()
         super().destroy_node()
 
-    def look_who_is_there(self) -> bool:
-        """Update which agents have joined the world; return whether that has changed."""
+    def update_presence(self) -> bool:
+        """Update which agents have joined the world; return whether any has joined or left."""
         replaced = self._percept_sender.look()
         return self.round_answers.look() or replaced
 
@@ -134,7 +134,7 @@ class WorldNode(GuardedNode):
     def run(self, spinning: Spinner) -> int:
         """Run the world until the spinner is stopped; return the exit code."""
         if self._restored and self.control.episodes_left:
-            # The client that asked for them still listens, and has to discover this process first.
+            # The client that waits for these episodes has to discover this process first.
             spinning.spin_until(lambda: self._topics.episodes_are_heard, LISTENER_S)
         while not spinning.stopped:
             if not self.guard.run(TURN, self._turn, spinning):
@@ -144,9 +144,9 @@ class WorldNode(GuardedNode):
 
     def _turn(self, spinning: Spinner) -> None:
         """Take one turn: wait, show the world, or play a cycle."""
-        self._attend()
+        self._publish_periodically()
         self.memory.save_if_due()
-        if not self._live():
+        if not self._can_step():
             spinning.spin_once(timeout_sec=0.01)
         elif self.control.at_rest:
             if self.run_state.disturbed:
@@ -160,8 +160,9 @@ class WorldNode(GuardedNode):
             self._cycle(spinning)
 
     def _begin_run(self, spinning: Spinner) -> None:
-        """Begin a run; in lockstep all look first, also those given up on in an earlier run.
+        """Begin a run; in lockstep, with a look-only round for all agents.
 
+        That round makes the world wait again for agents that missed a deadline in an earlier run.
         Otherwise a run without them would have no missed deadline.
         """
         self.run_state.begins = False
@@ -170,12 +171,12 @@ class WorldNode(GuardedNode):
             self.run_state.restart = True
 
     def _pause(self, fault: str) -> None:
-        """Pause after an error in the world itself, until a person resumes it."""
+        """Pause after an error of the world itself, until a person resumes the world."""
         self.control.pause()
         self._topics.report_error(f"paused: {self.guard.faults.text(fault)}")
 
-    def _live(self) -> bool:
-        """Attend to a world that runs by itself; return whether the world can be stepped."""
+    def _can_step(self) -> bool:
+        """Keep a world that runs by itself alive; return whether the world can be stepped."""
         world = self._live_world
         if world is None:
             return True
@@ -191,29 +192,29 @@ class WorldNode(GuardedNode):
         self.guard.faults.set(WAITING, world.waiting)
         return not world.waiting
 
-    def _attend(self) -> None:
+    def _publish_periodically(self) -> None:
         now = time.monotonic_ns()
         if now >= self._next_status_ns:
             self._next_status_ns = now + STATUS_PERIOD_NS
-            changed = self.look_who_is_there()
+            changed = self.update_presence()
             if changed and not self.control.at_rest:
-                self.run_state.in_real_time = True  # another time, they come at another cycle
+                self.run_state.in_real_time = True  # the cycle of their arrival depends on a clock
             if changed or (self.round_answers.silent and self.control.paused):
-                self.run_state.disturbed = True  # shown again, so that late agents may answer
+                self.run_state.disturbed = True  # send percepts again, for late agents to answer
             self._topics.publish_status()
-            # A node that waits for the time must learn it from a world that is paused, too.
+            # Nodes on simulated time need the clock from a paused world, too.
             self._topics.publish_clock()
 
     def _show(self, spinning: Spinner) -> None:
-        """Have the agents perceive the present world without acting."""
+        """Make the agents perceive the present world without acting."""
         self.run_state.disturbed = False
         self._send_percepts(look=True)
         self._wait(spinning, self._deadline())
         if self.run_state.disturbed or spinning.stopped:
-            return  # no agent is late: there was no time to answer
+            return  # no agent counts as late, since the wait was cut short
         self.run_state.restart = False
         self.round_answers.give_up_on_late()
-        self._topics.publish_status()  # first: who waits for the state looks at the status then
+        self._topics.publish_status()  # comes first: clients that get the state read the status
         self._topics.publish_state()
 
     def _cycle(self, spinning: Spinner) -> None:
@@ -228,7 +229,7 @@ class WorldNode(GuardedNode):
         if lockstep and self.control.steps_left:
             self._wait_for_stepped(spinning)
         if run_state.disturbed or spinning.stopped:
-            return  # the answers were about another situation
+            return  # the answers belong to an earlier situation
         run_state.restart = False
         late = ""
         if not self.round_answers.complete:
@@ -240,10 +241,10 @@ class WorldNode(GuardedNode):
         self._advance()
 
     def _wait_for_stepped(self, spinning: Spinner) -> None:
-        """Wait longer for agents that are still there, since a client steps the world.
+        """Wait longer for agents that are still present, since a client steps the world.
 
-        It looks at each cycle. One without an agent, for which a busy machine has no time, would
-        teach something else.
+        The person sees and teaches each single cycle. On a busy machine, a cycle without an
+        agent's action would teach a wrong example.
         """
         for _ in range(STEPPED_DEADLINES - 1):
             late = self.round_answers.late
@@ -251,16 +252,16 @@ class WorldNode(GuardedNode):
                 return
             self.guard.faults.set(LATE, f"waits for {some(late, NAMED_MAX)}")
             self._topics.publish_status()
-            if self.look_who_is_there():
+            if self.update_presence():
                 return
             self._wait(spinning, self._deadline())
 
     def _deadline(self) -> int:
-        """Return until when to wait for answers."""
+        """Return the time of the deadline for answers."""
         return time.monotonic_ns() + int(self.settings.deadline * NANOSECONDS)
 
     def _next_cycle(self) -> int:
-        """Return when the next cycle begins in real time."""
+        """Return the time at which the next cycle begins in real time."""
         now = time.monotonic_ns()
         period = int(self.world.cycle_seconds / self.control.factor * NANOSECONDS)
         # After a pause or a delay the world continues from now instead of catching up.
@@ -269,7 +270,7 @@ class WorldNode(GuardedNode):
         return self._next_cycle_ns
 
     def _wait(self, spinning: Spinner, deadline_ns: int, *, whole: bool = False) -> None:
-        """Handle events until all have answered, or, with ``whole``, until the deadline."""
+        """Handle events until all have answered; with ``whole``, until the deadline."""
         round_answers, run_state = self.round_answers, self.run_state
         spin_once = spinning.spin_once
         while not run_state.disturbed and not spinning.stopped:
@@ -351,7 +352,7 @@ class WorldNode(GuardedNode):
 
 
 def run_world(make_world: Callable[[Node, int], World]) -> NoReturn:
-    """Run a world as this process, until it is stopped; then close the world, if it can be."""
+    """Run a world as this process until stopped; then close the world, if it has ``close``."""
     sys.exit(run(partial(_start, make_world)))
 
 

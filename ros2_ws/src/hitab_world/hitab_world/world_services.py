@@ -17,7 +17,7 @@ from hitab_world.world_memory import WorldMemory
 from hitab_world.world_topics import WorldTopics
 
 SNAPSHOTS_MAX = 100
-"""Limit on saved snapshots: each is a whole world in memory."""
+"""Maximum number of saved snapshots, each of which is a whole world in memory."""
 
 
 class WorldServices:
@@ -34,10 +34,10 @@ class WorldServices:
         """Offer the services.
 
         Args:
-            node: to offer them on.
-            run_state: changed by the services.
-            memory: holds the snapshots.
-            topics: publish changes at once.
+            node: the node to offer them on.
+            run_state: the world's run state, which the services change.
+            memory: the memory with the snapshots.
+            topics: the world's topics, which publish changes at once.
             look: updates which agents have joined the world.
         """
         self._run_state = run_state
@@ -51,10 +51,10 @@ class WorldServices:
             (srv.Snapshot, names.SNAPSHOT, self._snapshot),
         ]
         for kind, name, serve in offered:
-            node.create_service(kind, name, answering(self._kept(serve)))
+            node.create_service(kind, name, answering(self._saving(serve)))
 
-    def _kept(self, serve: Serve) -> Serve:
-        """Return a service after which a restarted world resumes its last request."""
+    def _saving(self, serve: Serve) -> Serve:
+        """Return a service function that saves the world's state after each request."""
 
         def served(request: Any, response: Any) -> str:
             done = serve(request, response)

@@ -42,14 +42,14 @@ class WorldTopics:
         return self._episodes.get_subscription_count() > 0
 
     def publish_clock(self) -> None:
-        """Publish the world's time, if anybody wants to know it."""
+        """Publish the world's time while the clock has subscribers."""
         if self._clock.get_subscription_count():
             self._clock.publish(Clock(clock=self._now()))
 
     def _now(self) -> Any:
         return time_of(self._world.cycle * self._world.cycle_seconds)
 
-    # -- how it is run ----------------------------------------------------------------------
+    # -- the status -------------------------------------------------------------------------
 
     def report_error(self, text: str) -> None:
         """Publish the status with the last error, at most once for the same text."""
@@ -93,7 +93,7 @@ class WorldTopics:
     # -- episodes ---------------------------------------------------------------------------
 
     def publish_episode(self, ended: str) -> None:
-        """Publish how the episode went, and with the next state why it ended."""
+        """Publish the episode's result, and with the next state why the episode ended."""
         result = self._world.result()
         self._episodes.publish(
             msg.Episode(

@@ -38,7 +38,7 @@ def parse(values: Sequence[float]) -> Order:
     """Return the command that ``values`` encode.
 
     Raises:
-        ActionError: if the kind is unknown, or a value is missing or not finite.
+        ActionError: if the kind is unknown, or if a value is missing or not finite.
     """
     if len(values) == 0:
         return "none", 0.0, 0.0
@@ -63,10 +63,10 @@ def orders_of(
     """Yield each keeper's action and message, in the order of the agents.
 
     Args:
-        actions: by agent.
+        actions: the actions by agent.
         agents: names of all agents.
-        say_length: of the longest message.
-        refused: receives what is wrong with an action, by agent.
+        say_length: length of the longest message.
+        refused: receives the faults of actions, by agent.
     """
     for name in agents:
         if name not in actions:

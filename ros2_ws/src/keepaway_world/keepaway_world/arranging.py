@@ -1,4 +1,4 @@
-"""The things on a field for viewers, and their placement by viewers."""
+"""The things on a field: how viewers see them, and how they are placed."""
 
 from __future__ import annotations
 
@@ -44,8 +44,7 @@ def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict
     """Return the requested places, with NaN replaced by the current values.
 
     Raises:
-        WorldError: naming what does not exist or is impossible: too far away, or faster than the
-            body can move.
+        WorldError: naming a thing that does not exist, or a place or speed that is impossible.
     """
     places: dict[str, Place] = {}
     for p in placements:
@@ -55,7 +54,7 @@ def placed(placements: Iterable[Placement], movers: Mapping[str, Mover]) -> dict
         given = (p.x, p.y, p.heading, p.vx / CYCLES_PER_SECOND, p.vy / CYCLES_PER_SECOND)
         now = (mover.x, mover.y, mover.heading, mover.vx, mover.vy)
         if any(math.isinf(value) for value in given):
-            raise WorldError(f"{p.name}: a figure is infinite; give a number or NaN")
+            raise WorldError(f"{p.name}: a value is infinite; give a number or NaN")
         x, y, heading, vx, vy = (
             old if math.isnan(new) else float(new) for new, old in zip(given, now, strict=True)
         )

@@ -24,7 +24,7 @@ AT_REST = 0.1  # m/cycle: a ball that looks slower than this is left alone
 BALL_RESTS = 0.02  # m/cycle: a ball as slow as this rolls on for a third of a meter
 
 OPEN_STEP = 3.0  # m: how far ahead GetOpen looks down its potential field
-OPEN_ARRIVED = 0.5  # m: a place closer than this is not worth going to
+OPEN_ARRIVED = 0.5  # m: a keeper does not go to a place that is closer than this
 TURN_WHEN_OFF = math.radians(10.0)  # a keeper that is off by less than this dashes
 
 
@@ -46,9 +46,9 @@ def go_slow(body: KeeperBody) -> None:
 def stop(body: KeeperBody) -> None:
     """Come to rest, and stop a rolling ball within kicking range.
 
-    A keeper that does not dash comes to rest within a meter. The paper does not say what its Stop
-    does to the ball. But where agents cannot collide with the ball, it rolls past every receiver
-    that does not stop it with a kick, and no pass could ever be completed.
+    A keeper that does not dash comes to rest within a meter. Whether the paper's Stop affects the
+    ball is not stated. But players cannot collide with the ball, so a ball rolls past every
+    receiver that does not stop it with a kick, and no pass could ever be completed.
     """
     if not body.ball_is_kickable:
         return
@@ -75,8 +75,8 @@ def turn_to(body: KeeperBody, place: int) -> None:
 def most_open_keeper(body: KeeperBody) -> int:
     """Return the place of the teammate to pass to.
 
-    It is the one with the largest angle, seen from the passer, to the closest taker; on a tie, the
-    lowest number. Without takers, it is the closest teammate.
+    The most open teammate has the largest angle, seen from the passer, to the closest taker; on a
+    tie, the lowest number. Without takers, the closest teammate is chosen.
     """
     taker = body.closest_taker()
     if taker == NO_PLAYER:
@@ -89,7 +89,7 @@ def pass_ball(body: KeeperBody) -> None:
 
     The ball should arrive at 1.2 m/cycle. The kick accounts for the ball's motion and its place
     beside the player. If one kick is too weak, the ball leaves in the right direction as fast as
-    possible. Does nothing if the ball is not kickable.
+    possible. A ball that is not kickable is left alone.
     """
     pass_to(body, most_open_keeper(body))
 
@@ -97,7 +97,7 @@ def pass_ball(body: KeeperBody) -> None:
 def pass_to(body: KeeperBody, receiver: int) -> None:
     """Kick the ball once to the teammate at a place, as in `pass_ball`.
 
-    Does nothing if the ball is not kickable or there is no such teammate.
+    A ball that is not kickable is left alone, and so is any ball if there is no such teammate.
     """
     if not body.ball_is_kickable or receiver < 0:
         return
@@ -128,9 +128,10 @@ def send_ball(body: KeeperBody, bearing: float, speed: float) -> None:
 def get_open(body: KeeperBody) -> None:
     """Move away from the teammates, never out of the circle around the box's center.
 
-    This is a simple potential field: each teammate repels with a force of 1/distance. The keeper
-    goes a step along the sum of the forces, or to the nearest point on the circle (10 m in the
-    paper's box). It turns if that place is not ahead, otherwise it dashes to come to rest there.
+    In a simple potential field, each teammate repels the keeper with a force of 1/distance. The
+    keeper goes a step along the sum of the forces, or to the nearest point on the circle (10 m in
+    the paper's box). It turns if that place is not ahead; otherwise it dashes to come to rest
+    there.
     """
     x, y = body.position
     fx = fy = 0.0
@@ -166,7 +167,7 @@ def go_by(body: KeeperBody, dx: float, dy: float) -> None:
 
 
 def open_radius(body: KeeperBody) -> float:
-    """Return GetOpen's largest distance from the center: all of the body within half the box."""
+    """Return GetOpen's largest distance from the center, m: the body stays within half the box."""
     half = min(body.values[percept.WIDTH], body.values[percept.HEIGHT]) / 2.0
     return half - body.parameters.player_radius
 

@@ -1,4 +1,4 @@
-"""A keeper's body: its percept and its one command in this cycle."""
+"""A keeper's body: the percept and the one command of a cycle."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NO_PLAYER = -1
 """The place of a missing player, such as the closest taker if there are none."""
 
 CORNERS = {-2: (-1.0, 1.0), -3: (1.0, 1.0), -4: (1.0, -1.0), -5: (-1.0, -1.0)}
-"""The places of the box's corners, which no percept holds, and the signs of their x and y."""
+"""The places of the box's corners, with the signs of their x and y; percepts do not hold them."""
 
 YELL = "pass {}"
 """A passer's yell with the receiver's number; 10 characters at most, for numbers to 99999."""
@@ -30,7 +30,7 @@ class KeeperBody:
     cycle; the last call counts, since a keeper gives at most one command per cycle.
 
     Args:
-        name: of the agent.
+        name: name of the agent.
         parameters: the mechanics that the keeper assumes; speeds are in m/cycle.
 
     Attributes:
@@ -39,7 +39,7 @@ class KeeperBody:
     """
 
     fixed: Mapping[int, tuple[float, float]] = CORNERS
-    """Places that no percept holds, as fractions of half the width and the height."""
+    """Fixed places, which percepts do not hold, as fractions of half the width and the height."""
 
     def __init__(self, name: str, parameters: KeepawayParameters = PAPER) -> None:
         self.name = name

@@ -1,4 +1,4 @@
-"""The keepers' features and what they can be bound to (the paper, section 6)."""
+"""The keepers' features and targets (the paper, section 6)."""
 
 from __future__ import annotations
 

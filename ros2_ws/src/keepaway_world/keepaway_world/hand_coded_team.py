@@ -1,10 +1,10 @@
 """The domain ``keepaway_handcoded``: keepers whose whole behavior is hard-coded automata.
 
-`Keepaway` is made of `ControlBall`, and that of `GotoBall`. Any of them can be trained instead, as
-the paper's team did at RoboCup 2011: it trained the servoing and approaching of the ball, here
-`GotoBall`, on the field, and played with it beside the other hard-coded behaviors.
+`Keepaway` is made of `ControlBall`, which is made of `GotoBall`. Each can be trained instead, as
+by the paper's team at RoboCup 2011: the team trained the servoing and approaching of the ball,
+here `GotoBall`, on the field, and played with it beside its other hard-coded behaviors.
 
-They use nothing but the words of the domain ``keepaway``, so that each can be trained.
+The automata use only the words of the domain ``keepaway``, so that each can be trained.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from hitab_core import START, Automaton, Domain, HandWritten, Use
 from keepaway_world.domain import DOMAIN as KEEPAWAY_WORDS
 
 OFF = math.radians(9.0)  # the keeper turns if the ball is farther off its heading
-WALK_DISTANCE = 4.5  # m: within this distance it goes slowly, not to overshoot
-PRESSED = 2.5  # m: it passes if a taker is this close
+WALK_DISTANCE = 4.5  # m: within this distance the keeper goes slowly, not to overshoot
+PRESSED = 2.5  # m: the keeper passes if a taker is this close
 
 
 def goto_ball(distance: float, direction: float) -> str:

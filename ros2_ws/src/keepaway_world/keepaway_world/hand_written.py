@@ -11,10 +11,10 @@ import math
 
 from hitab_core import START, Automaton, HandWritten, Use
 
-RUN_DISTANCE = 3.0  # m: it runs beyond this distance
-SLOW_DISTANCE = 1.7  # m: it slows down within this distance
-OFF_FAR = math.radians(10.0)  # it turns if the ball is farther off its heading
-OFF_NEAR = math.radians(25.0)  # likewise within NEAR, where the kicking range forgives more
+RUN_DISTANCE = 3.0  # m: the keeper runs beyond this distance
+SLOW_DISTANCE = 1.7  # m: the keeper slows down within this distance
+OFF_FAR = math.radians(10.0)  # the keeper turns if the ball is farther off its heading
+OFF_NEAR = math.radians(25.0)  # the same within SLOW_DISTANCE, where less precision is needed
 
 
 def servo(distance: float, direction: float, kickable: float) -> str:

@@ -1,4 +1,4 @@
-"""Where a player first meets a rolling ball, and how to get there.
+"""Interception: where a player first meets a rolling ball, and how to get there.
 
 The ball's track is predicted without noise. For each of the next cycles, turns and dashes towards
 the ball's position in that cycle are simulated, as in the UT Austin keepaway players. Horizon and
@@ -14,7 +14,7 @@ from keepaway_world.action import Order
 from keepaway_world.angles import PI, wrapped
 from keepaway_world.parameters import KeepawayParameters
 
-if TYPE_CHECKING:  # an agent needs no pymunk
+if TYPE_CHECKING:  # agents must not need pymunk
     from keepaway_world.physics import Mover
 
 SOONEST, HORIZON = 2, 40  # cycles that a player looks ahead
@@ -30,7 +30,7 @@ class Interceptor:
 
     Args:
         parameters: the mechanics.
-        dash_factor: factor on the power of the player's dashes, known to the player.
+        dash_factor: factor on the power of the player's dashes; the player knows it.
     """
 
     def __init__(self, parameters: KeepawayParameters, dash_factor: float = 1.0) -> None:
@@ -55,8 +55,8 @@ class Interceptor:
     def intercept(self, player: Mover, track: list[Point]) -> tuple[int, Order]:
         """Return the cycles until the player can kick the ball, and its order for this one.
 
-        If the ball cannot be reached, this is `HORIZON` + 1 and the player goes to the track's
-        end.
+        If the player cannot reach the ball, the cycles are `HORIZON` + 1, and the order leads to
+        the end of the track.
         """
         cycles = self._cycles(player, track)
         x, y = track[min(cycles, HORIZON)]
@@ -75,7 +75,7 @@ class Interceptor:
             dx, dy = ball_x - x - vx * coasted[cycles], ball_y - y - vy * coasted[cycles]
             far = math.hypot(dx, dy)
             if far - kickable > dashed[cycles]:
-                continue  # not even without a turn
+                continue  # out of reach even without a turn
             bearing = math.atan2(dy, dx)
             heading, turns = self._turned(player, bearing, cycles)
             reach = dashed[cycles - turns]

@@ -21,8 +21,8 @@ def off_place(p: KeepawayParameters, distance: float, direction: float) -> float
 
     Args:
         p: the mechanics.
-        distance: between the centers, m.
-        direction: of the ball relative to the body, rad on [-pi, pi].
+        distance: distance between the centers, m.
+        direction: direction of the ball relative to the body, rad on [-pi, pi].
     """
     away = max(distance - p.contact, 0.0) / p.kickable_margin
     return 0.25 * abs(direction) / math.pi + 0.25 * away

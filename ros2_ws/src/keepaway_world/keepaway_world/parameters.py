@@ -37,12 +37,12 @@ class KeepawayParameters(Parameters):
 
     Attributes:
         keepers, takers: number of players in each team.
-        width, height: of the box, which is centered on the origin, m.
-        taker_speed: factor on the power of the takers' dashes (the paper: a quarter), known to
-            them.
-        taker_policy: "intercept": go where the ball can first be reached, seeing all exactly; or
-            what another package offers, see `keepaway_world.players`. The memory of such takers
-            is not part of a snapshot.
+        width, height: size of the box, which is centered on the origin, m.
+        taker_speed: factor on the power of the takers' dashes (the paper: a quarter); the takers
+            know it.
+        taker_policy: "intercept": takers see everything exactly and go where they can first reach
+            the ball. Other packages offer more policies, see `keepaway_world.players`; the memory
+            of their takers is not part of a snapshot.
         ball_collides: whether players collide with the ball (the paper: they cannot).
         players_collide: whether players collide with each other.
         sight: "quantised" as a player of rcssserver sees, or "full": exact.

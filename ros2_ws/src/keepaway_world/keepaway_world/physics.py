@@ -35,8 +35,8 @@ class Mover:
     """The ball or a player.
 
     Attributes:
-        name, kind: of the body; kind is such as "ball", "keeper" or "taker".
-        x, y: center, m.  heading: of the body, rad; a ball has none.
+        name, kind: the body's name and kind; the kind is such as "ball", "keeper" or "taker".
+        x, y: center, m.  heading: direction of the body, rad; a ball has none.
         vx, vy: velocity after decay, m/cycle.
         ax, ay: acceleration from this cycle's commands, m/cycle².
     """
@@ -68,8 +68,8 @@ class Physics:
     Args:
         parameters: mechanics, counts of players, noise.
         random: source of all noise; the same draws give the same motion.
-        names: of the keepers and the takers, as many as in the parameters; what stands before the
-            first "_" is their kind.
+        names: names of the keepers and the takers, as many as in the parameters. The part before
+            the first "_" is the kind.
     """
 
     def __init__(

@@ -23,7 +23,7 @@ INTERCEPT = "intercept"
 
 
 class Takers(Protocol):
-    """Decide for all takers of a world."""
+    """The policy of all takers of a world."""
 
     def begin(self) -> None:
         """Begin an episode."""
@@ -33,7 +33,7 @@ class Takers(Protocol):
 
 
 def takers_of(physics: Physics, own: Callable[[Physics], Takers] = TakerTeam) -> Takers:
-    """Return the takers that the world's parameters name; ``own`` are those of the game.
+    """Return the takers that the world's parameters name; ``own`` are the game's own takers.
 
     Raises:
         ParameterError: if no installed package offers them.
@@ -47,7 +47,7 @@ def offered(group: str, name: str) -> Any:
     """Return the players that an installed package offers.
 
     Raises:
-        ParameterError: if none offers this.
+        ParameterError: if no installed package offers this name.
     """
     there = {point.name: point for point in entry_points(group=group)}
     if name not in there:

@@ -83,7 +83,7 @@ class Referee:
         return None
 
     def crossed(self, ball: Mover) -> str:
-        """Return why a ball in this place ends the episode; "" if it does not."""
+        """Return why a ball in this place ends the episode; "" if the episode continues."""
         out = abs(ball.x) >= self._half_width or abs(ball.y) >= self._half_height
         return OUT if out else ""
 
@@ -91,7 +91,7 @@ class Referee:
         """Note that a taker has tried to catch the ball, which keepaway does not allow."""
 
     def measures(self, ended: str) -> dict[str, float]:
-        """Return the figures of the episode so far; ``ended``: why it has ended, if it has."""
+        """Return the measures of the episode so far; ``ended`` is its end's reason, or ""."""
         return {"passes": float(self.passes)}
 
     def finds_stuck(self, ball: Mover) -> bool:

@@ -1,4 +1,4 @@
-"""Rules that differ between games on the same field: players, beginning and end."""
+"""The rules in which games on the same field differ: players, beginning and end."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ class Rules:
     """The rules of a game.
 
     Attributes:
-        name: of the world and its domain.
-        looks: of the players, by kind.
-        measures: of an episode.
-        referee: ends episodes.
-        takers: the opponents, which are part of the world.
+        name: name of the world and its domain.
+        looks: looks of the players, by kind.
+        measures: measures of an episode.
+        referee: creates the referee, which ends episodes.
+        takers: creates the opponents, which are part of the world.
         set_up: puts everything in its initial position.
-        names: of the players; see `Physics`.
+        names: names of the players; see `Physics`.
         marks: further things for viewers, such as a goal.
-        center: of the field on an rcssserver: its x there, m.
-        stops: why an episode ends when an rcssserver stops a match, by how its word for that
-            begins, such as "goal_l"; empty if the server itself plays this game.
+        center: x coordinate of the field's center on an rcssserver, m.
+        stops: reasons for the end of an episode when an rcssserver stops a match, by the beginning
+            of the server's play mode, such as "goal_l"; empty if the server plays this game.
     """
 
     name: str

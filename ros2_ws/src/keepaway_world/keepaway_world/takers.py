@@ -1,4 +1,4 @@
-"""The takers: each goes where it first reaches the ball, and holds a ball within its reach.
+"""The takers: each goes where it can first reach the ball, and holds a ball within its reach.
 
 Modeled on the UT Austin keepaway players (Stone et al.) on the real simulator: the taker closest
 to the ball stops it and holds it if it can kick; the others wait if a teammate has it; otherwise

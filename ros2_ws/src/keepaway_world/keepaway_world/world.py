@@ -38,13 +38,13 @@ class KeepawayWorld(EpisodicWorld):
     and actions. The takers are part of the world.
 
     Args:
-        parameters: of the game; the paper's by default.
-        seed: of the run. Episode i draws from a generator seeded by both, so that it can be
-            replayed by itself.
+        parameters: the game's parameters; the paper's by default.
+        seed: the run's seed. Episode i draws from a generator seeded with it and i, so that any
+            episode can be replayed by itself.
         rules: players, beginning and end of an episode.
 
     Raises:
-        ParameterError: if there are no takers as the parameters name them.
+        ParameterError: if no package offers the takers that the parameters name.
     """
 
     cycle_seconds = 0.1
@@ -69,7 +69,7 @@ class KeepawayWorld(EpisodicWorld):
         self.reset(0)
 
     def reset(self, episode: int | None = None, seed: int | None = None) -> None:
-        """Begin the given episode, or the next one, of the given run, or of this one."""
+        """Begin the next episode of this run, or the given episode of the given run."""
         self.begin_episode(episode, seed)
         self._said.clear()
         self._heard.clear()
@@ -159,7 +159,7 @@ class KeepawayWorld(EpisodicWorld):
         """Put players or the ball somewhere else; nothing is placed if anything is refused.
 
         Raises:
-            WorldError: naming what does not exist or is impossible.
+            WorldError: naming a thing that does not exist, or an impossible place or speed.
         """
         placements = list(placements)
         places = placed(placements, self._movers)
@@ -185,8 +185,8 @@ class KeepawayWorld(EpisodicWorld):
         """Restore a state that `snapshot` returned.
 
         Raises:
-            WorldError: if it is of another kind of world, has other parameters, or is damaged;
-                nothing has changed.
+            WorldError: if the snapshot is damaged, or of a world of another kind or other
+                parameters; nothing has changed then.
         """
         with snapshots.reading(snapshot, self, SNAPSHOT_VERSION) as moment:
             places = {m.name: _place(snapshot["movers"][m.name]) for m in self._physics.movers}

@@ -14,7 +14,7 @@ NOISELESS = {"movement_noise": 0.0, "kick_noise": 0.0, "turn_noise": 0.0}
 
 @pytest.fixture
 def quiet():
-    """Make a world without noise, with full sight unless told otherwise."""
+    """Make a world without noise, with full sight unless parameters are given."""
 
     def make(**figures):
         return KeepawayWorld(variant("paper", **{**NOISELESS, "sight": "full", **figures}), seed=1)

@@ -87,7 +87,7 @@ def test_placing_moves_what_is_named_and_keeps_what_is_not_given():
 def test_nothing_is_placed_if_anything_is_refused():
     for placement, message in [
         (Placement("goalie", 0.0, 0.0), 'nothing is called "goalie"'),
-        (Placement("ball", math.inf, 0.0), "ball: a figure is infinite"),
+        (Placement("ball", math.inf, 0.0), "ball: a value is infinite"),
         (Placement("ball", 0.0, -1e308), r"ball: \(0, -1e\+308\) m is beyond 1000 m"),
         (Placement("keeper_1", vx=30.0), "keeper_1: a speed of 30.00 m/s"),
     ]:

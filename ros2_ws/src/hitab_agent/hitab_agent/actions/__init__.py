@@ -1,6 +1,6 @@
-"""ROS actions: as basic behaviors of an agent, and one by which it offers its own behaviors.
+"""ROS actions: those that are basic behaviors of an agent, and the one that an agent offers.
 
-Few agents have any, so they are loaded on demand: rclpy's take a while.
+Few agents use actions, and rclpy takes a while to import them, so they are loaded on demand.
 """
 
 import lazy_loader

@@ -1,4 +1,4 @@
-"""Carries out the basic behaviors of an agent that are actions."""
+"""Action clients: they carry out those basic behaviors of an agent that are ROS actions."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ from hitab_core import (
 from hitab_ros import GuardedNode, names, qos
 
 GOAL_PERIOD_S = 0.1
-"""How often the goals are looked after, s."""
+"""Time between two checks of the goals, s."""
 
 
 class ActionClients:
     """Sends and cancels the goals of one agent, never waiting for an answer.
 
-    A server has at most one goal of the agent: while it still cancels one, the next one waits.
-    Each failure is a fault of the agent until the server takes another goal of the same behavior,
-    or the agent performs something else.
+    A server has at most one goal of the agent: the next goal waits until the server has ended the
+    canceled one. Each failure is a fault of the agent until the server accepts another goal of the
+    same behavior, or the agent performs something else.
     """
 
     def __init__(
@@ -50,12 +50,12 @@ class ActionClients:
         """Create a client for each action.
 
         Args:
-            node: of the agent.
+            node: the agent's node.
             agent: the agent; its domain was checked with `check_actions`.
-            scheduler: of its process.
+            scheduler: the scheduler of the agent's process.
             limits: how long to wait for servers, and for the agent.
-            memory: names the goals that servers have, for them to be canceled should this process
-                be killed.
+            memory: stores the identities of sent goals. If this process is killed, the next one
+                reads them and cancels the goals.
         """
         self._node = node
         self._agent = agent
@@ -63,7 +63,7 @@ class ActionClients:
         self._servers: dict[tuple[str, str], Server] = {}
         self._failed_in: dict[str, tuple[str, ...]] = {}
         self._held = False
-        self._told: list[KeyValue] = []
+        self._published: list[KeyValue] = []
         self._publisher = node.create_publisher(DiagnosticStatus, names.GOALS, qos.LATCHED)
         for behavior in action_behaviors(agent.domain):
             key = _key(behavior)
@@ -81,7 +81,7 @@ class ActionClients:
         scheduler.every(GOAL_PERIOD_S, self.look, node.guard)
 
     def _remembered(self, action: str) -> list[bytes]:
-        """Return the goals that a killed process had; what is damaged is left out."""
+        """Return the identities of a killed process's goals, except damaged ones."""
         found = []
         for goal in self._memory.values.get("goals", []):
             with suppress(TypeError, ValueError):
@@ -92,7 +92,7 @@ class ActionClients:
     # -- for the engine ---------------------------------------------------------------------
 
     def begin(self, call: ActionCall) -> None:
-        """Send the goal of a call, as soon as the server can get it."""
+        """Send the goal of a call as soon as its server can take it."""
         behavior = call.behavior
         message = action_type(behavior.action_type).Goal()
         try:
@@ -113,7 +113,7 @@ class ActionClients:
                 goal.leave()
 
     def failed(self, call: ActionCall) -> None:
-        """Show a failure as a fault, or clear that of an earlier call."""
+        """Show a failure as a fault, or clear the fault of an earlier call."""
         fault, faults = f"action {call.behavior.name}", self._node.guard.faults
         if call.why and not call.left:
             text = f'{self._agent.name}: "{call.use}" failed: {call.why}'
@@ -125,25 +125,25 @@ class ActionClients:
             faults.clear(fault)
 
     def hold(self, *, held: bool) -> None:
-        """Cancel the goals since the robot has to stand still, or send them anew."""
+        """Cancel the goals while the robot has to stand still (``held``), then send them again."""
         if held is self._held:
             return  # only the reason has changed
         self._held = held
         for goal in self._goals if held else ():
             if goal.is_sent and goal.call.is_open:
                 goal.leave()
-                self.begin(goal.call)  # it waits
+                self.begin(goal.call)  # the new goal waits until the robot may act
         self.look()
 
     @property
     def at_rest(self) -> bool:
-        """Whether no server carries out a goal of this agent."""
+        """Whether no server is carrying out a goal of this agent."""
         return not any(goal.is_sent for goal in self._goals)
 
-    # -- looking after the goals --------------------------------------------------------------
+    # -- checking the goals -------------------------------------------------------------------
 
     def look(self) -> None:
-        """Look after all goals; call this a few times a second."""
+        """Check all goals; call this a few times a second."""
         for key, server in self._servers.items():
             if server.goals:
                 self._look_at(key)
@@ -172,21 +172,21 @@ class ActionClients:
         return [goal for server in self._servers.values() for goal in server.goals]
 
     def _remember(self) -> None:
-        """Note which goals servers have, for a restart, and tell the robot's relay."""
+        """Store the sent goals for a restart, and publish them to the robot's relay."""
         goals = [[g.call.behavior.action, g.identity.hex()] for g in self._goals if g.identity]
-        noted = {"goals": goals}
-        self._node.guard.run("noting goals for a restart", self._memory.keep, noted)
-        told = [KeyValue(key=self._node.resolve_service_name(a), value=i) for a, i in goals]
-        if told != self._told:
-            self._told = told
-            self._publisher.publish(DiagnosticStatus(name=self._agent.name, values=told))
+        stored = {"goals": goals}
+        self._node.guard.run("storing goals for a restart", self._memory.keep, stored)
+        values = [KeyValue(key=self._node.resolve_service_name(a), value=i) for a, i in goals]
+        if values != self._published:
+            self._published = values
+            self._publisher.publish(DiagnosticStatus(name=self._agent.name, values=values))
 
     @property
     def _doing(self) -> tuple[str, ...]:
         return self._agent.mode.value, self._agent.behavior
 
     def clear_if_past(self) -> None:
-        """Clear the faults of what the agent no longer performs."""
+        """Clear the faults of behaviors that the agent no longer performs."""
         for fault in [one for one, then in self._failed_in.items() if then != self._doing]:
             del self._failed_in[fault]
             self._node.guard.faults.clear(fault)
@@ -210,8 +210,7 @@ def check_actions(domain: Domain) -> None:
     """Check the types, names and fields of a domain's actions and of their feedback.
 
     Raises:
-        HitabError: naming the domain, the behavior or feature, and the field, for all that is
-            wrong.
+        HitabError: naming the domain and, for each error, the behavior or feature and the field.
     """
     behaviors = {behavior.name: behavior for behavior in action_behaviors(domain)}
     wrong = []

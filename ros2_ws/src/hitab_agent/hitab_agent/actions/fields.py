@@ -56,8 +56,8 @@ def put(message: Any, path: str, value: Any) -> None:
     """Set a field of a message.
 
     Args:
-        message: to change.
-        path: of the field, such as ``pose.header.frame_id``.
+        message: the message to change.
+        path: path of the field, such as ``pose.header.frame_id``.
         value: a number, boolean or text; a list; a message, or a mapping with its fields.
 
     Raises:
@@ -66,8 +66,8 @@ def put(message: Any, path: str, value: Any) -> None:
     parent, name, slot = _found(message, path)
     try:
         converted = _converted(slot, value)
-        # Messages do not check what they are set to unless they are made to do so, and a wrong
-        # type ends the process when the message is sent.
+        # By default a message does not check the values of its fields, and publishing one with a
+        # wrong type ends the process.
         setattr(type(parent)(check_fields=True), name, converted)
     except (AssertionError, TypeError, ValueError, OverflowError) as error:
         raise FieldError(f'"{path}" cannot be {value!r}: {error}') from None
@@ -78,7 +78,7 @@ def slot_of(kind: Any, path: str) -> Any:
     """Return the type of a field, as the package of the message describes it.
 
     Raises:
-        FieldError: naming what is missing, and what there is.
+        FieldError: naming the missing field, and the fields that exist.
     """
     return _found(kind(), path)[2]
 
@@ -106,7 +106,7 @@ def _found(message: Any, path: str) -> tuple[Any, str, Any]:
 
 
 def _converted(slot: Any, value: Any) -> Any:
-    """Return a value as a field of this type holds it; unsuitable values stay as they are."""
+    """Return a value converted to the type of a field; unsuitable values stay as they are."""
     if isinstance(slot, AbstractNestedType):
         if isinstance(value, str) or not isinstance(value, Iterable):
             raise TypeError("it must be a list")

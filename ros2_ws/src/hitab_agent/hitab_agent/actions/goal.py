@@ -1,4 +1,4 @@
-"""A goal of an action at its server, from waiting for the server to the result."""
+"""A goal of a ROS action, from waiting for the server to the result."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ _GOAL_OVER = (CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, CancelGoal.Response.ERR
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """How long to wait, s.
+    """Limits of waiting times, s.
 
     Attributes:
-        answer: for a server to appear, to take a goal, and to end a canceled one.
-        pulse: for the agent to act, before its goal is canceled; 0 for no limit.
+        answer: for a server to appear, to accept a goal, and to end a canceled goal.
+        pulse: for the agent's next tick; then its goal is canceled. 0 for no limit.
     """
 
     answer: float
@@ -38,10 +38,10 @@ class Server:
     """The server of an action, as its client sees it.
 
     Attributes:
-        client: of the action.
-        label: of the action, for people.
+        client: the action's client.
+        label: the action's name and type, for error texts.
         limits: how long to wait.
-        guard: of the agent's node.
+        guard: the guard of the agent's node.
         changed: called after each answer of the server.
         goals: present and future goals of the server.
     """
@@ -66,12 +66,12 @@ class _Stage(Enum):
 class Goal:
     """Carries out one `ActionCall`.
 
-    Callbacks may come long after the state was left, or entered anew: each belongs to its goal,
-    and a call that is over ignores them.
+    Callbacks may come long after the state was left or entered again. Each callback belongs to one
+    goal, and a call that is over ignores it.
 
     Attributes:
-        call: to carry out.
-        runs_on: why the server goes on with a canceled goal; empty if it does not.
+        call: the call to carry out.
+        runs_on: why the server continues a canceled goal; empty if it does not.
     """
 
     def __init__(
@@ -80,10 +80,10 @@ class Goal:
         """Wait for the server; `look` sends the goal.
 
         Args:
-            call: to carry out.
-            message: of the action's goal type.
-            server: of the action.
-            identity: of a goal that an earlier process has sent, which is to be canceled.
+            call: the call to carry out.
+            message: a message of the action's goal type.
+            server: the action's server.
+            identity: identity of a goal that an earlier process sent, to cancel it; else empty.
         """
         self.call = call
         self.runs_on = ""
@@ -103,7 +103,7 @@ class Goal:
 
     @property
     def is_sent(self) -> bool:
-        """Whether a server may carry it out."""
+        """Whether a server may be carrying out the goal."""
         return bool(self.runs_on) or self._stage not in (_Stage.WAITING, _Stage.ENDED)
 
     @property
@@ -117,7 +117,7 @@ class Goal:
         return self._stage not in (_Stage.ORPHANED, _Stage.ENDED)
 
     def look(self, *, free: bool) -> None:
-        """Send the goal once that is possible; fail or give up what takes too long.
+        """Send the goal once that is possible; fail or give up after too long a wait.
 
         Args:
             free: whether the server has no previous goal of this agent.
@@ -139,7 +139,7 @@ class Goal:
                 self._stage = _Stage.ENDED
 
     def leave(self) -> None:
-        """Cancel the goal; once it is accepted, if it is not yet."""
+        """Cancel the goal; if it is not accepted yet, as soon as it is."""
         self._is_left = True
         if self._stage is _Stage.WAITING:
             self._stage = _Stage.ENDED
@@ -214,9 +214,9 @@ class Goal:
             case GoalStatus.STATUS_SUCCEEDED:
                 self.call.succeed()
             case GoalStatus.STATUS_ABORTED:
-                self._fail(f"aborted the goal{_told(answer.result)}")
+                self._fail(f"aborted the goal{_details_of(answer.result)}")
             case GoalStatus.STATUS_CANCELED:
-                self._fail(f"had the goal canceled by another client{_told(answer.result)}")
+                self._fail(f"had the goal canceled by another client{_details_of(answer.result)}")
             case _:
                 self._fail("does not know the goal any more; was it restarted?")
         self._end()
@@ -234,7 +234,7 @@ class Goal:
         if answer.return_code in _GOAL_OVER:
             self._end()
         else:
-            self.runs_on = f"{self._server.label} refuses to cancel a goal, and goes on with it"
+            self.runs_on = f"{self._server.label} refuses to cancel a goal, and continues it"
             self._stage = _Stage.ENDED
             self._server.changed()
 
@@ -254,11 +254,11 @@ class Goal:
         self._stage = _Stage.ENDED
 
 
-def _told(result: Any) -> str:
+def _details_of(result: Any) -> str:
     """Return the texts and error codes of a result, such as a message for people."""
-    told = []
+    texts = []
     for name in result.get_fields_and_field_types():
         value = getattr(result, name)
         if value and (isinstance(value, str) or name == "error_code"):
-            told.append(f"{name}: {value}")
-    return f" ({'; '.join(told)})" if told else ""
+            texts.append(f"{name}: {value}")
+    return f" ({'; '.join(texts)})" if texts else ""

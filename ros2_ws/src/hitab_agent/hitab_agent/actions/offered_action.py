@@ -24,9 +24,9 @@ class _Goal:
     """A goal that is being carried out.
 
     Attributes:
-        handle: of the server.
+        handle: the server's handle of the goal.
         use: the performed behavior.
-        ended: gets the outcome, empty if it was canceled, and a message.
+        ended: receives the outcome (empty if the goal was canceled) and a message.
         path: the active states that were published last.
     """
 
@@ -39,8 +39,8 @@ class _Goal:
 class OfferedAction:
     """The server of an agent's action ``perform_until_done``.
 
-    It accepts every goal, since only a result can say why one is refused: such a goal is aborted
-    at once. The agent has one goal at a time; a new one replaces it.
+    The server accepts every goal, since only a result can carry a reason: a goal that must be
+    refused is aborted at once. The agent has one goal at a time; a new goal replaces it.
     """
 
     def __init__(
@@ -53,10 +53,10 @@ class OfferedAction:
         """Offer the action.
 
         Args:
-            node: of the agent.
+            node: the agent's node.
             agent: the agent.
             answered: called after a goal was accepted or refused.
-            rest: has the agent perform its commander's order or, without an order, nothing.
+            rest: makes the agent perform its commander's order or, without an order, nothing.
         """
         self._node = node
         self._agent = agent
@@ -149,5 +149,5 @@ class OfferedAction:
             goal.ended.set_result((outcome, message))
 
     def close(self) -> None:
-        """Take the offer back: the agent is shutting down."""
+        """Destroy the server: the agent is shutting down."""
         self._server.destroy()

@@ -1,4 +1,4 @@
-"""Connects all agents of a process to a world: one message of percepts in, one of actions out."""
+"""The link of a host's agents to a world: one message of percepts in, one of actions out."""
 
 from __future__ import annotations
 
@@ -20,15 +20,14 @@ from hitab_ros import GuardedNode, names, qos
 from hitab_ros.checks import too_far_ahead
 
 LATEST_ONLY_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-"""A host that was held up answers only the latest percepts."""
-
+"""A host that was delayed answers only the latest percepts."""
 
 CYCLE_FIELDS = ("stamp", "sequence", "cycle", "episode", "seed", "look", "lockstep", "restart")
 """Fields that all percepts of a cycle share."""
 
 
 class _Perceiver(NamedTuple):
-    """An agent's node, with what never raises: a failing agent does not affect the others."""
+    """An agent's node with its guarded methods: a failing agent does not affect the others."""
 
     node: AgentBase
     take_in: Callable[[Any], None]
@@ -53,11 +52,11 @@ class HostLink:
         """Create the publishers; no percepts arrive before `announce`.
 
         Args:
-            host: a node of the process, in the swarm's namespace or in its own one below it.
-            name: of the host, unique in the swarm.
+            host: a node of the process, in the swarm's namespace or in one of its own below it.
+            name: the host's name, unique in the swarm.
             world: name of the world.
-            outbox: of the process, held while all act.
-            orders: of the process.
+            outbox: the process's outbox, which is held while all act.
+            orders: the process's subscriptions to orders.
             swarm: identity of the agents' swarm; empty if none.
         """
         self._swarm = swarm
@@ -66,7 +65,7 @@ class HostLink:
         self._outbox = outbox
         self._gate = RoundGate(orders)
         self._perceivers: list[_Perceiver] = []
-        # The fields of a `msg.Percept` that agents read, without the checks when they are set.
+        # Has the fields of a `msg.Percept`, without the message's checks at each assignment.
         self._percept = SimpleNamespace()
         self._episode: tuple[int, int] | None = None
         self._actions = host.create_publisher(
@@ -78,7 +77,7 @@ class HostLink:
         self._answers = msg.ActionBatch(host=name)
 
     def add(self, node: AgentBase) -> None:
-        """Have an agent perceive and act from the next announcement on."""
+        """Make an agent perceive and act from the next announcement on."""
         take_in = node.guard.wrap("perceiving", node.take_in)
         answer = node.guard.wrap("acting", node.answer, otherwise=NO_ACTION)
         self._perceivers.append(_Perceiver(node, take_in, answer))
@@ -94,7 +93,7 @@ class HostLink:
         self._publish_roster()
 
     def _publish_roster(self, after: int = 0) -> None:
-        # The time of day, so that a restarted host has a higher number.
+        # The number is the time of day, so that a restarted host has a higher one.
         self._answers.roster = max(time.time_ns(), after + 1)
         self._rosters.publish(
             msg.HostRoster(
@@ -108,8 +107,8 @@ class HostLink:
     def _on_percepts(self, batch: msg.PerceptBatch) -> None:
         answers = self._answers
         if batch.roster != answers.roster:
-            # Meant for an earlier process of this name or, if the number is higher, for a roster
-            # that someone else has published in this host's name.
+            # The percepts are meant for an earlier process of this name or, if the number is
+            # higher, for a roster that another process has published in this host's name.
             if batch.roster > answers.roster and not too_far_ahead(batch.roster):
                 self._publish_roster(batch.roster)
             return
@@ -122,7 +121,7 @@ class HostLink:
         percept = self._percept
         for field in CYCLE_FIELDS:
             setattr(percept, field, getattr(batch, field))
-        # The world skips an answer that comes too late, and with it the restart it answered.
+        # The world skips late answers, and a host skips percepts: a restart may be in one of them.
         episode = (batch.seed, batch.episode)
         percept.restart |= self._episode is not None and episode != self._episode
         self._episode = episode
@@ -149,7 +148,7 @@ class HostLink:
         )
 
     def _answer(self, batch: msg.PerceptBatch, acting: Sequence[_Perceiver]) -> None:
-        """Have all agents that took in a percept of a batch act, and answer it."""
+        """Make all agents that took in a percept of the batch act, and send the answer."""
         answers, percept = self._answers, self._percept
         with self._outbox.held():
             done, counts = array("d"), array("I")

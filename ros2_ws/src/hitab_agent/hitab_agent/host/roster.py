@@ -1,4 +1,4 @@
-"""Which agents a host runs, as a file describes them."""
+"""The roster of a host: the file that lists its agents."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from hitab_core import HitabError
 
 @dataclass(frozen=True)
 class Entry:
-    """An agent to run: its name, the class of its node, the node's parameters and remappings."""
+    """An agent of the roster: its name, its node's class, and the node's parameters and remaps."""
 
     name: str
     node: type[AgentNode]
@@ -32,8 +32,8 @@ def read_roster(host: Node) -> list[Entry]:
     Raises:
         HitabError: if there is no such file, or it cannot be used.
     """
-    told = ParameterDescriptor(description="file that says which agents to run, and how")
-    path = Path(host.declare_parameter("roster", "", told).value)
+    description = ParameterDescriptor(description="file that lists the agents to run")
+    path = Path(host.declare_parameter("roster", "", description).value)
     try:
         entries = [_entry(**entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
         names = [entry.name for entry in entries]
@@ -54,7 +54,7 @@ def _entry(
     remap: Mapping[str, str] | None = None,
 ) -> Entry:
     if not isinstance(remap, dict | None):
-        raise TypeError(f"the names {remap!r} to use instead of others must be a mapping")
+        raise TypeError(f"the remappings {remap!r} must be a mapping from name to name")
     if not isinstance(name, str) or not isinstance(parameters, dict | None):
         raise TypeError(f"{name!r} must be a name, and its parameters {parameters!r} a mapping")
     return Entry(name, _node_class(node), parameters or {}, remap or {})
