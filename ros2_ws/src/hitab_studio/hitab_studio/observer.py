@@ -73,7 +73,7 @@ class Observer:
         viewing: agents that pages show; kept up to date by the caller.
         colors: of states, in the markers for other viewers.
         complain: called with a text and its `agent`, `session` and `error`, if there are any.
-        do: does something with the swarm in a thread; see `SwarmLink.do`.
+        ask: asks something of the swarm; see `SwarmLink.ask`.
         options: a person's choice of the robots' topics.
 
     Attributes:
@@ -90,7 +90,7 @@ class Observer:
         viewing: Viewing,
         colors: Mapping[str, int],
         complain: Callable[..., None],
-        do: Callable[..., Awaitable[Any]],
+        ask: Callable[..., Awaitable[Any]],
         options: Options | None = None,
     ) -> None:
         self.known = known
@@ -98,7 +98,7 @@ class Observer:
         self._link, self._agents, self._world = link, agents, world
         self._viewing = viewing
         self._complain = complain
-        self._do = do
+        self._ask = ask
         assert known.target is not None  # what is connected to
         target = known.target
         # Rebroadcasts the stop, because the process that issued it may already have exited.
@@ -169,7 +169,7 @@ class Observer:
                 self._agents,
                 agent,
                 self._events[agent],
-                self._do,
+                self._ask,
                 partial(self._learns, agent),
                 partial(self._complain, agent=agent),
             )
@@ -288,15 +288,16 @@ class Observer:
             at = known.stopped_at if known.emergency else time.time()
             self._know(emergency=stops, stopped_at=at)
 
-    def arm(self, agent: str) -> None:
-        """Let an agent's robot act again; to be called as a job.
+    async def arm(self, agent: str) -> None:
+        """Let an agent's robot act again.
 
         Raises:
             SwarmError: if it may not.
         """
-        self._stops.arm(f"{self._agents.prefix}/{agent}".strip("/"), ARM_S)
+        robot = f"{self._agents.prefix}/{agent}".strip("/")
+        await self._ask(lambda _: self._stops.arm.coroutine(robot, ARM_S), agent)
 
-    # -- recording; to be called as jobs ----------------------------------------------------
+    # -- recording --------------------------------------------------------------------------
 
     def start_recording(self, path: str, session: str = "") -> None:
         """Record all messages from now on.

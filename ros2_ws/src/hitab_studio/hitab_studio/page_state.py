@@ -15,6 +15,7 @@ from hitab_client.demonstrating import UnseenOutcomes, behavior_keys
 from hitab_core import natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
+from hitab_ros.call import Turns, blocking
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.field_frame import EMPTY, FieldFrame
@@ -288,28 +289,35 @@ class PageState:
 
     # -- doing ------------------------------------------------------------------------------
 
-    async def ask(self, job: Callable[[Connected], T], agent: str = "", *, needs: str = "") -> T:
-        """Have the link do something; the page is marked busy until the end.
+    async def ask(self, what: Callable[[Connected], Turns[T]], needs: str = "") -> T:
+        """Ask something of the swarm; the page is marked busy until the end.
 
         Args:
-            job: does it; with an agent, after all else that anybody asked of it.
-            agent: the concerned agent, if it is one alone.
-            needs: an agent or the world without which it cannot be done, if not that agent.
+            what: returns the coroutine that asks.
+            needs: an agent or the world without which it cannot be done.
 
         Raises:
             SwarmError: if it cannot be done.
         """
-        if self.player is not None:
-            raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
+        self.check_live()
         self.busy += 1
         try:
-            return await self.shared.link.do(job, agent, needs or agent)
+            return await self.shared.link.ask(what, needs)
         finally:
             self.busy -= 1
             self.touch()
 
-    async def ask_world(self, job: Callable[[WorldClient], T]) -> T:
-        """Have the link do something with the world.
+    def check_live(self) -> None:
+        """Refuse to act on the swarm while a recording is open.
+
+        Raises:
+            SwarmError: if one is.
+        """
+        if self.player is not None:
+            raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
+
+    async def ask_world(self, what: Callable[[WorldClient], Turns[T]]) -> T:
+        """Ask something of the world.
 
         Raises:
             SwarmError: if it does not answer, or refuses.
@@ -321,10 +329,19 @@ class PageState:
             raise SwarmError(REAL)
         if why := self.shared.generations.why_busy:
             raise SwarmError(why)
-        return await self.ask(lambda swarm: job(swarm.world), needs=names.WORLD)
+        return await self.ask(lambda swarm: what(swarm.world), names.WORLD)
 
-    async def ask_agent(self, job: Callable[[Connected, str], T]) -> T:
-        """Have the link do something with the agent, which this session holds from then on.
+    async def ask_agent(self, what: Callable[[Connected, str], Turns[T]]) -> T:
+        """Ask something of the agent, which this session holds from then on.
+
+        Raises:
+            SwarmError: if there is none, it does not answer, or another demonstrator holds it.
+        """
+        agent = self.take_agent()
+        return await self.ask(lambda swarm: what(swarm, agent), agent)
+
+    def take_agent(self) -> str:
+        """Hold the agent, to ask something of it; return its name.
 
         Raises:
             SwarmError: if there is none, it does not answer, or another demonstrator holds it.
@@ -336,13 +353,14 @@ class PageState:
             raise SwarmError(f"{agent} {absent.what}.")
         if why := self.shared.generations.why_busy:
             raise SwarmError(why)
+        self.check_live()
         self.hold(agent)
-        return await self.ask(lambda swarm: job(swarm, agent), agent)
+        return agent
 
-    async def request(self, verb: Callable[..., T], *given: Any, **fields: Any) -> T:
+    async def request(self, verb: blocking[Any, ..., T], *given: Any, **fields: Any) -> T:
         """Have a verb of the swarm's client done with the agent; see `ask_agent`."""
         return await self.ask_agent(
-            lambda swarm, agent: verb(swarm.agents, agent, *given, **fields)
+            lambda swarm, agent: verb.coroutine(swarm.agents, agent, *given, **fields)
         )
 
     def hold(self, agent: str) -> None:

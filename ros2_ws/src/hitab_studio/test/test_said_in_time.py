@@ -9,6 +9,7 @@ from hitab_msgs.msg import AgentStatus
 from hitab_client import Learned, SwarmError
 from hitab_core import Example
 from hitab_core.example import ExampleKind
+from hitab_ros.call import blocking
 from hitab_studio.actions import teaching
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.learned import Vocabulary
@@ -59,18 +60,20 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
     done: list[str] = []
     status = AgentStatus(agent=ONE, mode="training", training="Chase")
 
-    def command(agents: Any, world: Any, agent: str, behavior: str, **_: Any) -> None:
+    async def command(agents: Any, world: Any, agent: str, behavior: str, **_: Any) -> None:
         if behavior == "Stop":
             raise SwarmError("keeper_1 did not acknowledge the command within 2 s")
         done.append(behavior)
 
+    async def edit(*_: Any) -> None:
+        done.append("undo")
+
     async def use(session: PageState) -> None:
         async def ask_agent(job: Any) -> None:
-            agents = SimpleNamespace(_edit=lambda *_: done.append("undo"))
-            job(SimpleNamespace(agents=agents, world=None), ONE)
+            await job(SimpleNamespace(agents=SimpleNamespace(_edit=edit), world=None), ONE)
 
         monkeypatch.setattr(session, "ask_agent", ask_agent)
-        monkeypatch.setattr(teaching.demonstrating, "command", command)
+        monkeypatch.setattr(teaching.demonstrating, "command", blocking(command))
         requests, seen = RequestQueue(), asyncio.Event()
         performing = asyncio.create_task(
             requests.perform(session, lambda: requests.waiting or seen.set())

@@ -39,13 +39,17 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
         )
         link.start()
         try:
-            await asyncio.wait_for(link.do(done.append), 30.0)
+            await asyncio.wait_for(link.ask(done.append), 30.0)
         finally:
             await link.stop()
 
     with pytest.raises(SwarmError, match=r"Which one\?"):
         asyncio.run(ask())
     assert done == []
+
+
+async def its_link(swarm: Any) -> Any:
+    return swarm.link
 
 
 def test_a_studio_that_was_suspended_until_it_was_forgotten_connects_anew():
@@ -55,12 +59,12 @@ def test_a_studio_that_was_suspended_until_it_was_forgotten_connects_anew():
             link = SwarmLink(lambda: target, lambda _: None, lambda text, **_: None)
             link.start()
             try:
-                first = await link.do(lambda swarm: swarm.link)
+                first = await link.ask(its_link)
                 first._note_suspension(30.0)
                 deadline = time.monotonic() + 60.0
                 while time.monotonic() < deadline:
                     with contextlib.suppress(SwarmError):  # it is connecting
-                        if await link.do(lambda swarm: swarm.link) is not first:
+                        if await link.ask(its_link) is not first:
                             return True
                     await asyncio.sleep(0.05)
                 return False
@@ -177,8 +181,8 @@ def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_s
         assert not store.known.statuses
         assert f"hitab studio {ELSEWHERE}" in render("overlay", session)
         for ask in (
-            lambda swarm: swarm.agents.perform("keeper_1", ""),
-            lambda swarm: swarm.world.control("pause"),
+            lambda swarm: swarm.agents.perform.coroutine("keeper_1", ""),
+            lambda swarm: swarm.world.control.coroutine("pause"),
         ):
             with pytest.raises(SwarmError, match=f"{ELSEWHERE}, which was not started from here"):
                 await session.ask(ask)

@@ -19,21 +19,21 @@ async def pause(session: PageState, data: Data) -> None:
     """Pause or resume the world."""
     world = session.shared.store.known.world
     wanted = "resume" if world is not None and world.mode == PAUSED else "pause"
-    await session.ask_world(lambda world: world.control(wanted))
+    await session.ask_world(lambda world: world.control.coroutine(wanted))
 
 
 @action("step", repeats=True)
 async def step(session: PageState, data: Data) -> None:
     """Play some cycles, then pause."""
     cycles = int(data.get("cycles", 1))
-    await session.ask_world(lambda world: world.step(cycles, 5.0))
+    await session.ask_world(lambda world: world.step.coroutine(cycles, 5.0))
 
 
 @action("reset")
 async def reset(session: PageState, data: Data) -> None:
     """Begin a new episode."""
     _remember(session)
-    await session.ask_world(lambda world: world.control("reset"))
+    await session.ask_world(lambda world: world.control.coroutine("reset"))
 
 
 @action("pace")
@@ -41,11 +41,11 @@ async def pace(session: PageState, data: Data) -> None:
     """Set how fast the world runs: a factor of real time, or lockstep."""
     value = str(data["value"])
     if value == "lockstep":
-        await session.ask_world(lambda world: world.control("pace", pace="lockstep"))
+        await session.ask_world(lambda world: world.control.coroutine("pace", pace="lockstep"))
     else:
         factor = float(value)
         await session.ask_world(
-            lambda world: world.control("pace", pace="realtime", factor=factor)
+            lambda world: world.control.coroutine("pace", pace="realtime", factor=factor)
         )
 
 
@@ -73,19 +73,18 @@ async def place(session: PageState, data: Data) -> None:
         raise
 
 
-def _placed(world: WorldClient, things: Any) -> None:
+async def _placed(world: WorldClient, things: Any) -> None:
+    answer = await world.place.coroutine(things)
     if world.is_paused:
         # The agents must have seen it before the next command.
-        world.shown(world.place(things), 3.0)
-    else:
-        world.place(things)
+        await world.shown.coroutine(answer, 3.0)
 
 
-def paused(world: WorldClient) -> bool:
+async def paused(world: WorldClient) -> bool:
     """Pause the world; return whether it was running."""
-    if world.wait().mode == PAUSED:
+    if (await world.wait.coroutine()).mode == PAUSED:
         return False
-    world.control("pause")
+    await world.control.coroutine("pause")
     return True
 
 
@@ -134,7 +133,7 @@ async def snapshot_delete(session: PageState, data: Data) -> None:
 
 
 async def _snapshot(session: PageState, what: str, name: str = "") -> None:
-    answer = await session.ask_world(lambda world: world.snapshot(what, name))
+    answer = await session.ask_world(lambda world: world.snapshot.coroutine(what, name))
     session.shared.store.snapshots = tuple(answer.names)
 
 
@@ -142,8 +141,8 @@ async def go_there(session: PageState, things: Any) -> None:
     """Pause, and move everything to where it was at another time."""
     _remember(session)
 
-    def job(world: WorldClient) -> None:
-        paused(world)
-        _placed(world, things)
+    async def moved(world: WorldClient) -> None:
+        await paused(world)
+        await _placed(world, things)
 
-    await session.ask_world(job)
+    await session.ask_world(moved)

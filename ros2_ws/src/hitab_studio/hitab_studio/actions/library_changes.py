@@ -10,6 +10,7 @@ from hitab_client import SwarmError
 from hitab_client.cli_remedies import called
 from hitab_client.run_folder import libraries_of
 from hitab_core import BehaviorLibrary, Use, load_domain
+from hitab_studio.actions.recording import meanwhile_busy
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page_state import PageState
 from hitab_studio.swarm_link import Connected
@@ -69,13 +70,17 @@ async def change_library(
         )
     library = BehaviorLibrary(used[agent], load_domain(status.domain))
 
-    def job(swarm: Connected, _: str) -> list[tuple[str, str, bool]]:
-        what(library)
-        sharing = [name for name, folder in used.items() if folder == used[agent]]
-        return list(swarm.agents.reload([name for name in sharing if known.answers(name)]))
+    session.take_agent()
+    await meanwhile_busy(session, lambda: what(library))
+    sharing = [name for name, folder in used.items() if folder == used[agent]]
+    there = [name for name in sharing if known.answers(name)]
 
-    read = await session.ask_agent(job)
+    async def read_again(swarm: Connected, _: str) -> list[str]:
+        answers = [await it for it in swarm.agents.reloading(there)]
+        return [f"{name} keeps its library: {why}" for name, why, did in answers if not did]
+
+    refused = await session.ask_agent(read_again)
     session.close_dialog()
     session.tell(done)
-    if refused := [f"{name} keeps its library: {why}" for name, why, did in read if not did]:
+    if refused:
         raise SwarmError("; ".join(refused))

@@ -19,14 +19,20 @@ T = TypeVar("T")
 async def record(session: PageState, data: Data) -> None:
     """Record the run, or stop recording."""
     link, store = session.shared.link, session.shared.store
+
+    async def stop() -> str:
+        return link.observer.stop_recording()
+
+    async def start() -> None:
+        link.observer.start_recording(path, session.id)
+
     if store.known.recording:
-        path = await session.ask(lambda _: link.observer.stop_recording())
-        session.tell(f"Recorded to {path}")
+        session.tell(f"Recorded to {await session.ask(lambda _: stop())}")
     else:
         path = str(
             recordings.new_recording(store.known.target.swarm if store.known.target else "")
         )
-        await session.ask(lambda _: link.observer.start_recording(path, session.id))
+        await session.ask(lambda _: start())
     session.tab = "record"
 
 

@@ -90,7 +90,9 @@ async def versions(session: PageState, data: Data) -> None:
     newer = int(data.get("newer") or data["values"]["newer"])
     older = int(data.get("older") or data["values"]["older"])
     compared = await session.ask(
-        lambda swarm: swarm.agents.behavior(agent, name, version=newer, compare_with=older)
+        lambda swarm: swarm.agents.behavior.coroutine(
+            agent, name, version=newer, compare_with=older
+        )
     )
     session.compare = (f"{name}: version {older} → {newer}", compared)
 

@@ -53,5 +53,5 @@ async def release_robots(session: PageState, data: Data) -> None:
 async def arm(session: PageState, data: Data) -> None:
     """Let the robot of the agent act again."""
     link, agent = session.shared.link, session.agent
-    await link.do(lambda _: link.observer.arm(agent), needs=agent)
+    await link.observer.arm(agent)
     session.tell(f"{agent} may act")

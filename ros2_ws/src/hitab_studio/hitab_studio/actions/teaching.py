@@ -82,10 +82,10 @@ async def _commanded(session: PageState, behavior: str, seen: int, sequence: int
     seconds = ACKNOWLEDGE_SECONDS if sequence else TAKEN_SECONDS
     demonstrator = session.demonstrator
 
-    def job(swarm: Connected, agent: str) -> None:
+    async def sending(swarm: Connected, agent: str) -> None:
         nonlocal sent
         sent = True
-        demonstrating.command(
+        await demonstrating.command.coroutine(
             swarm.agents,
             swarm.world,
             agent,
@@ -100,7 +100,7 @@ async def _commanded(session: PageState, behavior: str, seen: int, sequence: int
         if session.lost is not None and session.unseen.there:
             raise SwarmError(f"{behavior} is left out: {session.lost.behavior} was not taken")
         session.lost = None
-        await session.ask_agent(job)
+        await session.ask_agent(sending)
         taken = True
     except SwarmError:
         known = session.shared.store.known

@@ -22,11 +22,11 @@ async def name_set(session: PageState, data: Data) -> None:
 async def due_earlier(session: PageState, data: Data) -> None:
     """Have the last command be due a little earlier than it is at present."""
     session.unseen.check(session.agent, "earlier")
-
-    def job(swarm: Connected, agent: str) -> str:
-        return put_earlier(swarm.agents, swarm.world, agent)
-
-    session.tell(await session.ask_agent(job))
+    session.tell(
+        await session.ask_agent(
+            lambda swarm, agent: put_earlier.coroutine(swarm.agents, swarm.world, agent)
+        )
+    )
 
 
 @action("retime", repeats=True)
@@ -38,9 +38,9 @@ async def retime(session: PageState, data: Data) -> None:
     except ValueError:
         raise SwarmError(f'"{text}" is not a number of seconds, such as 0.3.') from None
 
-    def job(swarm: Connected, agent: str) -> float:
-        swarm.agents.retime(agent, [number], ago)
-        examples = swarm.agents.training(agent).examples
+    async def retimed(swarm: Connected, agent: str) -> float:
+        await swarm.agents.retime.coroutine(agent, [number], ago)
+        examples = (await swarm.agents.training.coroutine(agent)).examples
         return next((e.ago for e in examples if e.number == number), ago)  # that of a cycle
 
-    session.tell(f"Example {number}: {await session.ask_agent(job):.2f} s ago")
+    session.tell(f"Example {number}: {await session.ask_agent(retimed):.2f} s ago")
