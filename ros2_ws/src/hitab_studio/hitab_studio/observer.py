@@ -55,8 +55,8 @@ class Viewing:
     """The agents and behaviors that pages show.
 
     Attributes:
-        focus: the agent that each session views; "" if none.
-        pages: sessions that are connected.
+        focus: the agent that each page views; "" if none.
+        pages: those that are connected.
     """
 
     focus: dict[str, str] = field(default_factory=dict)
@@ -72,7 +72,7 @@ class Observer:
         known: the state at first.
         viewing: agents that pages show; kept up to date by the caller.
         colors: of states, in the markers for other viewers.
-        complain: called with a text and its `agent`, `session` and `error`, if there are any.
+        complain: called with a text and its `agent`, `page` and `error`, if there are any.
         ask: asks something of the swarm; see `SwarmLink.ask`.
         options: a person's choice of the robots' topics.
 
@@ -250,7 +250,7 @@ class Observer:
             self._recorder.look()
             self._know(recorded=self._recorder.bag.count)
             if self._recorder.problem:
-                self._complain(self._recorder.problem, session=self._recording_page)
+                self._complain(self._recorder.problem, page=self._recording_page)
                 self.stop_recording()
 
     def _find_robots(self) -> None:
@@ -299,7 +299,7 @@ class Observer:
 
     # -- recording --------------------------------------------------------------------------
 
-    def start_recording(self, path: str, session: str = "") -> None:
+    def start_recording(self, path: str, page: str = "") -> None:
         """Record all messages from now on.
 
         Raises:
@@ -308,7 +308,7 @@ class Observer:
         if self._recorder is not None:
             raise SwarmError(f"already recording to {self._recorder.bag.path}")
         self._recorder = Recorder(self._link, path)
-        self._recording_page = session
+        self._recording_page = page
         self._know(recording=path, recorded=0)
 
     def stop_recording(self) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 from hitab_client import SwarmError, user_name
 from hitab_studio.launching import NONE
-from hitab_studio.page_state import PageState, StudioState
+from hitab_studio.page import Page, StudioState
 from hitab_studio.people import checked
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import said_message
@@ -50,7 +50,7 @@ class Studio:
         self.shared = shared = StudioState(link, startable)
         self.link = shared.link
         self.store = shared.store
-        self.sessions = shared.sessions
+        self.pages = shared.pages
         self.present = shared.present
         self.link.colors = self.store.palette.given
         self._orders: dict[str, tuple[int, int]] = {}
@@ -70,8 +70,8 @@ class Studio:
 
     # -- pages ------------------------------------------------------------------------------
 
-    def open(self, demonstrator: str = "") -> PageState:
-        """Return the session of a new page.
+    def open(self, demonstrator: str = "") -> Page:
+        """Return the page of a new page.
 
         Args:
             demonstrator: name of its person, as the browser has kept it; if it is none: the user
@@ -81,16 +81,16 @@ class Studio:
             name = checked(demonstrator)
         except SwarmError:
             name = user_name()
-        session = PageState(self.shared, secrets.token_urlsafe(16), name)
-        self.sessions[session.id] = session
-        return session
+        page = Page(self.shared, secrets.token_urlsafe(16), name)
+        self.pages[page.id] = page
+        return page
 
-    def close(self, session: PageState) -> None:
+    def close(self, page: Page) -> None:
         """Remove a page that has gone and finished its requests; release its agents."""
-        self.sessions.pop(session.id, None)
-        for agent in [agent for agent, by in self.shared.held.items() if by is session]:
+        self.pages.pop(page.id, None)
+        for agent in [agent for agent, by in self.shared.held.items() if by is page]:
             del self.shared.held[agent]
-        self.link.viewing.focus.pop(session.id, None)
+        self.link.viewing.focus.pop(page.id, None)
         self.store.touch()
 
     # -- moments ----------------------------------------------------------------------------
@@ -104,8 +104,8 @@ class Studio:
         if before.target is not None and known.target != before.target:
             self._close_dialogs(before.target)
         self._meet(known)
-        for session in self.sessions.values():
-            session.settle()
+        for page in self.pages.values():
+            page.settle()
         scene = known.shown
         moves = scene is not before.shown
         # The field shows what agents do in a paused world, too, and who does not answer.
@@ -125,28 +125,28 @@ class Studio:
         target = known.target
         if target is None or target.problem or not (known.agents or known.scene):
             return
-        for session in self.sessions.values():
-            session.messages.withdraw(_dialog_closed(target))
+        for page in self.pages.values():
+            page.messages.withdraw(_dialog_closed(target))
         place = (target.domain_id, target.swarm, target.folder)
         if self._place and place != self._place:
             self._orders.clear()
             self.shared.held.clear()
-            for session in self.sessions.values():
-                session.forget_agents()
+            for page in self.pages.values():
+                page.forget_agents()
         self._place = place
 
     def _close_dialogs(self, target: SwarmTarget) -> None:
         """Close what asks about a swarm that has gone."""
-        for session in self.sessions.values():
-            session.missing_targets = session.shown_numbers = None
-            if session.dialog and session.dialog["kind"] not in OF_NO_SWARM:
-                session.close_dialog()
-                session.tell(_dialog_closed(target), "note")
+        for page in self.pages.values():
+            page.missing_targets = page.shown_numbers = None
+            if page.dialog and page.dialog["kind"] not in OF_NO_SWARM:
+                page.close_dialog()
+                page.tell(_dialog_closed(target), "note")
 
-    def _complain(self, text: str, *, session: str = "", agent: str = "") -> None:
-        for page in self.sessions.values():
-            if session in ("", page.id) and agent in ("", page.agent):
-                page.tell(text, "bad")
+    def _complain(self, text: str, *, page: str = "", agent: str = "") -> None:
+        for one in self.pages.values():
+            if page in ("", one.id) and agent in ("", one.agent):
+                one.tell(text, "bad")
 
     def _new_orders(self, groups: Mapping[str, Any]) -> list[dict[str, Any]]:
         found = []
@@ -165,21 +165,21 @@ class Studio:
         return found
 
     def _spread(self, messages: Sequence[str]) -> None:
-        for session in self.sessions.values():
-            if session.player is None:
-                session.outgoing.extend(messages)
-                session.news.set()
+        for page in self.pages.values():
+            if page.player is None:
+                page.outgoing.extend(messages)
+                page.news.set()
 
     async def _play(self) -> None:
         """Advance the time of open recordings."""
         while True:
             await asyncio.sleep(REPLAY_SECONDS)
-            for session in list(self.sessions.values()):
+            for page in list(self.pages.values()):
                 try:
-                    if session.player is not None and session.player.advance(REPLAY_SECONDS):
-                        session.show_moment()
+                    if page.player is not None and page.player.advance(REPLAY_SECONDS):
+                        page.show_moment()
                 except Exception as error:
-                    session.stop_replay(error)
+                    page.stop_replay(error)
 
 
 def _dialog_closed(target: SwarmTarget) -> str:

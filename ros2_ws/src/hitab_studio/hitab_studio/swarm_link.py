@@ -81,7 +81,7 @@ class SwarmLink:
     Args:
         find: returns the swarm to connect to.
         tell: called with what is known, whenever that changes.
-        complain: called with an error, and the `session` or `agent` whose pages it concerns.
+        complain: called with an error, and the `page` or `agent` whose pages it concerns.
         choose: has a swarm be found from now on, by its run folder.
         options: a person's choice of the robots' topics.
 

@@ -13,7 +13,7 @@ import pytest
 from hitab_client.errors import SwarmError
 from hitab_client.recording import bag_file
 from hitab_studio.actions import REGISTERED_ACTIONS
-from hitab_studio.page import RequestQueue
+from hitab_studio.page_view import RequestQueue
 from hitab_studio.studio import Studio
 
 SECONDS = 60.0
@@ -210,13 +210,13 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
     """Else the agent would be free for others in the middle of it."""
     begun, released, done = asyncio.Event(), asyncio.Event(), []
 
-    async def first(session: Any, data: Any) -> None:
-        session.hold("keeper_1")
+    async def first(page: Any, data: Any) -> None:
+        page.hold("keeper_1")
         begun.set()
         await released.wait()
         done.append("first")
 
-    async def second(session: Any, data: Any) -> None:
+    async def second(page: Any, data: Any) -> None:
         done.append("second")
 
     monkeypatch.setitem(REGISTERED_ACTIONS, "first", first)
@@ -247,7 +247,7 @@ def asked_twice(monkeypatch: Any, name: str, *wanted: Any) -> list[Any]:
     async def run() -> None:
         begun = asyncio.Event()
 
-        async def do(session: Any, data: Any) -> None:
+        async def do(page: Any, data: Any) -> None:
             begun.set()
             done.append(data)
             await asyncio.sleep(0)

@@ -14,7 +14,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import swarm_finder
-from hitab_studio.page import perform
+from hitab_studio.page_view import perform
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Finder, SwarmTarget
 from hitab_studio.swarm_link import SwarmLink
@@ -175,17 +175,17 @@ def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_s
     stand_in.belong_to(ELSEWHERE)
 
     async def use(studio: Studio) -> None:
-        session, store = studio.open(), studio.store
+        page, store = studio.open(), studio.store
         await until(lambda: store.known.elsewhere == (ELSEWHERE,), "it is noticed")
         await until(lambda: store.known.scene is None, "its world is not shown")
         assert not store.known.statuses
-        assert f"hitab studio {ELSEWHERE}" in render("overlay", session)
+        assert f"hitab studio {ELSEWHERE}" in render("overlay", page)
         for ask in (
             lambda swarm: swarm.agents.perform.coroutine("keeper_1", ""),
             lambda swarm: swarm.world.control.coroutine("pause"),
         ):
             with pytest.raises(SwarmError, match=f"{ELSEWHERE}, which was not started from here"):
-                await session.ask(ask)
+                await page.ask(ask)
 
     in_a_studio(lambda: nodes, use)
 
@@ -218,13 +218,13 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
         )
         await until(lambda: store.known.target.choices == (choice,), "it is offered")
         assert store.known.scene is not None
-        session = studio.open()
-        session.choose(["keeper_1"])
-        session.look_at("keeper_1")
-        await perform(session, {"do": "swarm-choose", "name": "/red"})
+        page = studio.open()
+        page.choose(["keeper_1"])
+        page.look_at("keeper_1")
+        await perform(page, {"do": "swarm-choose", "name": "/red"})
         await until(lambda: store.known.target.swarm == "red", "it is shown")
         assert chosen == ["/red"]
-        assert (session.agent, session.chosen) == ("", [])
+        assert (page.agent, page.chosen) == ("", [])
         # Its world may be seen before it says that it is another swarm's.
         await until(lambda: not studio.present.frame, "no other world is shown")
         assert store.known.agents == ("a",)

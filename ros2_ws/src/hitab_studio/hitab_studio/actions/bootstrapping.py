@@ -9,7 +9,7 @@ from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.generations import Making
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 MOST_EPISODES = 1000
 LONGEST_NOTE = 200
@@ -17,49 +17,47 @@ LONGEST_NOTE = 200
 
 
 @action("generations-dialog")
-async def generations_dialog(session: PageState, data: Data) -> None:
+async def generations_dialog(page: Page, data: Data) -> None:
     """List the generations of a behavior, to make the next one or to go back."""
-    agent, training = str(data.get("agent") or session.agent), session.training
+    agent, training = str(data.get("agent") or page.agent), page.training
     behavior = str(data.get("name") or (training.name if training is not None else ""))
     if not behavior:
         raise SwarmError("There is nothing to make a generation from yet: begin a training first.")
-    session.close_dialog()
-    session.dialog = {"kind": "generations", "agent": agent, "behavior": behavior}
+    page.close_dialog()
+    page.dialog = {"kind": "generations", "agent": agent, "behavior": behavior}
 
 
 @action("generation-next")
-async def generation_next(session: PageState, data: Data) -> None:
+async def generation_next(page: Page, data: Data) -> None:
     """Make the next generation of what is being trained."""
-    agent, note = session.dialog["agent"], str(data["values"].get("note", "")).strip()
-    _begin(session, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
+    agent, note = page.dialog["agent"], str(data["values"].get("note", "")).strip()
+    _begin(page, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
 
 
 @action("generation-back")
-async def generation_back(session: PageState, data: Data) -> None:
+async def generation_back(page: Page, data: Data) -> None:
     """Go back to a generation: the team performs it again, and the training goes on from it."""
-    agent, behavior = session.dialog["agent"], session.dialog["behavior"]
+    agent, behavior = page.dialog["agent"], page.dialog["behavior"]
     version, discard = int(data["number"]), data["values"].get("discard") == "on"
-    _begin(session, data, lambda steps: steps.back(agent, behavior, version, discard))
+    _begin(page, data, lambda steps: steps.back(agent, behavior, version, discard))
 
 
 @action("generation-stop")
-async def generation_stop(session: PageState, data: Data) -> None:
+async def generation_stop(page: Page, data: Data) -> None:
     """Stop what is under way at the next episode; the training goes on."""
-    if (making := session.shared.generations.making) is not None:
+    if (making := page.shared.generations.making) is not None:
         making.is_to_end = True
 
 
-def _begin(session: PageState, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
-    known, agent = session.shared.store.known, session.dialog["agent"]
+def _begin(page: Page, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
+    known, agent = page.shared.store.known, page.dialog["agent"]
     text = str(data["values"].get("episodes", "")).strip()
     if not text.isdigit() or int(text) > MOST_EPISODES:
         raise SwarmError(f"Give a number of episodes up to {MOST_EPISODES}; 0: no score.")
-    if session.player is not None:
+    if page.player is not None:
         raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
     if not known.answers(agent):
         raise SwarmError(f"{agent} does not respond: wait until it answers again.")
-    session.hold(agent)
-    making = Making(agent, session.dialog["behavior"])
-    session.shared.generations.begin(
-        making, step, known, episodes=int(text), who=session.demonstrator
-    )
+    page.hold(agent)
+    making = Making(agent, page.dialog["behavior"])
+    page.shared.generations.begin(making, step, known, episodes=int(text), who=page.demonstrator)

@@ -8,20 +8,20 @@ from hitab_client import SwarmError
 from hitab_client.bootstrapping import Generations
 from hitab_studio import unavailable
 from hitab_studio.generations import known_generations
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.ui_remedies import told
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return what the dialog shows."""
-    agent, behavior = session.dialog["agent"], session.dialog["behavior"]
-    training, known, problem = session.training, Generations(), ""
+    agent, behavior = page.dialog["agent"], page.dialog["behavior"]
+    training, known, problem = page.training, Generations(), ""
     try:
-        known = known_generations(session.shared.store.known.target, agent, behavior)
+        known = known_generations(page.shared.store.known.target, agent, behavior)
     except SwarmError as error:
         problem = told(error)
-    off = problem or session.shared.generations.why_busy
-    next_off = unavailable.testing(session)
+    off = problem or page.shared.generations.why_busy
+    next_off = unavailable.testing(page)
     if training is None or training.name != behavior:
         next_off = (
             f"{behavior} is not being trained: train it further, or go back to a generation."
@@ -30,7 +30,7 @@ def context(session: PageState) -> dict[str, Any]:
         "generations": known.all,
         "best": known.best(),
         "problem": problem,
-        "mates": [a for a in session.agents if a != agent],
-        "back_off": off or unavailable.agent(session),
+        "mates": [a for a in page.agents if a != agent],
+        "back_off": off or unavailable.agent(page),
         "next_off": off or next_off,
     }

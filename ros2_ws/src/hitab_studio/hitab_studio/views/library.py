@@ -6,13 +6,13 @@ from typing import Any
 
 from hitab_core import automaton_as_text
 from hitab_studio.generations import have_generations
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    watched = session.watched
-    behavior = watched.behaviors.get(session.behavior)
+    watched = page.watched
+    behavior = watched.behaviors.get(page.behavior)
     text = ""
     if behavior is not None and behavior.automaton is not None:
         text = automaton_as_text(behavior.automaton, trees=False)
@@ -20,7 +20,7 @@ def context(session: PageState) -> dict[str, Any]:
         "trained": sorted(watched.vocabulary.trained),
         "behavior": behavior,
         "rules": text.splitlines(),
-        "generations": have_generations(session.shared.store.known.target, session.agent)
-        if session.agent
+        "generations": have_generations(page.shared.store.known.target, page.agent)
+        if page.agent
         else [],
     }
