@@ -1,5 +1,8 @@
 """People learn keys by heart: a key never comes to mean another behavior."""
 
+from types import SimpleNamespace
+from typing import Any
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -80,11 +83,9 @@ def test_a_file_of_keys_that_cannot_be_used_keeps_nobody_from_commanding(tmp_pat
 def test_in_training_its_own_name_is_no_command_and_chosen_behaviors_are_all():
     keys = Keys()
     all_of_them = [*ROBOT, "GoTo(A)", "Patrol"]
-    shown = keys.commandable(
-        "robot", all_of_them, {"GoTo", "Patrol"}, training="Patrol", states=["GoTo(goal)"]
-    )
+    patrol: Any = SimpleNamespace(name="Patrol", chosen=[], states=["GoTo(goal)"])
+    shown = keys.commandable("robot", all_of_them, {"GoTo", "Patrol"}, patrol)
     assert shown == [*ROBOT, "GoTo(A)", "GoTo(goal)", *FLAGS]
-    chosen = keys.commandable(
-        "robot", all_of_them, {"GoTo", "Patrol"}, training="Patrol", chosen=["TurnLeft", "Done"]
-    )
+    patrol.chosen = ["TurnLeft", "Done"]
+    chosen = keys.commandable("robot", all_of_them, {"GoTo", "Patrol"}, patrol)
     assert chosen == ["TurnLeft", *FLAGS]

@@ -1,4 +1,4 @@
-"""The state of a page in a browser, and of all pages together."""
+"""The state of a page in a browser."""
 
 from __future__ import annotations
 
@@ -7,12 +7,10 @@ import json
 import logging
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from hitab_client import Learned, SwarmError, Training, WorldClient
 from hitab_client.demonstrating import UnseenOutcomes, behavior_keys
-from hitab_core import natural
 from hitab_ros import names
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import Turns, blocking
@@ -22,85 +20,64 @@ from hitab_studio.field_frame import EMPTY, FieldFrame
 from hitab_studio.generations import GenerationMaker
 from hitab_studio.launching import NONE, Launcher
 from hitab_studio.notices import Notices
+from hitab_studio.page_parts import ExamplesTable, MissingTargets, ShownNumbers
 from hitab_studio.people import told_apart
 from hitab_studio.replay import ReplayPlayer
-from hitab_studio.scene import frame, roster, said_message
+from hitab_studio.scene import Palette, frame, roster, said_message
 from hitab_studio.swarm_link import Connected, SwarmLink
-from hitab_studio.swarm_store import SwarmStore
+from hitab_studio.swarm_state import SwarmState
 from hitab_studio.unanswered_command import UnansweredCommand
 
 T = TypeVar("T")
 
 NO_AGENT = AgentState()
+RECORDING = "This is a recording: close it first (Esc) to act on the swarm."
 CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
 REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
 
 
-@dataclass
-class MissingTargets:
-    """A commanded behavior that still needs targets, to be clicked in the field.
-
-    Attributes:
-        seen: the world's cycle that the page showed when it was commanded.
-    """
-
-    behavior: str
-    parameters: tuple[str, ...]
-    seen: int = 0
-    targets: tuple[str, ...] = ()
-
-
-@dataclass
-class ShownNumbers:
-    """A behavior with its targets, and its numbers by name."""
-
-    behavior: str
-    values: dict[str, float]
-
-
-@dataclass
-class ExamplesTable:
-    """How the table of examples is shown; `hidden` features have no column."""
-
-    automaton: str = ""
-    sort: str = "number"
-    descending: bool = False
-    text: str = ""
-    kind: str = ""
-    marked: set[int] = field(default_factory=set)
-    hidden: set[str] = field(default_factory=set)
-
-
 class StudioState:
-    """The state that all pages share, including the list of pages.
+    """The state that all pages share.
 
     Attributes:
         link: to the swarm.
-        store: the state of the swarm.
+        known: the state of the swarm.
+        version: raised with each change that pages show.
+        palette: the colors of states.
+        placements: where things were before they were placed, newest last, for undo.
+        snapshots: names of the world's snapshots.
         held: by agent, the page that holds it: no other page may command it.
+        pages: those that are open, by their ids.
         keys: which key commands which behavior.
+        present: the field as it is now.
         launcher: starts and stops swarms.
         generations: makes generations of what a team performs.
-        present: the field as it is now.
-        pages: the pages that are open, by their ids.
     """
 
     def __init__(self, link: SwarmLink, startable: Mapping[str, str] = NONE) -> None:
         self.link = link
-        self.store = SwarmStore()
-        self.launcher = Launcher(startable, self.store.touch)
-        self.generations = GenerationMaker(link, self.store.touch)
+        self.known, self.version = SwarmState(), 0
+        self.palette = Palette()
+        self.placements: list[dict[str, dict[str, float]]] = []
+        self.snapshots: tuple[str, ...] = ()
         self.held: dict[str, Page] = {}
-        self.keys = behavior_keys.Keys(behavior_keys.file())
-        self.present = FieldFrame(self.store.palette)
         self.pages: dict[str, Page] = {}
+        link.colors, link.pages = self.palette.given, self.pages
+        self.keys = behavior_keys.Keys(behavior_keys.file())
+        self.present = FieldFrame(self.palette)
+        self.launcher = Launcher(startable, self.touch)
+        self.generations = GenerationMaker(link, self.touch)
+
+    def touch(self) -> None:
+        """Say that something has changed."""
+        self.version += 1
 
 
 class Page:
     """The state of one page in one browser.
 
     Attributes:
-        shared: the state of all pages.
+        studio: the state of all pages.
         browser: identity of the browser, whose pages are the same person's; at first the page's.
         demonstrator: name of the person who commands; the reaction time is kept under it.
         name: the same, told apart from people of this name at other pages.
@@ -122,8 +99,8 @@ class Page:
         sent: the browser's present frame.
     """
 
-    def __init__(self, shared: StudioState, key: str, demonstrator: str) -> None:
-        self.shared = shared
+    def __init__(self, studio: StudioState, key: str, demonstrator: str) -> None:
+        self.studio = studio
         self.id = self.browser = key
         self.demonstrator = self.name = ""
         self.chosen: list[str] = []
@@ -162,9 +139,9 @@ class Page:
     def belong(self, browser: str) -> None:
         """Be a page of this browser; its pages hold agents together, under one name."""
         self.browser = browser
-        others = {page.name for page in self.shared.pages.values() if not self.is_same(page)}
+        others = {page.name for page in self.studio.pages.values() if not self.is_same(page)}
         self.name = told_apart(self.demonstrator, others)
-        self.shared.store.touch()
+        self.studio.touch()
 
     def is_same(self, page: Page) -> bool:
         """Whether another page is the same person's."""
@@ -173,28 +150,29 @@ class Page:
     # -- selection --------------------------------------------------------------------------
 
     @property
+    def moment(self) -> SwarmState:
+        """What is shown of the swarm: its state now, or at the moment of a recording."""
+        return self.studio.known if self.player is None else self.player.state
+
+    @property
     def status(self) -> Any:
         """The last status of the agent; in a replay, of that moment."""
-        if self.player is not None:
-            return self.player.recording.statuses(self.player.at).get(self.agent)
-        return self.shared.store.known.statuses.get(self.agent)
+        return self.moment.statuses.get(self.agent)
 
     @property
     def watched(self) -> AgentState:
         """The details of the viewed agent."""
-        return self.shared.store.known.watched.get(self.agent, NO_AGENT)
+        return self.studio.known.watched.get(self.agent, NO_AGENT)
 
     @property
     def training(self) -> Training | None:
         """The viewed agent's training, as published last."""
-        return self.shared.link.training(self.agent)
+        return self.studio.link.training(self.agent)
 
     @property
     def agents(self) -> Sequence[str]:
         """The page's agents: of the swarm, or of a recording."""
-        if self.player is not None:
-            return sorted(self.player.recording.statuses(self.player.at), key=natural)
-        return self.shared.store.known.agents
+        return self.moment.agents
 
     @property
     def is_training(self) -> bool:
@@ -204,12 +182,16 @@ class Page:
     @property
     def locked(self) -> bool:
         """Whether another demonstrator holds the agent."""
-        return not self.is_same(self.shared.held.get(self.agent, self))
+        return bool(self._held_by_others(self.agent))
+
+    def open_dialog(self, kind: str, **values: Any) -> None:
+        """Open a dialog about the agent, with the values of its template."""
+        self.dialog = {"kind": kind, "agent": self.agent, **values}
 
     def close_dialog(self) -> None:
         """Close the dialog, if one is open."""
         if self.dialog.get("kind") in ("new", "features"):
-            self.shared.link.probe(self.dialog["agent"], on=False)
+            self.studio.link.probe(self.dialog["agent"], on=False)
         self.dialog = {}
 
     def look_at(self, agent: str) -> None:
@@ -220,7 +202,6 @@ class Page:
             self.missing_targets = self.shown_numbers = None
             self.compare = None
             self.table = ExamplesTable()
-        self.shared.link.viewing.focus[self.id] = agent
         self.touch()
 
     def choose(self, names: list[str]) -> None:
@@ -243,13 +224,14 @@ class Page:
     def frame(self) -> bytes:
         """Return the frame that the page should show now."""
         if self.player is None:
-            return self.shared.present.frame
-        recording, at = self.player.recording, self.player.at
-        return frame(recording.scene(at), recording.doing(at), self.shared.store.palette)
+            return self.studio.present.frame
+        state = self.player.state
+        assert state.scene is not None  # a recording has one at each moment
+        return frame(state.scene, state.doing(), self.studio.palette)
 
     def layers(self) -> dict[str, bytes]:
         """Return the layers of real robots that the page should show now."""
-        robots = self.shared.store.known.robots
+        robots = self.studio.known.robots
         if robots is None or self.player is not None:
             return {}
         shown = ("map", "scans", f"camera {self.agent}")
@@ -265,16 +247,15 @@ class Page:
         if self.player is not None:
             self.show_moment()
         else:
-            self.outgoing.append(self.shared.present.roster or EMPTY)
+            self.outgoing.append(self.studio.present.roster or EMPTY)
         self.news.set()
 
     def show_moment(self) -> None:
         """Show the moment of the recording at which the page is."""
-        player = self.player
-        if player is None:
+        scene = self.moment.scene
+        if self.player is None or scene is None:
             return
-        scene = player.recording.scene(player.at)
-        self.outgoing.append(roster(scene, self.shared.store.palette))
+        self.outgoing.append(roster(scene, self.studio.palette))
         if scene.said:
             self.outgoing.append(said_message(scene))
         self.news.set()
@@ -299,22 +280,37 @@ class Page:
         Raises:
             SwarmError: if it cannot be done.
         """
-        self.check_live()
+        if self.player is not None:
+            raise SwarmError(RECORDING)
         self.busy += 1
         try:
-            return await self.shared.link.ask(what, needs)
+            return await self.studio.link.ask(what, needs)
         finally:
             self.busy -= 1
             self.touch()
 
-    def check_live(self) -> None:
-        """Refuse to act on the swarm while a recording is open.
-
-        Raises:
-            SwarmError: if one is.
-        """
+    @property
+    def world_off(self) -> str:
+        """Why nothing may be asked of the world; "" if it may be."""
+        known = self.studio.known
         if self.player is not None:
-            raise SwarmError("This is a recording: close it first (Esc) to act on the swarm.")
+            return RECORDING
+        if known.robots is not None:
+            return REAL
+        if known.world and (absent := absence(known, names.WORLD)):
+            return f"The world {absent.what}."
+        return self.studio.generations.why_busy
+
+    @property
+    def agent_off(self) -> str:
+        """Why nothing may be asked of the agent; "" if it may be."""
+        if self.player is not None:
+            return RECORDING
+        if not self.agent:
+            return CHOOSE_FIRST
+        if absent := absence(self.studio.known, self.agent):
+            return f"{self.agent} {absent.what}."
+        return self._held_by_others(self.agent) or self.studio.generations.why_busy
 
     async def ask_world(self, what: Callable[[WorldClient], Turns[T]]) -> T:
         """Ask something of the world.
@@ -322,13 +318,8 @@ class Page:
         Raises:
             SwarmError: if it does not answer, or refuses.
         """
-        known = self.shared.store.known
-        if self.player is None and known.world and (absent := absence(known, names.WORLD)):
-            raise SwarmError(f"The world {absent.what}.")
-        if known.robots is not None:
-            raise SwarmError(REAL)
-        if why := self.shared.generations.why_busy:
-            raise SwarmError(why)
+        if self.world_off:
+            raise SwarmError(self.world_off)
         return await self.ask(lambda swarm: what(swarm.world), names.WORLD)
 
     async def ask_agent(self, what: Callable[[Connected, str], Turns[T]]) -> T:
@@ -346,16 +337,10 @@ class Page:
         Raises:
             SwarmError: if there is none, it does not answer, or another demonstrator holds it.
         """
-        agent = self.agent
-        if not agent:
-            raise SwarmError(CHOOSE_FIRST)
-        if absent := absence(self.shared.store.known, agent):
-            raise SwarmError(f"{agent} {absent.what}.")
-        if why := self.shared.generations.why_busy:
-            raise SwarmError(why)
-        self.check_live()
-        self.hold(agent)
-        return agent
+        if self.agent_off:
+            raise SwarmError(self.agent_off)
+        self.hold(self.agent)
+        return self.agent
 
     async def request(self, verb: blocking[Any, ..., T], *given: Any, **fields: Any) -> T:
         """Have a verb of the swarm's client done with the agent; see `ask_agent`."""
@@ -369,11 +354,15 @@ class Page:
         Raises:
             SwarmError: if another demonstrator holds it.
         """
-        holder = self.shared.held.setdefault(agent, self)
-        if not self.is_same(holder):
-            raise SwarmError(
-                f"{agent} is being trained by {holder.name}; press Take over this agent first"
-            )
+        if why := self._held_by_others(agent):
+            raise SwarmError(why)
+        self.studio.held.setdefault(agent, self)
+
+    def _held_by_others(self, agent: str) -> str:
+        holder = self.studio.held.get(agent, self)
+        if self.is_same(holder):
+            return ""
+        return f"{agent} is being trained by {holder.name}; press Take over this agent first"
 
     # -- telling ----------------------------------------------------------------------------
 
@@ -396,7 +385,7 @@ class Page:
     def settle(self) -> None:
         """Withdraw the offer to send a lost command again once the agent has taken it."""
         lost = self.lost
-        if lost is not None and lost.is_taken(self.shared.store.known):
+        if lost is not None and lost.is_taken(self.studio.known):
             self.lost = None
             self.tell(f"{lost.agent} has taken {lost.behavior} after all")
 
@@ -409,12 +398,3 @@ class Page:
         """Send a message to the field."""
         self.outgoing.append(json.dumps(message))
         self.news.set()
-
-
-def nothing_in_training(page: Page) -> str:
-    """Return why what concerns a training cannot be done without one."""
-    if not page.agent:
-        return CHOOSE_FIRST
-    if page.is_training:  # its status arrives before its training
-        return f"What {page.agent} trains is not known yet: try again in a moment."
-    return f"{page.agent} is not training anything: begin a training."

@@ -214,7 +214,7 @@ class PageView:
         page = self._page
         page.drop_old_messages()
         self._count += 1
-        seen = (self._studio.store.version, page.version)
+        seen = (self._studio.version, page.version)
         training = page.training
         begun = time.monotonic()
         if page.version == self._seen[1] and training is self._training:

@@ -25,8 +25,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         return
     page.connected = True
     page.belong(socket.cookies.get(BROWSER, page.browser))
-    studio.store.touch()
-    studio.link.viewing.pages.add(key)
+    studio.touch()
     page.show_again()
     page.send({"t": "chosen", "names": page.chosen})
     sending = asyncio.create_task(_send(socket, page))
@@ -37,8 +36,7 @@ async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
         pass
     finally:
         page.connected = False
-        studio.link.viewing.pages.discard(key)
-        studio.store.touch()
+        studio.touch()
         sending.cancel()
 
 

@@ -26,17 +26,14 @@ OF_NO_SWARM = frozenset(
 """Dialogs that stay open when the swarm ends."""
 
 
-class Studio:
-    """Keeps the shared state up to date, and passes news to the pages.
+class Studio(StudioState):
+    """Keeps the state of all pages up to date, and passes news to the pages.
 
     Args:
         find: returns the swarm to connect to.
         startable: the swarms that pages may start, by name; what each is.
         choose: has another swarm be found from now on, by its run folder.
         options: a person's choice of the robots' topics.
-
-    Attributes:
-        shared: the state of all pages; the other attributes are parts of it.
     """
 
     def __init__(
@@ -46,13 +43,7 @@ class Studio:
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
     ) -> None:
-        link = SwarmLink(find, self._take, self._complain, choose, options)
-        self.shared = shared = StudioState(link, startable)
-        self.link = shared.link
-        self.store = shared.store
-        self.pages = shared.pages
-        self.present = shared.present
-        self.link.colors = self.store.palette.given
+        super().__init__(SwarmLink(find, self.take, self._complain, choose, options), startable)
         self._orders: dict[str, tuple[int, int]] = {}
         self._place: tuple[object, ...] = ()
         self._replays: asyncio.Task[None] | None = None
@@ -71,7 +62,7 @@ class Studio:
     # -- pages ------------------------------------------------------------------------------
 
     def open(self, demonstrator: str = "") -> Page:
-        """Return the page of a new page.
+        """Return the state of a new page.
 
         Args:
             demonstrator: name of its person, as the browser has kept it; if it is none: the user
@@ -81,24 +72,29 @@ class Studio:
             name = checked(demonstrator)
         except SwarmError:
             name = user_name()
-        page = Page(self.shared, secrets.token_urlsafe(16), name)
+        page = Page(self, secrets.token_urlsafe(16), name)
         self.pages[page.id] = page
         return page
 
     def close(self, page: Page) -> None:
         """Remove a page that has gone and finished its requests; release its agents."""
         self.pages.pop(page.id, None)
-        for agent in [agent for agent, by in self.shared.held.items() if by is page]:
-            del self.shared.held[agent]
-        self.link.viewing.focus.pop(page.id, None)
-        self.store.touch()
+        for agent in [agent for agent, by in self.held.items() if by is page]:
+            del self.held[agent]
+        self.touch()
 
     # -- moments ----------------------------------------------------------------------------
 
-    def _take(self, known: SwarmState) -> None:
+    def take(self, known: SwarmState) -> None:
         """Take what is known of the swarm now."""
-        before = self.store.known
-        self.store.take(known)
+        before, self.known = self.known, known
+        if known.revision != before.revision:
+            self.touch()
+        if known.target != before.target:
+            self.placements.clear()
+            self.snapshots = ()
+        if known.scene and before.scene and known.scene.episode != before.scene.episode:
+            self.placements.clear()  # that was another game
         if (known.target != before.target or known.shown is None) and self.present.roster:
             self._spread([self.present.clear()])
         if before.target is not None and known.target != before.target:
@@ -130,7 +126,7 @@ class Studio:
         place = (target.domain_id, target.swarm, target.folder)
         if self._place and place != self._place:
             self._orders.clear()
-            self.shared.held.clear()
+            self.held.clear()
             for page in self.pages.values():
                 page.forget_agents()
         self._place = place
@@ -154,14 +150,8 @@ class Studio:
             order = (group.epoch, group.sequence)
             if self._orders.get(name, (0, 0)) != order and group.order:
                 self._orders[name] = order
-                found.append(
-                    {
-                        "t": "order",
-                        "from": name,
-                        "order": group.order,
-                        "to": [member.name for member in group.subordinates],
-                    }
-                )
+                to = [member.name for member in group.subordinates]
+                found.append({"t": "order", "from": name, "order": group.order, "to": to})
         return found
 
     def _spread(self, messages: Sequence[str]) -> None:

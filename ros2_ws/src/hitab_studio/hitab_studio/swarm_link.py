@@ -12,15 +12,15 @@ import logging
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from hitab_client import RosLink, SwarmClient, SwarmError, Training, WorldClient
+from hitab_client import RosLink, SwarmError, Training
 from hitab_client.identity import STARTED_BY_HAND
 from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import Turns
-from hitab_studio.observer import Observer, Viewing
+from hitab_studio.observer import Connected as Connected
+from hitab_studio.observer import Observer
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
@@ -44,37 +44,6 @@ FAILURES = 50
 """Consecutive failed turns after which the link reconnects."""
 
 
-@dataclass
-class Connected:
-    """The swarm, as seen over ROS.
-
-    Attributes:
-        target: where it is.
-        spun: set for a moment whenever the node was spun.
-        asking: number of coroutines that wait.
-        ended: why nothing can be asked any more; "" if it can be.
-    """
-
-    target: SwarmTarget
-    link: RosLink
-    agents: SwarmClient
-    world: WorldClient
-    spun: asyncio.Event = field(default_factory=asyncio.Event)
-    asking: int = 0
-    ended: str = ""
-
-    @classmethod
-    def to(cls, target: SwarmTarget, link: RosLink) -> Connected:
-        """Return the swarm over this link."""
-        space, identity = target.namespace, target.identity
-        return cls(
-            target,
-            link,
-            SwarmClient(link, target.agents, prefix=space, identity=identity),
-            WorldClient(link, prefix=space, identity=identity, started_by_it=target.world),
-        )
-
-
 class SwarmLink:
     """Communicates with the swarm for all pages.
 
@@ -86,7 +55,8 @@ class SwarmLink:
         options: a person's choice of the robots' topics.
 
     Attributes:
-        viewing: agents that pages show.
+        pages: those that are open, by id: each with the `agent` that it views, and whether it is
+            `connected`.
         colors: of states, in the markers for other viewers.
     """
 
@@ -98,7 +68,7 @@ class SwarmLink:
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
     ) -> None:
-        self.viewing = Viewing()
+        self.pages: Mapping[str, Any] = {}
         self.colors: Mapping[str, int] = {}
         self._find = find
         self._tell = tell
@@ -268,17 +238,19 @@ class SwarmLink:
         why = "The connection was lost meanwhile: look whether it was done."
         try:
             self._observer = Observer(
-                link,
-                swarm.agents,
-                swarm.world,
+                swarm,
                 self._known,
-                self.viewing,
+                self.pages,
                 self.colors,
                 self._trouble,
                 self.ask,
                 self._options,
             )
-            give_signs_of_operator(link.node, target.namespace, lambda: self.viewing.pages)
+            give_signs_of_operator(
+                link.node,
+                target.namespace,
+                lambda: any(page.connected for page in self.pages.values()),
+            )
             self._connected = swarm
             await self._serve(target, swarm, self._observer)
             why = _gone(target)

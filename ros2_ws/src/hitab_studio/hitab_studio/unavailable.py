@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from jinja2.utils import markupsafe
 
+from hitab_client import SwarmError, Training
 from hitab_core import START
-from hitab_ros import names
-from hitab_studio.absence import absence
-from hitab_studio.page import CHOOSE_FIRST, REAL, Page
-
-RECORDING = "This is a recording: close it first (Esc)."
+from hitab_studio.page import CHOOSE_FIRST, Page
 
 
 def off(reason: str) -> markupsafe.Markup:
@@ -24,36 +21,13 @@ def off(reason: str) -> markupsafe.Markup:
 
 def world(page: Page) -> str:
     """Return why the world cannot be controlled."""
-    known = page.shared.store.known
-    if page.player is not None:
-        return RECORDING
-    if known.robots is not None:
-        return REAL
-    if known.world is None:
-        return "No world is up."
-    if absent := absence(known, names.WORLD):
-        return f"The world {absent.what}."
-    return page.shared.generations.why_busy
-
-
-def agent(page: Page) -> str:
-    """Return why the agent cannot be commanded."""
-    name, known = page.agent, page.shared.store.known
-    if page.player is not None:
-        return RECORDING
-    if not name:
-        return CHOOSE_FIRST
-    if absent := absence(known, name):
-        return f"{name} {absent.what}."
-    if page.locked:
-        return f"{page.shared.held[name].name} holds {name}: take it over first."
-    return page.shared.generations.why_busy
+    return page.world_off or ("" if page.studio.known.world else "No world is up.")
 
 
 def training(page: Page) -> str:
     """Return why keys that only mean something in a training do nothing."""
     kept = page.training is not None
-    if (why := agent(page)) or page.is_training or kept:
+    if (why := page.agent_off) or page.is_training or kept:
         return why
     return f"{page.agent} trains nothing: press Train… above the field to begin."
 
@@ -76,3 +50,23 @@ def testing(page: Page) -> str:
     if learned is not None and not any(e.state == START for e in learned.examples):
         return "There is nothing yet: command the behavior to begin with."
     return training(page)
+
+
+def training_of(page: Page) -> Training:
+    """Return the training of the page's agent.
+
+    Raises:
+        SwarmError: if there is none.
+    """
+    if page.training is None:
+        raise SwarmError(nothing_in_training(page))
+    return page.training
+
+
+def nothing_in_training(page: Page) -> str:
+    """Return why what concerns a training cannot be done without one."""
+    if not page.agent:
+        return CHOOSE_FIRST
+    if page.is_training:  # its status arrives before its training
+        return f"What {page.agent} trains is not known yet: try again in a moment."
+    return f"{page.agent} is not training anything: begin a training."

@@ -27,11 +27,11 @@ class OpenPage:
         self.studio = studio
         self.page: Page = studio.open()
         self.page.look_at(ROBOT)
-        studio.link.viewing.pages.add(self.page.id)
+        self.page.connected = True
 
     @property
     def known(self) -> Any:
-        return self.studio.store.known
+        return self.studio.known
 
     async def until(self, true: Callable[[], Any]) -> None:
         deadline = time.monotonic() + SECONDS
@@ -126,7 +126,7 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
         await page.until(lambda: page.stands(1.0, 0.0, 0.0))
         page.page.look_at("")
         await page.until(lambda: not robot.listeners("picture"))
-        page.studio.link.viewing.pages.discard(page.page.id)
+        page.page.connected = False
         await page.until(lambda: robot.listeners("odometry") == 1)  # the agent's
 
     at_a_page(robot, use)

@@ -39,7 +39,7 @@ WORDS = Vocabulary(
 def page(known: SwarmState, use: Any) -> Any:
     async def made() -> Any:
         page = Studio(lambda: SwarmTarget(0)).open()
-        page.shared.store.known = known
+        page.studio.known = known
         page.agent = ONE
         return await use(page)
 

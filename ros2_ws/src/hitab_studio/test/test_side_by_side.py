@@ -161,7 +161,7 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
 
     async def use(studio: Studio) -> None:
         looks, other = studio.open(), studio.open()
-        await until(lambda: studio.store.known.answers("keeper_2"), "it is there")
+        await until(lambda: studio.known.answers("keeper_2"), "it is there")
         other.look_at("keeper_1")
         looks.look_at("keeper_2")
         await until(lambda: other.watched.vocabulary.features, "the other agent answers")
@@ -192,10 +192,10 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
         page, other = studio.open(), studio.open()
         path = str(tmp_path / "run.mcap")
         studio.link.observer.start_recording(path, page.id)
-        await until(lambda: studio.store.known.recording == path, "it has begun")
+        await until(lambda: studio.known.recording == path, "it has begun")
         await until(lambda: page.messages.shown, "it was not told")
         assert "run.mcap ends here: No space left" in page.messages.shown[0].text
-        await until(lambda: not studio.store.known.recording, "it has ended")
+        await until(lambda: not studio.known.recording, "it has ended")
         assert not other.messages.shown
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
@@ -233,9 +233,9 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
         released.set()
         await asyncio.wait_for(performing, SECONDS)
         assert done == ["first"]
-        assert studio.shared.held == {"keeper_1": page}
+        assert studio.held == {"keeper_1": page}
         studio.close(page)
-        assert not studio.shared.held
+        assert not studio.held
 
     asyncio.run(run())
 

@@ -29,7 +29,7 @@ def shown(known: SwarmState, *panels: str, tab: str = "teach", agent: str = ONE)
 
     async def made() -> str:
         page = Studio(lambda: SwarmTarget(0)).open()
-        page.shared.store.known = known
+        page.studio.known = known
         page.agent, page.tab = agent, tab
         return "".join(render(panel, page) for panel in panels)
 
@@ -59,7 +59,7 @@ def in_a_studio(use: Callable[[Studio, Page], None]) -> None:
     async def made() -> None:
         studio = Studio(lambda: SwarmTarget(0))
         page = studio.open()
-        studio._take(SwarmState(UP, 1, statuses=hears(ONE)))
+        studio.take(SwarmState(UP, 1, statuses=hears(ONE)))
         use(studio, page)
 
     asyncio.run(made())
@@ -68,16 +68,16 @@ def in_a_studio(use: Callable[[Studio, Page], None]) -> None:
 def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
     def use(studio: Studio, page: Page) -> None:
         page.dialog = {"kind": "distribute", "name": "Chase", "agent": ONE}
-        studio._take(SwarmState(UP, 2, statuses=hears(ONE, "keeper_2")))
+        studio.take(SwarmState(UP, 2, statuses=hears(ONE, "keeper_2")))
         assert page.dialog, "its swarm is there"
-        studio._take(SwarmState(OVER, 3))
+        studio.take(SwarmState(OVER, 3))
         assert "dialog" not in render("dialog", page)
         closed = "The dialog was closed: keepaway is not there any more."
         assert closed in render("messages", page)
-        studio._take(SwarmState(UP, 4, statuses=hears(ONE)))
+        studio.take(SwarmState(UP, 4, statuses=hears(ONE)))
         assert closed not in render("messages", page), "it is there again"
         page.dialog = {"kind": "help"}
-        studio._take(SwarmState(UP, 4))
+        studio.take(SwarmState(UP, 4))
         assert page.dialog, "it is about no swarm"
 
     in_a_studio(use)
@@ -93,7 +93,7 @@ def test_a_refusal_is_shown_in_the_dialog_that_asked_for_it():
         monkeypatch.setitem(REGISTERED_ACTIONS, "refuses", refuses)
         monkeypatch.setitem(REGISTERED_ACTIONS, "nothing", nothing)
         page = Studio(lambda: SwarmTarget(0)).open()
-        page.shared.store.known = SwarmState(UP, statuses=hears(ONE))
+        page.studio.known = SwarmState(UP, statuses=hears(ONE))
         page.agent = ONE
         new = {"kind": "new", "agent": ONE, "resume": "", "name": "", "parameter": ""}
         caution = {"kind": "caution", "agent": ONE}
@@ -165,10 +165,10 @@ def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_no
             assert time.monotonic() < deadline, "the signs are heard"
             await asyncio.sleep(0.01)
         stand_in.alive = ()
-        while "nobody" not in studio.store.known.silent:
+        while "nobody" not in studio.known.silent:
             assert time.monotonic() < deadline, "what sends nothing else falls silent"
             await asyncio.sleep(0.01)
-        assert "world" not in studio.store.known.silent
+        assert "world" not in studio.known.silent
 
     async def run() -> None:
         studio = Studio(lambda: stand_in.target)

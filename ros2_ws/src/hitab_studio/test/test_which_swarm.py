@@ -175,10 +175,10 @@ def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_s
     stand_in.belong_to(ELSEWHERE)
 
     async def use(studio: Studio) -> None:
-        page, store = studio.open(), studio.store
-        await until(lambda: store.known.elsewhere == (ELSEWHERE,), "it is noticed")
-        await until(lambda: store.known.scene is None, "its world is not shown")
-        assert not store.known.statuses
+        page = studio.open()
+        await until(lambda: studio.known.elsewhere == (ELSEWHERE,), "it is noticed")
+        await until(lambda: studio.known.scene is None, "its world is not shown")
+        assert not studio.known.statuses
         assert f"hitab studio {ELSEWHERE}" in render("overlay", page)
         for ask in (
             lambda swarm: swarm.agents.perform.coroutine("keeper_1", ""),
@@ -195,9 +195,9 @@ def test_whom_no_command_has_started_or_who_was_named_is_shown(stand_in, nodes, 
     stand_in.belong_to(identity)
 
     async def use(studio: Studio) -> None:
-        await until(lambda: len(studio.store.known.statuses) == 2, "its agents")
-        await until(lambda: studio.store.known.scene, "its world")
-        assert studio.store.known.elsewhere == ()
+        await until(lambda: len(studio.known.statuses) == 2, "its agents")
+        await until(lambda: studio.known.scene, "its world")
+        assert studio.known.elsewhere == ()
 
     in_a_studio(lambda: replace(nodes, identity=identity or STARTED_BY_HAND), use)
 
@@ -211,22 +211,21 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
     chosen = []
 
     async def use(studio: Studio) -> None:
-        store = studio.store
-        await until(lambda: store.known.scene, "its world")
+        await until(lambda: studio.known.scene, "its world")
         targets.append(
             SwarmTarget(nodes.domain_id, "red", ("a",), 1, "", "red-0", choices=(choice,))
         )
-        await until(lambda: store.known.target.choices == (choice,), "it is offered")
-        assert store.known.scene is not None
+        await until(lambda: studio.known.target.choices == (choice,), "it is offered")
+        assert studio.known.scene is not None
         page = studio.open()
         page.choose(["keeper_1"])
         page.look_at("keeper_1")
         await perform(page, {"do": "swarm-choose", "name": "/red"})
-        await until(lambda: store.known.target.swarm == "red", "it is shown")
+        await until(lambda: studio.known.target.swarm == "red", "it is shown")
         assert chosen == ["/red"]
         assert (page.agent, page.chosen) == ("", [])
         # Its world may be seen before it says that it is another swarm's.
         await until(lambda: not studio.present.frame, "no other world is shown")
-        assert store.known.agents == ("a",)
+        assert studio.known.agents == ("a",)
 
     in_a_studio(lambda: targets[-1], use, chosen.append)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from hitab_msgs.msg import AgentStatus
 
@@ -118,18 +117,12 @@ class WordsOfAgents:
     def _asked(self, agent: str, status: AgentStatus) -> AgentVocabulary:
         told = self._agents.vocabulary(agent)
         targets = list(told.targets)
-        of_training: dict[str, Any] = {}
-        if _is_trained(status):
-            training = self._agents.training(agent)
+        training = self._agents.training(agent) if _is_trained(status) else None
+        if training is not None:
             targets += [p for p in training.parameters if p not in targets]
-            of_training = {
-                "training": training.name,
-                "chosen": training.chosen,
-                "states": training.states,
-            }
         behaviors = [b.name for b in told.behaviors]
         trained = {Use.parse(b.name).name for b in told.behaviors if b.trained}
-        there = self._keys.commandable(told.domain, behaviors, trained, **of_training)
+        there = self._keys.commandable(told.domain, behaviors, trained, training)
         keys = ((self._keys.of(told.domain, name), name) for name in there)
         return AgentVocabulary(
             told.domain,

@@ -6,15 +6,19 @@ them, today and tomorrow.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import yaml
 
 from hitab_client.run_folder import state_home
 from hitab_core import FLAGS, Use
 from hitab_core.library.durable_files import write_durably
+
+if TYPE_CHECKING:
+    from hitab_client.learned import Training
 
 KEYS = "1234567890qweiopsghjkcvm"
 """Keys of behaviors, in the order in which they are given; other keys have other meanings."""
@@ -82,10 +86,7 @@ class Keys:
         domain: str,
         behaviors: Sequence[str],
         trained: Container[str],
-        *,
-        training: str = "",
-        chosen: Collection[str] = (),
-        states: Collection[str] = (),
+        training: Training | None = None,
     ) -> list[str]:
         """Return what an agent can be commanded, in the order of the keys, which it gives.
 
@@ -93,16 +94,14 @@ class Keys:
             domain: of the agent.
             behaviors: of the agent, with parameters.
             trained: names of those that were trained.
-            training: name of the automaton that is being trained; "": none.
-            chosen: the behaviors chosen for it; empty for all.
-            states: its behaviors until now, such as ``GoTo(goal)``.
+            training: of the agent; its chosen behaviors are meant, or all if none were chosen.
         """
         there = in_order(behaviors, trained)
         self.give(domain, there)
-        if training:
-            bound = [state for state in states if state not in there]
-            there = [b for b in [*there, *bound] if Use.parse(b).name != training]
-            there = [b for b in chosen or there if b not in FLAGS]
+        if training is not None:
+            bound = [state for state in training.states if state not in there]
+            there = [b for b in [*there, *bound] if Use.parse(b).name != training.name]
+            there = [b for b in training.chosen or there if b not in FLAGS]
             self.give(domain, there)
         there.sort(key=lambda b: KEYS.index(key) if (key := self.of(domain, b)) else len(KEYS))
         return [*there, *FLAGS] if training else there

@@ -17,7 +17,7 @@ PAUSED = WorldState.PAUSED
 @action("pause")
 async def pause(page: Page, data: Data) -> None:
     """Pause or resume the world."""
-    world = page.shared.store.known.world
+    world = page.studio.known.world
     wanted = "resume" if world is not None and world.mode == PAUSED else "pause"
     await page.ask_world(lambda world: world.control.coroutine(wanted))
 
@@ -51,10 +51,10 @@ async def pace(page: Page, data: Data) -> None:
 
 def _remember(page: Page) -> None:
     """Remember all positions, for undo."""
-    store = page.shared.store
-    if store.known.scene is not None:
-        store.placements.append(store.known.scene.everything())
-        del store.placements[:-MOST_UNDO]
+    studio = page.studio
+    if studio.known.scene is not None:
+        studio.placements.append(studio.known.scene.everything())
+        del studio.placements[:-MOST_UNDO]
 
 
 @action("place", repeats=True)
@@ -68,7 +68,7 @@ async def place(page: Page, data: Data) -> None:
     try:
         await page.ask_world(lambda world: _placed(world, things))
     except SwarmError:
-        page.shared.store.placements.pop()
+        page.studio.placements.pop()
         page.show_again()
         raise
 
@@ -91,7 +91,7 @@ async def paused(world: WorldClient) -> bool:
 @action("unplace", repeats=True)
 async def unplace(page: Page, data: Data) -> None:
     """Undo the last placement."""
-    placements = page.shared.store.placements
+    placements = page.studio.placements
     if not placements:
         raise SwarmError("There is no placement to undo.")
     things = placements.pop()
@@ -134,7 +134,7 @@ async def snapshot_delete(page: Page, data: Data) -> None:
 
 async def _snapshot(page: Page, what: str, name: str = "") -> None:
     answer = await page.ask_world(lambda world: world.snapshot.coroutine(what, name))
-    page.shared.store.snapshots = tuple(answer.names)
+    page.studio.snapshots = tuple(answer.names)
 
 
 async def go_there(page: Page, things: Any) -> None:

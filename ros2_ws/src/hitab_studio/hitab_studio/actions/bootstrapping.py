@@ -45,12 +45,12 @@ async def generation_back(page: Page, data: Data) -> None:
 @action("generation-stop")
 async def generation_stop(page: Page, data: Data) -> None:
     """Stop what is under way at the next episode; the training goes on."""
-    if (making := page.shared.generations.making) is not None:
+    if (making := page.studio.generations.making) is not None:
         making.is_to_end = True
 
 
 def _begin(page: Page, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
-    known, agent = page.shared.store.known, page.dialog["agent"]
+    known, agent = page.studio.known, page.dialog["agent"]
     text = str(data["values"].get("episodes", "")).strip()
     if not text.isdigit() or int(text) > MOST_EPISODES:
         raise SwarmError(f"Give a number of episodes up to {MOST_EPISODES}; 0: no score.")
@@ -60,4 +60,4 @@ def _begin(page: Page, data: Data, step: Callable[[Bootstrapping], Any]) -> None
         raise SwarmError(f"{agent} does not respond: wait until it answers again.")
     page.hold(agent)
     making = Making(agent, page.dialog["behavior"])
-    page.shared.generations.begin(making, step, known, episodes=int(text), who=page.demonstrator)
+    page.studio.generations.begin(making, step, known, episodes=int(text), who=page.demonstrator)

@@ -120,7 +120,7 @@ async def situation(page: Page, data: Data) -> None:
     training = page.training
     found = [e for e in training.examples if e.number == number] if training else []
     scene = (
-        page.shared.store.known.moments.get((page.agent, training.name, number, found[0].cycle))
+        page.studio.known.moments.get((page.agent, training.name, number, found[0].cycle))
         if training is not None and found
         else None
     )

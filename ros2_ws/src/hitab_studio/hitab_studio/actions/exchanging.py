@@ -8,28 +8,19 @@ from hitab_client import SwarmClient, SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
-from hitab_studio.page import Page, nothing_in_training
+from hitab_studio.page import Page
 from hitab_studio.ui_remedies import told
+from hitab_studio.unavailable import training_of
 
 
 @action("features-dialog")
 async def features_dialog(page: Page, data: Data) -> None:
     """Ask which features to learn from."""
-    training = page.training
-    if training is None:
-        raise SwarmError(nothing_in_training(page))
-    page.dialog = {
-        "kind": "features",
-        "agent": page.agent,
-        "name": training.name,
-        "parameters": training.parameters,
-        "used": training.features,
-        "chosen": training.features,
-        "preview": None,
-        "change": None,
-        "problem": "",
-    }
-    page.shared.link.probe(page.agent, on=True)
+    training = training_of(page)
+    now, unseen = training.features, {"preview": None, "change": None, "problem": ""}
+    about = {"name": training.name, "parameters": training.parameters}
+    page.open_dialog("features", used=now, chosen=now, **about, **unseen)
+    page.studio.link.probe(page.agent, on=True)
 
 
 def _chosen(page: Page, values: Iterable[object]) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ async def ask(page: Page, data: Data) -> None:
     if page.status is None:
         raise SwarmError("Choose an agent of the recording first.")
     domain = named_domain(page.status.domain)
-    page.dialog = {"kind": "label", "agent": page.agent, "domain": domain}
+    page.open_dialog("label", domain=domain)
 
 
 @action("label")

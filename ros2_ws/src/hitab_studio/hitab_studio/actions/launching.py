@@ -11,7 +11,7 @@ from hitab_studio.page import Page
 async def swarm_start(page: Page, data: Data) -> None:
     """Start a swarm."""
     name = str(data["values"].get("swarm", ""))
-    launcher = page.shared.launcher
+    launcher = page.studio.launcher
     if name not in launcher.startable:
         raise SwarmError(f'"{name}" is not a swarm that can be started here.')
     launcher.run("up", name)
@@ -26,16 +26,16 @@ async def swarm_about(page: Page, data: Data) -> None:
 @action("swarm-choose")
 async def swarm_choose(page: Page, data: Data) -> None:
     """Show another swarm that is up, on all pages."""
-    target = page.shared.store.known.target
+    target = page.studio.known.target
     chosen = (
         next((c for c in target.choices if c.folder == data["name"]), None) if target else None
     )
     if chosen is None:
         raise SwarmError("That swarm is not up any more.")
-    if why := page.shared.generations.why_busy:
+    if why := page.studio.generations.why_busy:
         raise SwarmError(why)
-    page.shared.link.choose(chosen.folder)
-    for other in list(page.shared.pages.values()):
+    page.studio.link.choose(chosen.folder)
+    for other in list(page.studio.pages.values()):
         if other is not page:
             other.tell(f"{page.name} has chosen {chosen.swarm}", "note")
 
@@ -43,14 +43,14 @@ async def swarm_choose(page: Page, data: Data) -> None:
 @action("swarm-stop")
 async def swarm_stop(page: Page, data: Data) -> None:
     """Stop the swarm."""
-    target = page.shared.store.known.target
+    target = page.studio.known.target
     if target is None or not target.folder:
         raise SwarmError("No swarm is up that could be stopped.")
     page.close_dialog()
-    page.shared.launcher.run("down", target.swarm)
+    page.studio.launcher.run("down", target.swarm)
 
 
 @action("launch-dismiss")
 async def launch_dismiss(page: Page, data: Data) -> None:
     """Close what a failed start or stop has said."""
-    page.shared.launcher.dismiss()
+    page.studio.launcher.dismiss()

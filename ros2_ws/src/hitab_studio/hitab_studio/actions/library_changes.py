@@ -58,7 +58,7 @@ async def change_library(page: Page, what: Callable[[BehaviorLibrary], Any], don
             had read.
         LibraryError: if it cannot be changed so.
     """
-    agent, known = page.agent, page.shared.store.known
+    agent, known = page.agent, page.studio.known
     used = libraries_of(Path(known.target.folder)) if known.target is not None else {}
     status = known.statuses.get(agent)
     if status is None or agent not in used or agent in known.groups:

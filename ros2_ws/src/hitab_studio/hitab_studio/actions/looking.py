@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from hitab_studio import unavailable
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching import discard, give_target, targets_meant
 from hitab_studio.page import Page
@@ -101,7 +100,7 @@ async def ask(page: Page, data: Data) -> None:
     """Open a dialog that needs no more than a name."""
     kind, name = str(data["kind"]), str(data.get("name", ""))
     if kind in DIALOGS:
-        page.dialog = {"kind": kind, "agent": page.agent, "name": name}
+        page.open_dialog(kind, name=name)
 
 
 @action("close", repeats=True)
@@ -138,5 +137,5 @@ async def escape(page: Page, data: Data) -> None:
         page.lost = None
     elif page.table.marked:
         page.table.marked.clear()
-    elif page.is_training and not unavailable.agent(page):
+    elif page.is_training and not page.agent_off:
         await discard(page, data)

@@ -9,7 +9,7 @@ from typing import TypeVar
 from hitab_client import SwarmError
 from hitab_client.recording import recordings
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page
+from hitab_studio.page import RECORDING, Page
 from hitab_studio.replay import Recording, ReplayPlayer
 
 T = TypeVar("T")
@@ -18,21 +18,16 @@ T = TypeVar("T")
 @action("record")
 async def record(page: Page, data: Data) -> None:
     """Record the run, or stop recording."""
-    link, store = page.shared.link, page.shared.store
-
-    async def stop() -> str:
-        return link.observer.stop_recording()
-
-    async def start() -> None:
-        link.observer.start_recording(path, page.id)
-
+    link, store = page.studio.link, page.studio
+    if page.player is not None:
+        raise SwarmError(RECORDING)
     if store.known.recording:
-        page.tell(f"Recorded to {await page.ask(lambda _: stop())}")
+        page.tell(f"Recorded to {link.observer.stop_recording()}")
     else:
         path = str(
             recordings.new_recording(store.known.target.swarm if store.known.target else "")
         )
-        await page.ask(lambda _: start())
+        link.observer.start_recording(path, page.id)
     page.tab = "record"
 
 
@@ -67,7 +62,7 @@ async def delete(page: Page, data: Data) -> None:
 
 
 def _not_being_recorded(page: Page, name: str) -> None:
-    if page.shared.store.known.recording.endswith(f"/{name}"):
+    if page.studio.known.recording.endswith(f"/{name}"):
         raise SwarmError(f"{name} is being recorded: stop that first.")
 
 

@@ -6,8 +6,9 @@ from typing import Any
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page import Page, nothing_in_training
+from hitab_studio.page import Page
 from hitab_studio.ui_remedies import answered, told
+from hitab_studio.unavailable import training_of
 
 
 def _chosen(values: Any) -> dict[str, Any]:
@@ -27,16 +28,7 @@ def _chosen(values: Any) -> dict[str, Any]:
 @action("save-dialog")
 async def save_dialog(page: Page, data: Data) -> None:
     """Show what would be saved."""
-    training = page.training
-    if training is None:
-        raise SwarmError(nothing_in_training(page))
-    page.dialog = {
-        "kind": "save",
-        "agent": page.agent,
-        "training": training,
-        "preview": None,
-        "problem": "",
-    }
+    page.open_dialog("save", training=training_of(page), preview=None, problem="")
     await _preview(page, {})
 
 
@@ -70,7 +62,7 @@ async def save(page: Page, data: Data) -> None:
     page.dialog = {}
     page.tab = "library"
     page.behavior = name
-    page.shared.link.want(page.agent, name)
+    page.studio.link.want(page.agent, name)
     done = f"{answered(answer)}{left_out}".split("; ")
     page.tell("\n".join(done), "good" if len(done) == 1 else "note")
 
@@ -80,7 +72,7 @@ async def library(page: Page, data: Data) -> None:
     """View a behavior of the library."""
     page.behavior = str(data["name"]) if page.behavior != data["name"] else ""
     page.compare = None
-    page.shared.link.want(page.agent, str(data["name"]))
+    page.studio.link.want(page.agent, str(data["name"]))
 
 
 @action("versions")

@@ -19,7 +19,7 @@ async def stop_robots(page: Page) -> None:
     Raises:
         SwarmError: if they were not stopped.
     """
-    link, who = page.shared.link, page.demonstrator
+    link, who = page.studio.link, page.demonstrator
     try:
         there = link.observer.stop_robots(True, who, BUTTON)
     except SwarmError as error:
@@ -34,7 +34,7 @@ async def stop_robots(page: Page) -> None:
 @action("release-dialog")
 async def release_dialog(page: Page, data: Data) -> None:
     """Ask whether the robots may move again."""
-    known = page.shared.store.known
+    known = page.studio.known
     if known.is_stopped:
         page.close_dialog()
         page.dialog = {"kind": "release", "by": known.emergency.who}
@@ -43,7 +43,7 @@ async def release_dialog(page: Page, data: Data) -> None:
 @action("release-robots", urgent=True)
 async def release_robots(page: Page, data: Data) -> None:
     """Let the robots move again."""
-    link, who = page.shared.link, page.demonstrator
+    link, who = page.studio.link, page.demonstrator
     link.observer.stop_robots(False, who, "")
     page.close_dialog()
     page.tell("Released: simulated worlds go on, and each robot waits to be re-armed")
@@ -52,6 +52,6 @@ async def release_robots(page: Page, data: Data) -> None:
 @action("arm")
 async def arm(page: Page, data: Data) -> None:
     """Let the robot of the agent act again."""
-    link, agent = page.shared.link, page.agent
+    link, agent = page.studio.link, page.agent
     await link.observer.arm(agent)
     page.tell(f"{agent} may act")

@@ -16,16 +16,12 @@ from hitab_client import (
 from hitab_core import Use, with_numbers
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action, number_from
-from hitab_studio.page import (
-    CHOOSE_FIRST,
-    MissingTargets,
-    Page,
-    ShownNumbers,
-    nothing_in_training,
-)
+from hitab_studio.page import CHOOSE_FIRST, Page
+from hitab_studio.page_parts import MissingTargets, ShownNumbers
 from hitab_studio.swarm_link import Connected
 from hitab_studio.ui_remedies import answered
 from hitab_studio.unanswered_command import TAKEN_SECONDS, UnansweredCommand
+from hitab_studio.unavailable import nothing_in_training
 
 
 @action("command")
@@ -103,7 +99,7 @@ async def _commanded(page: Page, behavior: str, seen: int, sequence: int = 0) ->
         await page.ask_agent(sending)
         taken = True
     except SwarmError:
-        known = page.shared.store.known
+        known = page.studio.known
         status = known.statuses.get(agent)
         if not sent or status is None or is_answered(status, number):
             raise
@@ -140,7 +136,7 @@ def targets_meant(page: Page, name: str) -> list[str]:
     targets = page.watched.vocabulary.targets
     if name in targets:
         return [name]
-    scene = page.shared.store.known.scene
+    scene = page.studio.known.scene
     kinds = dict(zip(scene.names, scene.kinds, strict=True)) if scene is not None else {}
     words = set(kinds.get(name, "").split("_")) - {""}
     return [t for t in targets if words & set(t.split("_"))]
@@ -212,20 +208,20 @@ async def perform_behavior(page: Page, data: Data) -> None:
 @action("take")
 async def take(page: Page, data: Data) -> None:
     """Take an agent from another demonstrator and notify that one."""
-    before = page.shared.held.get(page.agent, page)
-    page.shared.held[page.agent] = page
+    before = page.studio.held.get(page.agent, page)
+    page.studio.held[page.agent] = page
     if before is not page:
         before.tell(f"{page.name} has taken {page.agent}", "bad")
     page.tell(f"{page.agent} is yours")
-    page.shared.store.touch()
+    page.studio.touch()
 
 
 @action("release")
 async def release(page: Page, data: Data) -> None:
     """Release an agent."""
     if not page.locked:
-        page.shared.held.pop(page.agent, None)
-    page.shared.store.touch()
+        page.studio.held.pop(page.agent, None)
+    page.studio.touch()
 
 
 @action("new")
@@ -233,15 +229,9 @@ async def new(page: Page, data: Data) -> None:
     """Ask what to train."""
     if not page.agent:
         raise SwarmError(CHOOSE_FIRST)
-    page.dialog = {
-        "kind": "new",
-        "agent": page.agent,
-        "resume": str(data.get("resume", "")),
-        "name": str(data.get("name", "")),
-        "typed": str(data.get("name", "")),
-        "parameter": "",
-    }
-    page.shared.link.probe(page.agent, on=True)
+    name, resume = str(data.get("name", "")), str(data.get("resume", ""))
+    page.open_dialog("new", resume=resume, name=name, typed=name, parameter="")
+    page.studio.link.probe(page.agent, on=True)
 
 
 @action("discard")
@@ -251,12 +241,7 @@ async def discard(page: Page, data: Data) -> None:
     if status is None or not page.is_training:
         return
     if status.examples:
-        page.dialog = {
-            "kind": "discard",
-            "agent": page.agent,
-            "name": status.behavior,
-            "examples": status.examples,
-        }
+        page.open_dialog("discard", name=status.behavior, examples=status.examples)
     else:
         await discard_now(page, data)
 
@@ -277,7 +262,7 @@ async def new_name(page: Page, data: Data) -> None:
         return  # it was closed before the last key was heard of
     page.dialog["typed"] = name = str(data["value"]).strip()
     if name in page.watched.vocabulary.trained:
-        page.shared.link.want(page.agent, name)
+        page.studio.link.want(page.agent, name)
 
 
 @action("new-parameter", repeats=True)

@@ -82,13 +82,13 @@ def render(panel: str, page: Page) -> str:
     """Return the HTML of a panel."""
     common = {
         "page": page,
-        "store": page.shared.store,
+        "known": page.studio.known,
         "agent": page.agent,
         "status": page.status,
         "training": page.training,
         "player": page.player,
         "dialog": page.dialog,
-        "agent_off": unavailable.agent(page),
+        "agent_off": page.agent_off,
         "measured": partial(measured, page),
     }
     return _environment.get_template(f"{panel}.html").render(common, **PANELS[panel](page))

@@ -20,8 +20,7 @@ AGENT_LEVELS_MAX = 8
 
 def context(page: Page) -> dict[str, Any]:
     """Return the variables of the list's template."""
-    known, player = page.shared.store.known, page.player
-    statuses = known.statuses if player is None else player.recording.statuses(player.at)
+    known, statuses = page.studio.known, page.moment.statuses
     wanted = page.filter.lower()
     if wanted:
         shown = [
@@ -94,15 +93,15 @@ def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, li
 
 def _row(page: Page, status: Any, name: str) -> dict[str, Any]:
     """Return the row of an agent; of a commander, its order and how many obey it."""
-    store, live = page.shared.store, page.player is None
-    holder = page.shared.held.get(name) if live else None
+    studio, live = page.studio, page.player is None
+    holder = page.studio.held.get(name) if live else None
     state = state_shown(status) if status is not None else ""
-    group = store.known.groups.get(name)
+    group = studio.known.groups.get(name)
     return {
         "mode": status.mode if status is not None else "",
         "state": state or (status.behavior if status is not None else ""),
-        "color": store.palette.color(state),
-        "absence": (absence(store.known, name) or "") if live else "",
+        "color": studio.palette.color(state),
+        "absence": (absence(studio.known, name) or "") if live else "",
         "lock": "" if holder is None else ("you" if page.is_same(holder) else holder.name),
         "order": group.order if group is not None else "",
         "obeying": sum(member.obeys for member in group.subordinates) if group is not None else 0,

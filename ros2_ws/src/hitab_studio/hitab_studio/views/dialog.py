@@ -35,7 +35,7 @@ def context(page: Page) -> dict[str, Any]:
         vocabulary = page.watched.vocabulary
         parameter = dialog["parameter"]
         arguments = [*vocabulary.targets, *([parameter] if parameter else [])]
-        status, world = page.status, page.shared.store.known.world
+        status, world = page.status, page.studio.known.world
         found |= {
             "features": _features(page, arguments),
             "states": [
@@ -43,7 +43,7 @@ def context(page: Page) -> dict[str, Any]:
                 for text, use in uses(vocabulary.behaviors, arguments)
             ],
             "running": world is not None and world.mode != "paused",
-            "others": sorted({p.name for p in page.shared.held.values() if not page.is_same(p)}),
+            "others": sorted({p.name for p in page.studio.held.values() if not page.is_same(p)}),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
             "saved": _saved(page),

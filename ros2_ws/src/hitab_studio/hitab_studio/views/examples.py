@@ -8,7 +8,8 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import BoundedNumber, Example, Use, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
-from hitab_studio.page import ExamplesTable, Page
+from hitab_studio.page import Page
+from hitab_studio.page_parts import ExamplesTable
 from hitab_studio.views.numbers import measure
 
 
@@ -17,7 +18,7 @@ def context(page: Page) -> dict[str, Any]:
     training, table = page.training, page.table
     if training is None:
         return {"lines": [], "columns": [], "total": 0}
-    moments = page.shared.store.known.moments
+    moments = page.studio.known.moments
     against = is_contradicted(training.examples)
     superseded = {n: overruled_by(by) for n, by in superseding(training.examples).items()}
     lines = [e for e in training.examples if _shown(e, table, against)]

@@ -17,10 +17,10 @@ def context(page: Page) -> dict[str, Any]:
     agent, behavior = page.dialog["agent"], page.dialog["behavior"]
     training, known, problem = page.training, Generations(), ""
     try:
-        known = known_generations(page.shared.store.known.target, agent, behavior)
+        known = known_generations(page.studio.known.target, agent, behavior)
     except SwarmError as error:
         problem = told(error)
-    off = problem or page.shared.generations.why_busy
+    off = problem or page.studio.generations.why_busy
     next_off = unavailable.testing(page)
     if training is None or training.name != behavior:
         next_off = (
@@ -31,6 +31,6 @@ def context(page: Page) -> dict[str, Any]:
         "best": known.best(),
         "problem": problem,
         "mates": [a for a in page.agents if a != agent],
-        "back_off": off or unavailable.agent(page),
+        "back_off": off or page.agent_off,
         "next_off": off or next_off,
     }

@@ -20,7 +20,7 @@ def context(page: Page) -> dict[str, Any]:
         "trained": sorted(watched.vocabulary.trained),
         "behavior": behavior,
         "rules": text.splitlines(),
-        "generations": have_generations(page.shared.store.known.target, page.agent)
+        "generations": have_generations(page.studio.known.target, page.agent)
         if page.agent
         else [],
     }

@@ -30,7 +30,7 @@ def context(page: Page) -> dict[str, Any]:
     live = page.player is None
     mode = status.mode if status is not None else ""
     nothing = empty(page)
-    known, launch = page.shared.store.known, page.shared.launcher.launch
+    known, launch = page.studio.known, page.studio.launcher.launch
     world_absent = absence(known, WORLD) if live else None
     faults = list(status.faults) if status is not None else []
     may_not_act = live and any(
@@ -57,7 +57,7 @@ def context(page: Page) -> dict[str, Any]:
         "plots": plotted(page),
         "choices": choices(page) if nothing[0] else [],
         "launch": launch,
-        "making": page.shared.generations.making if live else None,
+        "making": page.studio.generations.making if live else None,
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
         "there": sum(map(known.answers, known.agents)) if launch else 0,
         **_to_start(page),
@@ -68,7 +68,7 @@ def context(page: Page) -> dict[str, Any]:
 def _lost_off(page: Page) -> str:
     """Return why a lost command cannot be sent again now."""
     lost = page.lost
-    absent = absence(page.shared.store.known, lost.agent) if lost is not None else None
+    absent = absence(page.studio.known, lost.agent) if lost is not None else None
     return f"{lost.agent} {absent.what}: wait until it answers." if lost and absent else ""
 
 
@@ -77,7 +77,7 @@ def _stuck(page: Page) -> str:
     status, training = page.status, page.training
     if status is None or status.mode != "testing" or training is None or page.player:
         return ""
-    world = page.shared.store.known.world
+    world = page.studio.known.world
     state = status.active_path[0] if status.active_path else START
     if state != START and state not in FLAGS:
         leads_to = {e.next_state for e in training.examples if e.state == state}
@@ -93,21 +93,17 @@ def _stuck(page: Page) -> str:
 
 def _legend(page: Page) -> list[tuple[str, str]]:
     """Return the states that are active at the moment, with their colors."""
-    palette = page.shared.store.palette
-    player = page.player
-    doing = (
-        page.shared.store.known.doing() if player is None else player.recording.doing(player.at)
-    )
-    active = {state for _, state in doing.values() if state}
+    palette = page.studio.palette
+    active = {state for _, state in page.moment.doing().values() if state}
     return [(s, palette.color(s)) for s in palette.states if s in active][:8]
 
 
 def empty(page: Page) -> tuple[str, str, str]:
     """Return a title, an explanation and what to type, for when there is no field to show."""
-    known, launch = page.shared.store.known, page.shared.launcher.launch
+    known, launch = page.studio.known, page.studio.launcher.launch
     target, finds = known.target, "This page finds it by itself."
     here = "here or in a terminal" if startable(page) else "in a terminal"
-    if page.player is not None or known.shown is not None:
+    if page.moment.shown is not None:
         return ("", "", "")
     if launch is not None and launch.status is None:
         return (f"{'Starting' if launch.verb == 'up' else 'Stopping'} {launch.swarm} …", "", "")
@@ -142,7 +138,7 @@ def empty(page: Page) -> tuple[str, str, str]:
 
 def _to_start(page: Page) -> dict[str, Any]:
     """Return the swarms to choose from, and the one that is chosen to be started."""
-    swarms = NONE if page.shared.launcher.is_busy else startable(page)
+    swarms = NONE if page.studio.launcher.is_busy else startable(page)
     name = _proposed(page)
     return {"startable": swarms, "to_start": name if name in swarms else next(iter(swarms), "")}
 
@@ -154,10 +150,10 @@ def _proposed(page: Page) -> str:
 
 def startable(page: Page) -> Mapping[str, str]:
     """Return the swarms that may be started now, each with a description; none while one is up."""
-    known = page.shared.store.known
+    known = page.studio.known
     target = known.target
     up = target is not None and (target.choices or (target.swarm and not target.problem))
-    return NONE if up or known.shown or known.statuses else page.shared.launcher.startable
+    return NONE if up or known.shown or known.statuses else page.studio.launcher.startable
 
 
 def _buttons(page: Page) -> list[dict[str, Any]]:
@@ -166,16 +162,12 @@ def _buttons(page: Page) -> list[dict[str, Any]]:
     vocabulary, training = watched.vocabulary, page.training
     if status is None or page.player is not None or not vocabulary.behaviors:
         return []
-    keys = page.shared.keys
-    of_training: dict[str, Any] = {}
-    if page.is_training and training is not None:
-        of_training = {
-            "training": training.name,
-            "chosen": training.chosen,
-            "states": training.states,
-        }
+    keys = page.studio.keys
     names = keys.commandable(
-        vocabulary.domain, vocabulary.behaviors, vocabulary.trained, **of_training
+        vocabulary.domain,
+        vocabulary.behaviors,
+        vocabulary.trained,
+        training if page.is_training else None,
     )
     active = status.active_path[0] if status.active_path else ""
     if status.mode == "performing":

@@ -30,6 +30,5 @@ def _is_of_the_body(feature: str) -> bool:
 
 def plotted(page: Page) -> Readings:
     """Return the features drawn over time in place of an empty field."""
-    scene = page.shared.store.known.shown
-    has_places = page.player is not None or (scene is not None and scene.names)
-    return {} if has_places else perceived(page)
+    scene = page.moment.shown
+    return {} if scene is not None and scene.names else perceived(page)

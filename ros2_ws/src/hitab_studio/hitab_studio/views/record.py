@@ -13,7 +13,7 @@ RECORDINGS_MAX = 30
 
 def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    known = page.shared.store.known
+    known = page.studio.known
     done = [r for r in recordings() if not known.recording.endswith(f"/{r.path.name}")]
     return {
         "folder": str(recordings_folder()),

@@ -11,7 +11,7 @@ from hitab_studio.robots.watch import SensorStatus
 
 def rows(page: Page) -> Sequence[SensorStatus]:
     """Return the sensors of the robot, its camera and the map; none in a replay."""
-    robots = page.shared.store.known.robots
+    robots = page.studio.known.robots
     if robots is None or page.player is not None:
         return ()
     return robots.sensors.get(page.agent, ())
@@ -19,7 +19,7 @@ def rows(page: Page) -> Sequence[SensorStatus]:
 
 def notes(page: Page) -> Sequence[str]:
     """Return notes about the drawing of the robot."""
-    robots = page.shared.store.known.robots
+    robots = page.studio.known.robots
     return () if robots is None else robots.notes.get(page.agent, ())
 
 

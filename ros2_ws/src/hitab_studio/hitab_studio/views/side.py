@@ -30,7 +30,7 @@ def context(page: Page) -> dict[str, Any]:
     """Return the variables of the panel's template."""
     training = page.training
     live = page.agent and page.player is None
-    absent = absence(page.shared.store.known, page.agent) if live else None
+    absent = absence(page.studio.known, page.agent) if live else None
     tabs = [tab for tab in TABS if page.player is None or tab in IN_REPLAY]
     shown = page.tab if page.tab in tabs else tabs[0]
     return {

@@ -16,7 +16,7 @@ def strip(page: Page) -> dict[str, Any] | None:
     labels = player.labels if player is not None else None
     if player is None or labels is None or labels.strip.agent != page.agent:
         return None
-    palette, whole = page.shared.store.palette, player.recording.seconds or 1.0
+    palette, whole = page.studio.palette, player.recording.seconds or 1.0
     colors = {b: palette.color(b) for b in labels.strip.behaviors}
     spans = [
         {

@@ -19,22 +19,22 @@ DAY = 24 * 3600
 
 def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    store = page.shared.store
-    statuses = store.known.statuses.values()
+    studio = page.studio
+    statuses = studio.known.statuses.values()
     states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)
     return {
         "shares": [
-            (state, count, 100 * count / len(statuses), store.palette.color(state))
+            (state, count, 100 * count / len(statuses), studio.palette.color(state))
             for state, count in states.most_common(12)
         ],
         "modes": Counter(s.mode for s in statuses),
-        "expected": len(store.known.agents),
-        "waiting": store.known.is_waiting,
+        "expected": len(studio.known.agents),
+        "waiting": studio.known.is_waiting,
         "libraries": len({s.library_digest for s in statuses}),
         "stoppable": _stoppable(page),
         "choices": choices(page),
-        "absences": {w: some(sorted(who, key=natural)) for w, who in absent(store.known).items()},
-        "errors": [(n, e) for n, s in store.known.statuses.items() if (e := s.last_error)][:6],
+        "absences": {w: some(sorted(who, key=natural)) for w, who in absent(studio.known).items()},
+        "errors": [(n, e) for n, s in studio.known.statuses.items() if (e := s.last_error)][:6],
     }
 
 
@@ -50,7 +50,7 @@ def absent(known: SwarmState) -> dict[str, list[str]]:
 
 def choices(page: Page) -> Sequence[SwarmTarget]:
     """Return the swarms that may be shown instead of the present one, by name, oldest first."""
-    target = page.shared.store.known.target
+    target = page.studio.known.target
     if target is None or page.player is not None:
         return []
     found = sorted(target.choices, key=lambda choice: (choice.swarm, choice.start))
@@ -65,7 +65,7 @@ def since(moment: float) -> str:
 
 def _stoppable(page: Page) -> str:
     """Return the swarm that may be stopped here; "" if there is none."""
-    target, launcher = page.shared.store.known.target, page.shared.launcher
+    target, launcher = page.studio.known.target, page.studio.launcher
     if target is None or target.problem or not target.folder or launcher.is_busy:
         return ""
     return target.swarm if launcher.startable else ""

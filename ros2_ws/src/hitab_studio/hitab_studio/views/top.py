@@ -17,8 +17,8 @@ SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
 def context(page: Page) -> dict[str, Any]:
     """Return the variables of the bar's template."""
-    store = page.shared.store
-    known = store.known
+    studio = page.studio
+    known = studio.known
     world = known.world
     world_off = unavailable.world(page)
     pace = ""
@@ -35,9 +35,9 @@ def context(page: Page) -> dict[str, Any]:
         "pace": pace,
         "speeds": SPEEDS if listed else sorted((*SPEEDS, pace), key=float),
         "unheard": len([n for n in world.missing if known.answers(n)]) if world else 0,
-        "people": {p.browser: p.name for p in page.shared.pages.values() if p.connected},
+        "people": {p.browser: p.name for p in page.studio.pages.values() if p.connected},
         "world_off": world_off,
-        "unplace_off": world_off or ("" if store.placements else "Nothing was placed yet."),
+        "unplace_off": world_off or ("" if studio.placements else "Nothing was placed yet."),
         "absent": absence(known, names.WORLD) if world is not None else None,
         "absences": {word: len(who) for word, who in absent(known).items()},
         "unconnected": empty(page)[0],
@@ -46,7 +46,7 @@ def context(page: Page) -> dict[str, Any]:
 
 def emergency(page: Page) -> dict[str, Any]:
     """Return the variables of the emergency stop's button and of the band below the header."""
-    known = page.shared.store.known
+    known = page.studio.known
     return {
         "stop": known.emergency.who,
         "since": time.strftime("%H:%M:%S", time.localtime(known.stopped_at)),
