@@ -142,12 +142,15 @@ class ReplayPlayer:
     playing: bool = True
     speed: float = 1.0
     labels: Labels | None = None
+    _state: tuple[float, SwarmState] = (-1.0, SwarmState())
 
     @property
     def state(self) -> SwarmState:
         """The state of the swarm at that moment."""
-        recording = self.recording
-        return SwarmState(scene=recording.scene(self.at), statuses=recording.statuses(self.at))
+        if self.at != self._state[0]:
+            scene, statuses = self.recording.scene(self.at), self.recording.statuses(self.at)
+            self._state = self.at, SwarmState(scene=scene, statuses=statuses)
+        return self._state[1]
 
     def advance(self, seconds: float) -> bool:
         """Advance the time; return whether the moment changed."""

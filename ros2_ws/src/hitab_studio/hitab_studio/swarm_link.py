@@ -233,8 +233,10 @@ class SwarmLink:
         self._tell(self._known)
 
     async def _connect(self, target: SwarmTarget) -> None:
-        link = await asyncio.to_thread(RosLink, target.domain_id, name=STUDIO_NODE)
-        swarm = Connected.to(target, link)
+        with await asyncio.to_thread(RosLink, target.domain_id, name=STUDIO_NODE) as link:
+            await self._use(target, Connected.to(target, link))
+
+    async def _use(self, target: SwarmTarget, swarm: Connected) -> None:
         why = "The connection was lost meanwhile: look whether it was done."
         try:
             self._observer = Observer(
@@ -247,7 +249,7 @@ class SwarmLink:
                 self._options,
             )
             give_signs_of_operator(
-                link.node,
+                swarm.link.node,
                 target.namespace,
                 lambda: any(page.connected for page in self.pages.values()),
             )
@@ -268,7 +270,6 @@ class SwarmLink:
                 other.end(why)
             while swarm.asking:
                 await asyncio.sleep(0)
-            link.close()
 
     async def _serve(self, target: SwarmTarget, swarm: Connected, observer: Observer) -> None:
         """Spin the node and observe the swarm until another one is meant."""
