@@ -212,7 +212,7 @@ def test_who_leaves_or_loads_the_page_again_holds_no_agent_any_more(swarm, perso
             dispatchEvent(new PageTransitionEvent("pagehide"));
             return new Promise((gone) => {
                 const look = () => {
-                    const url = `ws://${location.host}/field?session=${STUDIO_SESSION}`;
+                    const url = `ws://${location.host}/field?page=${STUDIO_PAGE}`;
                     const socket = new WebSocket(url);
                     socket.onopen = () => setTimeout(() => socket.close(), 200);
                     socket.onclose = ({ code }) => (code === 4404 ? gone() : look());

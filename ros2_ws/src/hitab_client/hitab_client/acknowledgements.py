@@ -63,7 +63,7 @@ class Acknowledgements:
     def _take(self, ack: DistributionAck) -> None:
         self._acks.setdefault(ack.sequence, {})[ack.agent] = ack
 
-    def await_hearing(self, agents: Iterable[str]) -> None:
+    async def await_hearing(self, agents: Iterable[str]) -> None:
         """Wait until acknowledgements can arrive from the processes of all these agents."""
         node = self._link.node
         unheard = set(agents)
@@ -77,9 +77,9 @@ class Acknowledgements:
                     unheard.discard(agent)
             return not unheard
 
-        self._link.spin_until(heard, HEARING_SECONDS, 0.01)
+        await self._link.until(heard, HEARING_SECONDS, 0.01)
 
-    def gather(
+    async def gather(
         self,
         sequence: int,
         digest: str,
@@ -99,7 +99,7 @@ class Acknowledgements:
             if progress is not None:
                 progress(len(wanted & acks.keys()), len(wanted))
             known = len(acks)
-            if wanted <= acks.keys() or not self._link.spin_until(one_more, seconds):
+            if wanted <= acks.keys() or not await self._link.until(one_more, seconds):
                 break
         report = DistributionReport(sequence, digest)
         for name in receivers:

@@ -14,6 +14,7 @@ from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_core import Fix, has, some
 from hitab_ros import check_same_message_version, names, qos
+from hitab_ros.call import blocking
 
 DISCOVERY_SECONDS = 8.0
 """Nodes usually discover each other within a second, but it may take several."""
@@ -121,7 +122,8 @@ class AgentPresence:
         domain = self.statuses[agent].domain
         return [a for a in self.agents() if a != agent and self.statuses[a].domain == domain]
 
-    def await_agents(
+    @blocking
+    async def await_agents(
         self, agents: Sequence[str] = (), seconds: float = DISCOVERY_SECONDS
     ) -> list[str]:
         """Wait for these agents, or else for the expected ones, and return those that are up.
@@ -151,7 +153,7 @@ class AgentPresence:
                 return wanted <= self.statuses.keys() | lost
             return bool(self.statuses) and self._is_settled
 
-        self.link.spin_until(
+        await self.link.until(
             complete,
             seconds + self.more_seconds,
             waiting_for=lambda: some(sorted(self._awaited(wanted))) or "agents to appear",
@@ -159,7 +161,8 @@ class AgentPresence:
         check_same_message_version(self.link.node)
         return self.agents()
 
-    def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
+    @blocking
+    async def await_agent(self, agent: str, seconds: float = DISCOVERY_SECONDS) -> AgentStatus:
         """Wait for an agent and return its status.
 
         Raises:
@@ -170,15 +173,15 @@ class AgentPresence:
         if agent not in self.statuses:
             self._watch(agent)
             if agent in self.expected:
-                self.await_agents((agent,), seconds)
+                await self.await_agents.coroutine((agent,), seconds)
             else:
-                self._await_unexpected(agent, seconds)
+                await self._await_unexpected(agent, seconds)
             self.refuse_strangers((agent,))
         if agent not in self.statuses:
             raise self._absence(agent, seconds)
         return self.statuses[agent]
 
-    def _await_unexpected(self, agent: str, seconds: float) -> None:
+    async def _await_unexpected(self, agent: str, seconds: float) -> None:
         """Wait for an agent that may have been started by hand, until there is no sign of it."""
         topic = names.of_agent(agent, names.STATUS, self.prefix)
         self._begin_waiting()
@@ -192,7 +195,7 @@ class AgentPresence:
                 return False
             return self._is_large or (bool(self.statuses) and not self._awaited(self.expected))
 
-        self.link.spin_until(decided, seconds, waiting_for=lambda: agent)
+        await self.link.until(decided, seconds, waiting_for=lambda: agent)
         check_same_message_version(self.link.node)
 
     @property

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from hitab_core import HitabError, Remedy
+from hitab_ros.call import SwarmError as SwarmError
 
 
 class DescriptionError(HitabError):
@@ -13,22 +12,6 @@ class DescriptionError(HitabError):
 
 class LessonError(HitabError):
     """A lesson that is malformed or fails one of its checks."""
-
-
-class SwarmError(HitabError):
-    """A swarm that does not start, does not answer or refuses."""
-
-
-def refused(answer: Any, where: str = "") -> SwarmError:
-    """Return the error for a refusing answer of a service.
-
-    Args:
-        answer: with its message and remedies.
-        where: who refused.
-    """
-    from hitab_ros.conversions import remedies_of  # here because the help imports this module
-
-    return SwarmError(answer.message, *remedies_of(answer.remedies), where=where)
 
 
 class NamesTakenError(SwarmError):

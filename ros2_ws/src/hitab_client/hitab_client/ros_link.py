@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import time
-import uuid
 from collections.abc import Callable, Iterator
 from typing import Any, Self
 
@@ -18,22 +16,14 @@ from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_core import Fix
-from hitab_ros import NO_TYPE_DESCRIPTIONS, BusyTimeout, GuardedNode, suspensions_noticed
+from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, suspensions_noticed
+from hitab_ros.call import Caller
 
 NODE_NAME = "hitab"
 """Name of the node of a program that talks to a swarm, always the same for security policies."""
 
-CALL_SECONDS = 15.0
-"""Timeout for the answer of an available service, s."""
 
-REQUEST_REPEAT_SECONDS = 1.0
-"""Time before a request is sent again, s; doubled each time."""
-
-NOTICEABLE_SECONDS = 0.5
-"""A wait that takes longer is announced."""
-
-
-class RosLink:
+class RosLink(Caller):
     """A node, its executor and its clients; a context manager.
 
     Args:
@@ -50,8 +40,6 @@ class RosLink:
         *,
         name: str = NODE_NAME,
     ) -> None:
-        self._announce = announce
-        self._announced: set[str] = set()
         choose_profile(os.environ)
         self._context = Context()
         try:
@@ -63,17 +51,12 @@ class RosLink:
             )
         except RuntimeError as error:
             raise SwarmError(f"ROS does not start: {error}", Fix.DOCTOR()) from None
-        self.node = GuardedNode(
-            name, context=self._context, parameter_overrides=[NO_TYPE_DESCRIPTIONS]
-        )
+        options = {"context": self._context, "parameter_overrides": [NO_TYPE_DESCRIPTIONS]}
+        super().__init__(GuardedNode(name, **options), announce)
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self.node)
-        self._clients: dict[str, Any] = {}
-        # What services tell clients apart by when a request is repeated.
-        self._name = uuid.uuid4().hex
-        self._requests = 0
         self._failure: BaseException | None = None
-        self._suspended = 0.0  # s, if so long that others may have forgotten this node
+        self._ended = ""
         self._watch = contextlib.ExitStack()
         self._watch.enter_context(suspensions_noticed(self._note_suspension))
 
@@ -93,56 +76,29 @@ class RosLink:
             self._context.try_shutdown()
 
     def _note_suspension(self, seconds: float) -> None:
-        self._suspended = seconds
+        self.end(
+            f"this program was suspended for {seconds:.0f} s, so that the swarm may have "
+            "forgotten it: start it again"
+        )
+
+    def end(self, why: str) -> None:
+        """Have every `spin` raise from now on, in whatever thread."""
+        self._ended = why
 
     def spin(self, seconds: float = 0.1) -> None:
         """Handle pending events; wait at most this long for one, and defer Ctrl-C so long.
 
         Raises:
-            SwarmError: if a long suspension of this process requires a new link.
+            SwarmError: if it has ended, such as by a long suspension of this process.
         """
-        if self._suspended:
-            raise SwarmError(
-                f"this program was suspended for {self._suspended:.0f} s, so that the swarm may "
-                "have forgotten it: start it again"
-            )
+        if self._ended:
+            raise SwarmError(self._ended)
         # The executor's compiled code takes an interruption inside it for a failed conversion.
         with not_interrupted():
             self._executor.spin_once(timeout_sec=seconds)
         if self._failure is not None:
             failure, self._failure = self._failure, None
             raise failure
-
-    def spin_until(
-        self,
-        done: Callable[[], Any],
-        seconds: float,
-        each: float = 0.05,
-        waiting_for: Callable[[], str] | None = None,
-    ) -> bool:
-        """Spin until ``done()`` is true; return whether it became true in time.
-
-        Args:
-            done: the condition.
-            seconds: how long to wait for it; longer on a busy machine, see `BusyTimeout`.
-            each: seconds between two looks, if nothing happens.
-            waiting_for: returns what to announce if the wait takes noticeable time.
-        """
-        began, patience = time.monotonic(), BusyTimeout(seconds)
-        while not done():
-            step = patience.step(each)
-            if not step:
-                return False
-            if waiting_for is not None and time.monotonic() - began > NOTICEABLE_SECONDS:
-                self._announce_once(f"waiting for {waiting_for()}")
-                waiting_for = None
-            self.spin(step)
-        return True
-
-    def _announce_once(self, text: str) -> None:
-        if self._announce is not None and text not in self._announced:
-            self._announced.add(text)
-            self._announce(text)
 
     def subscribe(
         self,
@@ -169,66 +125,3 @@ class RosLink:
         for topic, kinds in self.node.get_topic_names_and_types():
             if kind in kinds:
                 yield topic
-
-    def will_call(self, kind: Any, service: str) -> None:
-        """Prepare to call a service, for discovery while others are called."""
-        if service not in self._clients:
-            self._clients[service] = self.node.create_client(kind, service)
-
-    def call(
-        self,
-        kind: Any,
-        service: str,
-        request: Any,
-        *,
-        missing: Callable[[], SwarmError],
-        discovery: float = 8.0,
-        seconds: float = CALL_SECONDS,
-    ) -> Any:
-        """Call a service and return its answer, even a refusal.
-
-        An answer may be lost, for example if the service has not discovered this client yet, so
-        the request is repeated until there is an answer. Requests that change something are
-        numbered, so that they are carried out only once.
-
-        Args:
-            kind: the type of the service.
-            service: full name of the service.
-            request: to send.
-            missing: returns the error if the service is not there.
-            discovery: seconds to wait for the service to appear.
-            seconds: seconds to wait for its answer.
-
-        Raises:
-            SwarmError: if the service is not there or does not answer.
-        """
-        self.will_call(kind, service)
-        client = self._clients[service]
-        if not self.spin_until(
-            client.service_is_ready, discovery, 0.01, lambda: f"{service} to appear"
-        ):
-            raise missing()
-        if getattr(request, "request", None) == 0:
-            self._requests += 1
-            request.request, request.client = self._requests, self._name
-        deadline = time.monotonic() + seconds
-        patience = REQUEST_REPEAT_SECONDS
-        sent: list[Any] = []
-
-        def answered() -> Any:
-            return next((future for future in sent if future.done()), None)
-
-        try:
-            while (left := deadline - time.monotonic()) > 0:
-                sent.append(client.call_async(request))
-                if self.spin_until(
-                    answered, min(patience, left), 0.05, lambda: f"the answer of {service}"
-                ):
-                    return answered().result()
-                patience *= 2
-        finally:
-            for future in sent:
-                if not future.done():
-                    client.remove_pending_request(future)
-        late = f"{service} did not answer within {seconds:g} s"
-        raise SwarmError(late, Fix.LOGS(node=service.split("/")[-2]))

@@ -8,10 +8,11 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from hitab_msgs.msg import StopState
 from hitab_msgs.srv import Arm
 
-from hitab_client.errors import SwarmError, refused
+from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_core import natural, some
 from hitab_ros import EmergencySwitch, names, qos, why_stopped
+from hitab_ros.call import blocking
 
 TYPE = "hitab_msgs/msg/StopState"
 
@@ -44,7 +45,7 @@ class Stops:
         expected: Collection[str] = (),
         switch: EmergencySwitch | None = None,
     ) -> None:
-        self._link = link
+        self.link = link
         self._expected = expected
         self.switch = switch or EmergencySwitch(link.node)
         self._reports: dict[str, tuple[float, StopState]] = {}  # when each came, by topic
@@ -56,15 +57,15 @@ class Stops:
     @property
     def domain_id(self) -> int:
         """The ROS domain."""
-        return int(self._link.node.context.get_domain_id())
+        return int(self.link.node.context.get_domain_id())
 
     def look(self) -> None:
         """Look who is there; call it about twice a second."""
-        for topic in set(self._link.topics_of_type(TYPE)) - self._topics:
+        for topic in set(self.link.topics_of_type(TYPE)) - self._topics:
             self._topics.add(topic)
             self.found_at = time.monotonic()
             if topic.endswith(f"/{names.STOP_STATE}"):  # the others are of agents to their relays
-                self._link.subscribe(StopState, topic, self._taker(topic), qos.STREAM)
+                self.link.subscribe(StopState, topic, self._taker(topic), qos.STREAM)
 
     def _taker(self, topic: str) -> Callable[[StopState], None]:
         def take(report: StopState) -> None:
@@ -86,7 +87,7 @@ class Stops:
     def _is_there(self, name: str) -> bool:
         """Whether a robot's agent or relay, or a world, is still in the ROS graph."""
         return any(
-            self._link.node.count_publishers(topic)
+            self.link.node.count_publishers(topic)
             for topic in self._topics
             if topic.rpartition("/")[0] == f"/{name}"
         )
@@ -139,7 +140,8 @@ class Stops:
             if report is not None and report.why and report.stop  # a world is not re-armed
         }
 
-    def arm(self, robot: str, seconds: float) -> None:
+    @blocking
+    async def arm(self, robot: str, seconds: float) -> None:
         """Let a robot act again.
 
         Args:
@@ -153,16 +155,15 @@ class Stops:
         until = time.monotonic() + seconds
         while topic not in self._reports and time.monotonic() < until:
             self.look()
-            self._link.spin_until(lambda: topic in self._reports, REPEAT_S)
+            await self.link.until(lambda: topic in self._reports, REPEAT_S)
         if topic not in self._reports:
             there = some(self.names()) if self.names() else "none is there"
             raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
         request = Arm.Request(stop=self._reports[topic][1].stop)
         service = f"/{robot}/{names.ARM}"
         missing = SwarmError(f"{robot} cannot be re-armed: no node offers {service}")
-        answer = self._link.call(Arm, service, request, missing=lambda: missing)
-        if not answer.success:
-            raise refused(answer, f"{robot} may not act again")
+        where = f"{robot} may not act again"
+        await self.link.call.coroutine(Arm, service, request, missing=lambda: missing, where=where)
 
     @staticmethod
     def switch_all(
@@ -219,7 +220,7 @@ class Stops:
                 end.look()
             while time.monotonic() < until:
                 for end in ends:
-                    end._link.spin(0.02)
+                    end.link.spin(0.02)
 
     @staticmethod
     def settled(ends: Sequence[Stops]) -> bool:

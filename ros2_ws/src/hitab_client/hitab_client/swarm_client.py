@@ -26,12 +26,13 @@ from hitab_msgs.srv import (
 
 from hitab_client.acknowledgements import QUIET_SECONDS, Acknowledgements, DistributionReport
 from hitab_client.agent_presence import DISCOVERY_SECONDS, AgentPresence
-from hitab_client.errors import SwarmError, refused
+from hitab_client.errors import SwarmError
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_client.users import user_name
 from hitab_core import Fix
 from hitab_ros import names, qos
+from hitab_ros.call import Turns, blocking
 from hitab_ros.conversions import cost_of, remedies_of
 
 if TYPE_CHECKING:
@@ -92,7 +93,8 @@ class SwarmClient(AgentPresence):
 
     # -- commanding -------------------------------------------------------------------------
 
-    def command(
+    @blocking
+    async def command(
         self,
         agent: str,
         behavior: str,
@@ -128,10 +130,10 @@ class SwarmClient(AgentPresence):
         Raises:
             SwarmError: if the agent is missing, refuses, or does not acknowledge.
         """
-        self.await_agent(agent)
+        await self.await_agent.coroutine(agent)
         if world is not None and world.is_paused:
-            self.link.spin_until(lambda: agent not in world.missing, seconds)
-        publisher = self._commander(agent)
+            await self.link.until(lambda: agent not in world.missing, seconds)
+        publisher = await self._commander(agent)
         if not sequence:
             sequence = self._sequence = max(self._sequence + 1, time.time_ns() // 1000)
         command = Command(
@@ -148,14 +150,15 @@ class SwarmClient(AgentPresence):
         def answered() -> bool:
             return is_answered(self.statuses[agent], sequence)
 
-        deadline = time.monotonic() + seconds
-        while time.monotonic() < deadline and not self.processes.is_lost(agent):
-            # The subscriber may be an agent whose death is not yet known; its successor gets the
-            # next copy. An agent ignores commands obeyed before, even before a crash.
-            publisher.publish(command)
-            if self.link.spin_until(answered, RESEND_SECONDS):
-                break
-        if not answered():
+        # The subscriber may be an agent whose death is not yet known; its successor gets the
+        # next copy. An agent ignores commands obeyed before, even before a crash.
+        if not await self.link.repeat(
+            lambda: publisher.publish(command),
+            answered,
+            seconds,
+            RESEND_SECONDS,
+            over=lambda: self.processes.is_lost(agent),
+        ):
             late = f"{agent} did not acknowledge the command within {seconds:g} s"
             raise self.processes.reason(agent) or SwarmError(late, Fix.EXAMPLES(agent=agent))
         status = self.statuses[agent]
@@ -164,14 +167,14 @@ class SwarmClient(AgentPresence):
             raise SwarmError(status.last_error, *remedies, where=agent)
         return status
 
-    def _commander(self, agent: str) -> Any:
+    async def _commander(self, agent: str) -> Any:
         topic = names.of_agent(agent, names.COMMAND, self.prefix)
         publisher = self._publishers.get(agent)
         if publisher is None:
             publisher = self.link.node.create_publisher(Command, topic, qos.EVENTS)
             self._publishers[agent] = publisher
         # A reliable writer reaches only matched readers: wait for the agent's.
-        if not self.link.spin_until(
+        if not await self.link.until(
             lambda: publisher.get_subscription_count() > 0,
             DISCOVERY_SECONDS,
             0.01,
@@ -182,24 +185,24 @@ class SwarmClient(AgentPresence):
 
     # -- services ---------------------------------------------------------------------------
 
-    def ask(self, agent: str, kind: Any, service: str, **fields: Any) -> Any:
+    @blocking
+    async def ask(self, agent: str, kind: Any, service: str, **fields: Any) -> Any:
         """Call one of an agent's services and return its answer.
 
         Raises:
             SwarmError: with the agent's message, if it refuses.
         """
-        self.await_agent(agent)
-        answer = self.link.call(
+        await self.await_agent.coroutine(agent)
+        answer = await self.link.call.coroutine(
             kind,
             names.of_agent(agent, service, self.prefix),
             kind.Request(**fields),
             missing=lambda: self._absence(agent, DISCOVERY_SECONDS),
+            where=agent,
         )
-        if not getattr(answer, "success", True):
-            raise refused(answer, agent)
         # The status was sent before the answer, on another way. Until it has come, the next
         # command would be given as to the agent that was.
-        self.link.spin_until(lambda: self._shows(agent, answer), ACKNOWLEDGE_SECONDS, 0.01)
+        await self.link.until(lambda: self._shows(agent, answer), ACKNOWLEDGE_SECONDS, 0.01)
         return answer
 
     def _shows(self, agent: str, answer: Any) -> bool:
@@ -217,7 +220,8 @@ class SwarmClient(AgentPresence):
 
     # -- training ---------------------------------------------------------------------------
 
-    def training(self, agent: str, *, searched: bool = False) -> Training:
+    @blocking
+    async def training(self, agent: str, *, searched: bool = False) -> Training:
         """Return what an agent is being trained, as it is after all that was asked of it here.
 
         Args:
@@ -227,8 +231,8 @@ class SwarmClient(AgentPresence):
         Raises:
             SwarmError: if it is not training anything, or does not publish it.
         """
-        self.await_agent(agent)
-        self.link.spin_until(lambda: False, DRAIN_SECONDS, DRAIN_SECONDS)
+        await self.await_agent.coroutine(agent)
+        await self.link.until(lambda: False, DRAIN_SECONDS, DRAIN_SECONDS)
 
         def has_come() -> bool:
             self.watch_training(agent)
@@ -237,7 +241,7 @@ class SwarmClient(AgentPresence):
                 return not wanted
             return there.revision >= wanted and (there.searched or not searched)
 
-        if not self.link.spin_until(
+        if not await self.link.until(
             has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
         ):
             raise self.processes.reason(agent) or SwarmError(
@@ -274,55 +278,76 @@ class SwarmClient(AgentPresence):
         else:
             self.trainings.pop(message.agent, None)
 
-    def begin(self, agent: str, automaton: str, **fields: Any) -> Any:
+    @blocking
+    async def begin(self, agent: str, automaton: str, **fields: Any) -> Any:
         """Begin to train an automaton; see BeginTraining.srv."""
-        return self.ask(agent, BeginTraining, names.BEGIN, automaton=automaton, **fields)
+        return await self.ask.coroutine(
+            agent, BeginTraining, names.BEGIN, automaton=automaton, **fields
+        )
 
-    def set_mode(self, agent: str, mode: str, *, restart: bool = False) -> Any:
+    @blocking
+    async def set_mode(self, agent: str, mode: str, *, restart: bool = False) -> Any:
         """Switch between training and testing."""
-        return self.ask(agent, SetMode, names.SET_MODE, mode=mode, restart=restart)
+        return await self.ask.coroutine(agent, SetMode, names.SET_MODE, mode=mode, restart=restart)
 
-    def discard(self, agent: str) -> Any:
+    @blocking
+    async def discard(self, agent: str) -> Any:
         """Give up an agent's training with its unsaved examples; the agent is idle afterwards."""
-        return self.ask(agent, SetMode, names.SET_MODE, mode=AgentStatus.IDLE, discard=True)
+        return await self.ask.coroutine(
+            agent, SetMode, names.SET_MODE, mode=AgentStatus.IDLE, discard=True
+        )
 
-    def undo(self, agent: str) -> Any:
+    @blocking
+    async def undo(self, agent: str) -> Any:
         """Take back the last command or edit."""
-        return self._edit(agent, EditExamples.Request.UNDO)
+        return await self._edit(agent, EditExamples.Request.UNDO)
 
-    def redo(self, agent: str) -> Any:
+    @blocking
+    async def redo(self, agent: str) -> Any:
         """Do again what was taken back last."""
-        return self._edit(agent, EditExamples.Request.REDO)
+        return await self._edit(agent, EditExamples.Request.REDO)
 
-    def delete(self, agent: str, numbers: Sequence[int]) -> Any:
+    @blocking
+    async def delete(self, agent: str, numbers: Sequence[int]) -> Any:
         """Remove examples."""
-        return self._edit(agent, EditExamples.Request.DELETE, numbers=list(numbers))
+        return await self._edit(agent, EditExamples.Request.DELETE, numbers=list(numbers))
 
-    def relabel(self, agent: str, numbers: Sequence[int], state: str) -> Any:
+    @blocking
+    async def relabel(self, agent: str, numbers: Sequence[int], state: str) -> Any:
         """Change the next state of examples."""
         edit = EditExamples.Request.RELABEL
-        return self._edit(agent, edit, numbers=list(numbers), next_state=state)
+        return await self._edit(agent, edit, numbers=list(numbers), next_state=state)
 
-    def retime(self, agent: str, numbers: Sequence[int], ago: float) -> Any:
+    @blocking
+    async def retime(self, agent: str, numbers: Sequence[int], ago: float) -> Any:
         """Have the commands of examples be due so many seconds before they were given."""
-        return self._edit(agent, EditExamples.Request.RETIME, numbers=list(numbers), ago=ago)
+        return await self._edit(agent, EditExamples.Request.RETIME, numbers=list(numbers), ago=ago)
 
-    def choose_features(self, agent: str, features: Sequence[str]) -> Any:
+    @blocking
+    async def choose_features(self, agent: str, features: Sequence[str]) -> Any:
         """Learn from other features of the same examples."""
-        return self._edit(agent, EditExamples.Request.FEATURES, features=list(features))
+        return await self._edit(agent, EditExamples.Request.FEATURES, features=list(features))
 
-    def _edit(self, agent: str, action: int, **fields: Any) -> Any:
-        return self.ask(agent, EditExamples, names.EDIT_EXAMPLES, action=action, **fields)
+    async def _edit(self, agent: str, action: int, **fields: Any) -> Any:
+        return await self.ask.coroutine(
+            agent, EditExamples, names.EDIT_EXAMPLES, action=action, **fields
+        )
 
-    def behavior(self, agent: str, name: str = "", **fields: Any) -> Learned:
+    @blocking
+    async def behavior(self, agent: str, name: str = "", **fields: Any) -> Learned:
         """Return a behavior as it was learned, or would be; see GetBehavior.srv."""
         from hitab_client.learned import learned_of  # here because it loads what learns
 
-        return learned_of(self.ask(agent, GetBehavior, names.GET_BEHAVIOR, name=name, **fields))
+        return learned_of(
+            await self.ask.coroutine(agent, GetBehavior, names.GET_BEHAVIOR, name=name, **fields)
+        )
 
-    def answer(self, agent: str, number: int, choice: str = "", *, dismiss: bool = False) -> Any:
+    @blocking
+    async def answer(
+        self, agent: str, number: int, choice: str = "", *, dismiss: bool = False
+    ) -> Any:
         """Answer a question of the agent; see AnswerQuestion.srv."""
-        return self.ask(
+        return await self.ask.coroutine(
             agent,
             AnswerQuestion,
             names.ANSWER_QUESTION,
@@ -331,55 +356,69 @@ class SwarmClient(AgentPresence):
             dismiss=dismiss,
         )
 
-    def set_caution(self, agent: str, when_unsure: str, *, distance: float = 0.0) -> Any:
+    @blocking
+    async def set_caution(self, agent: str, when_unsure: str, *, distance: float = 0.0) -> Any:
         """Say what the agent does when it is unsure; see SetCaution.srv."""
-        return self.ask(
+        return await self.ask.coroutine(
             agent, SetCaution, names.SET_CAUTION, when_unsure=when_unsure, distance=distance
         )
 
-    def report(self, agent: str, automaton: str = "") -> list[TrainingCost]:
+    @blocking
+    async def report(self, agent: str, automaton: str = "") -> list[TrainingCost]:
         """Return what trainings cost the person, oldest first; see GetReport.srv."""
-        report = self.ask(agent, GetReport, names.GET_REPORT, automaton=automaton)
+        report = await self.ask.coroutine(agent, GetReport, names.GET_REPORT, automaton=automaton)
         return list(map(cost_of, report.costs))
 
-    def save(self, agent: str, **fields: Any) -> Any:
+    @blocking
+    async def save(self, agent: str, **fields: Any) -> Any:
         """Save what was trained; see SaveBehavior.srv."""
-        return self.ask(agent, SaveBehavior, names.SAVE, **fields)
+        return await self.ask.coroutine(agent, SaveBehavior, names.SAVE, **fields)
 
-    def perform(self, agent: str, behavior: str, arguments: Sequence[str] = ()) -> Any:
+    @blocking
+    async def perform(self, agent: str, behavior: str, arguments: Sequence[str] = ()) -> Any:
         """Make an agent perform a behavior, or idle if empty."""
-        return self.ask(
+        return await self.ask.coroutine(
             agent, Perform, names.PERFORM, behavior=behavior, arguments=list(arguments)
         )
 
     def reload(self, agents: Sequence[str]) -> Iterator[tuple[str, str, bool]]:
         """Make agents reload their libraries; yield each, its answer and whether it did."""
+        return map(self.link.run, self.reloading(agents))
+
+    def reloading(self, agents: Sequence[str]) -> Iterator[Turns[tuple[str, str, bool]]]:
+        """Yield coroutines that do the same, to be awaited one after the other."""
         for start in range(0, len(agents), SERVICES_PER_BATCH):
             together = agents[start : start + SERVICES_PER_BATCH]
             for agent in together:
                 service = names.of_agent(agent, names.LOAD_LIBRARY, self.prefix)
                 self.link.will_call(LoadLibrary, service)
-            for agent in together:
-                try:
-                    yield agent, self.load_library(agent).message, True
-                except SwarmError as error:
-                    yield agent, error.what, False
+            yield from map(self._reload, together)
 
-    def load_library(self, agent: str, path: str = "") -> Any:
+    async def _reload(self, agent: str) -> tuple[str, str, bool]:
+        try:
+            return agent, (await self.load_library.coroutine(agent)).message, True
+        except SwarmError as error:
+            return agent, error.what, False
+
+    @blocking
+    async def load_library(self, agent: str, path: str = "") -> Any:
         """Make an agent reload its library, or load another one."""
-        return self.ask(agent, LoadLibrary, names.LOAD_LIBRARY, path=path)
+        return await self.ask.coroutine(agent, LoadLibrary, names.LOAD_LIBRARY, path=path)
 
-    def vocabulary(self, agent: str) -> Any:
+    @blocking
+    async def vocabulary(self, agent: str) -> Any:
         """Return what can be commanded, perceived and targeted."""
-        return self.ask(agent, GetVocabulary, names.GET_VOCABULARY)
+        return await self.ask.coroutine(agent, GetVocabulary, names.GET_VOCABULARY)
 
-    def read_features(self, agent: str, also: Sequence[str] = ()) -> Any:
+    @blocking
+    async def read_features(self, agent: str, also: Sequence[str] = ()) -> Any:
         """Return what the agent perceives at the moment; see ReadFeatures.srv."""
-        return self.ask(agent, ReadFeatures, names.READ_FEATURES, also=list(also))
+        return await self.ask.coroutine(agent, ReadFeatures, names.READ_FEATURES, also=list(also))
 
     # -- distributing -----------------------------------------------------------------------
 
-    def distribute(
+    @blocking
+    async def distribute(
         self,
         source: str,
         behavior: str,
@@ -405,14 +444,14 @@ class SwarmClient(AgentPresence):
             SwarmError: if the source refuses, or a receiver is missing.
         """
         if not receivers:
-            self.await_agents()
+            await self.await_agents.coroutine()
         for agent in (source, *receivers):
-            self.await_agent(agent)
+            await self.await_agent.coroutine(agent)
         meant = [name for name in receivers or self.mates_of(source) if name != source]
         if not meant:
             raise SwarmError(f"there is no other agent of the domain of {source} to send it to")
-        self.acknowledgements.await_hearing(meant)
-        answer = self.ask(
+        await self.acknowledgements.await_hearing(meant)
+        answer = await self.ask.coroutine(
             source,
             Distribute,
             names.DISTRIBUTE,
@@ -421,7 +460,7 @@ class SwarmClient(AgentPresence):
             receivers=meant,
             start=start,
         )
-        report = self.acknowledgements.gather(
+        report = await self.acknowledgements.gather(
             answer.sequence, answer.digest, meant, seconds, progress
         )
         report.message = answer.message

@@ -9,12 +9,13 @@ from typing import Any
 from hitab_msgs.msg import Entity, Episode, WorldState, WorldStatus
 from hitab_msgs.srv import Control, Place, Play, Snapshot
 
-from hitab_client.errors import SwarmError, refused
+from hitab_client.errors import SwarmError
 from hitab_client.identity import is_own, other_swarm
 from hitab_client.ros_link import RosLink
 from hitab_client.run_processes import RunProcesses
 from hitab_core import Fix, some
 from hitab_ros import names, qos
+from hitab_ros.call import blocking
 from hitab_ros.conversions import remedies_of
 from hitab_ros.stamps import seconds_of
 
@@ -92,7 +93,8 @@ class WorldClient:
             if now - self._first_stamp[0] > SPEED_SECONDS:
                 self._first_stamp = now, simulated
 
-    def wait(self, seconds: float = 8.0) -> WorldStatus:
+    @blocking
+    async def wait(self, seconds: float = 8.0) -> WorldStatus:
         """Wait for the world and return its status.
 
         Raises:
@@ -104,7 +106,7 @@ class WorldClient:
 
         is_lost = self._processes.is_lost
 
-        self.link.spin_until(
+        await self.link.until(
             lambda: self.status or self.stranger is not None or is_lost(names.WORLD),
             seconds,
             waiting_for=lambda: "the world",
@@ -128,30 +130,32 @@ class WorldClient:
         """Whether a world has been discovered."""
         return bool(self.link.node.count_publishers(self._name(names.STATUS)))
 
-    def ask(self, kind: Any, service: str, **fields: Any) -> Any:
+    @blocking
+    async def ask(self, kind: Any, service: str, **fields: Any) -> Any:
         """Call one of the world's services and return its answer.
 
         Raises:
             SwarmError: with the world's message, if it refuses, or if it belongs to another swarm.
         """
-        self.wait()
-        answer = self.link.call(
+        await self.wait.coroutine()
+        return await self.link.call.coroutine(
             kind,
             self._name(service),
             kind.Request(**fields),
             missing=lambda: self._processes.reason(names.WORLD) or self._absent,
+            where="the world refuses",
         )
-        if not answer.success:
-            raise refused(answer, "the world refuses")
-        return answer
 
-    def control(self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0) -> Any:
+    @blocking
+    async def control(
+        self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0
+    ) -> Any:
         """Pause, resume, step, reset or set the pace."""
-        answer = self.ask(
+        answer = await self.ask.coroutine(
             Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
         )
         mode = MODE_AFTER_REQUEST.get(action, "")
-        self._await_status(
+        await self._await_status(
             lambda status: (
                 mode in ("", status.mode)
                 and pace in ("", status.pace)
@@ -160,12 +164,12 @@ class WorldClient:
         )
         return answer
 
-    def _await_status(self, right: Callable[[WorldStatus], bool]) -> None:
+    async def _await_status(self, right: Callable[[WorldStatus], bool]) -> None:
         """Wait for the status that was sent before an answer, or a state, on another way.
 
         A command would be given as to the world that was.
         """
-        self.link.spin_until(
+        await self.link.until(
             lambda: self.status is None or right(self.status), STATUS_DELAY_SECONDS
         )
 
@@ -179,7 +183,8 @@ class WorldClient:
         """The agents without which the world goes on, as far as it has told."""
         return list(self.status.missing) if self.status is not None else []
 
-    def step(
+    @blocking
+    async def step(
         self,
         cycles: int = 1,
         seconds: float = 30.0,
@@ -195,7 +200,7 @@ class WorldClient:
         Raises:
             SwarmError: if one takes longer.
         """
-        last = self.control(Control.Request.STEP, cycles=cycles).cycle
+        last = (await self.control.coroutine(Control.Request.STEP, cycles=cycles)).cycle
         told = [self.status]
 
         def rests() -> bool:
@@ -211,26 +216,28 @@ class WorldClient:
                 )
             return False
 
-        state = self.state_at(0, seconds)
+        state = await self.state_at.coroutine(0, seconds)
         while state.cycle < last:
             left(last - state.cycle)
-            state = self.state_at(state.cycle + 1, seconds, rests)
-        self._await_status(lambda status: status.cycle >= last)
+            state = await self.state_at.coroutine(state.cycle + 1, seconds, rests)
+        await self._await_status(lambda status: status.cycle >= last)
         return state
 
-    def cycle_before(self, seconds: float) -> int:
+    @blocking
+    async def cycle_before(self, seconds: float) -> int:
         """Return the cycle of some simulated seconds ago, or the first one if that was later.
 
         Raises:
             SwarmError: if the world publishes no state.
         """
-        state = self.state_at(0)
+        state = await self.state_at.coroutine(0)
         now = seconds_of(state.header.stamp)
         if not state.cycle or not now:
             return state.cycle
         return max(1, state.cycle - round(seconds * state.cycle / now))
 
-    def state_at(
+    @blocking
+    async def state_at(
         self, cycle: int, seconds: float = 10.0, rests: Callable[[], bool] = lambda: False
     ) -> WorldState:
         """Wait for the state of a cycle, or of a later one.
@@ -244,12 +251,12 @@ class WorldClient:
             SwarmError: if it does not come in time.
         """
         what = f"reach cycle {cycle}"
-        return self._awaited(lambda state: state.cycle >= cycle or rests(), what, seconds)
+        return await self._awaited(lambda state: state.cycle >= cycle or rests(), what, seconds)
 
-    def _awaited(
+    async def _awaited(
         self, right: Callable[[WorldState], bool], what: str, seconds: float
     ) -> WorldState:
-        if not self.link.spin_until(
+        if not await self.link.until(
             lambda: self.state is not None and right(self.state),
             seconds,
             waiting_for=lambda: some(self.missing) or "the world",
@@ -261,7 +268,8 @@ class WorldClient:
         assert self.state is not None
         return self.state
 
-    def shown(self, answer: Any, seconds: float = 10.0) -> WorldState:
+    @blocking
+    async def shown(self, answer: Any, seconds: float = 10.0) -> WorldState:
         """Return the state of a paused world once the agents have perceived a change.
 
         Args:
@@ -271,9 +279,10 @@ class WorldClient:
         Raises:
             SwarmError: if the world does not publish its state.
         """
-        return self._awaited(lambda state: state.change >= answer.change, "show it", seconds)
+        return await self._awaited(lambda state: state.change >= answer.change, "show it", seconds)
 
-    def place(
+    @blocking
+    async def place(
         self, things: Mapping[str, Mapping[str, float]], *, new_episode: bool = False
     ) -> Any:
         """Put things somewhere.
@@ -289,13 +298,17 @@ class WorldClient:
             )
             for name, place in things.items()
         ]
-        return self.ask(Place, names.PLACE, entities=entities, new_episode=new_episode)
+        return await self.ask.coroutine(
+            Place, names.PLACE, entities=entities, new_episode=new_episode
+        )
 
-    def snapshot(self, action: str, name: str = "") -> Any:
+    @blocking
+    async def snapshot(self, action: str, name: str = "") -> Any:
         """Save, restore, delete or list snapshots."""
-        return self.ask(Snapshot, names.SNAPSHOT, action=action, name=name)
+        return await self.ask.coroutine(Snapshot, names.SNAPSHOT, action=action, name=name)
 
-    def play(
+    @blocking
+    async def play(
         self,
         episodes: int,
         seed: int,
@@ -308,10 +321,10 @@ class WorldClient:
         Raises:
             SwarmError: if no cycle is played for ``stall_seconds``.
         """
-        self.link.spin_until(
+        await self.link.until(
             lambda: self.link.node.count_publishers(self._name(names.EPISODES)) > 0, 5.0, 0.01
         )
-        run = self.ask(Play, names.PLAY, episodes=episodes, seed=seed).run
+        run = (await self.ask.coroutine(Play, names.PLAY, episodes=episodes, seed=seed)).run
 
         def played() -> list[Episode]:
             """Return the run's episodes so far as first told: a restarted world repeats some."""
@@ -330,7 +343,7 @@ class WorldClient:
                 return len(self.episodes) > known
 
             # Nor is it a long episode, in real time.
-            if not self.link.spin_until(ended, stall_seconds) and self._cycle == cycle:
+            if not await self.link.until(ended, stall_seconds) and self._cycle == cycle:
                 raise SwarmError(
                     f"no cycle was played for {stall_seconds:g} s after {seen} of {episodes} "
                     f"episodes{self._why_stalled()}"

@@ -17,6 +17,7 @@ from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX, 
 from hitab_client.demonstrating.keyboard import HOLD_S
 from hitab_core import BoundedNumber, Use
 from hitab_gamepad import JoystickInput, read_mapping
+from hitab_ros.call import Caller, blocking
 from hitab_ros.conversions import number_messages
 
 ONE, TWO = "robot_1", "robot_2"
@@ -87,14 +88,16 @@ class Agents:
     expected = (ONE, TWO)
 
     def __init__(self) -> None:
-        self.link = SimpleNamespace(node=Node(), topics_of_type=lambda kind: [])
+        self.link: Any = Caller(Node())
+        self.link.topics_of_type = lambda kind: []
         self.statuses = {name: AgentStatus(agent=name, mode="idle") for name in self.expected}
         self.done: list[Any] = []
 
     def agents(self) -> list[str]:
         return sorted(self.statuses)
 
-    def await_agent(self, agent: str) -> AgentStatus:
+    @blocking
+    async def await_agent(self, agent: str) -> AgentStatus:
         return self.statuses[agent]
 
     def vocabulary(self, agent: str) -> Any:
@@ -105,17 +108,20 @@ class Agents:
     def training(self, agent: str) -> Any:
         return SimpleNamespace(name="Wander", chosen=[], states=[], parameters=["B"])
 
-    def perform(self, agent: str, behavior: str, arguments: Any = ()) -> None:
+    @blocking
+    async def perform(self, agent: str, behavior: str, arguments: Any = ()) -> None:
         use = str(Use(behavior, tuple(arguments))) if behavior else ""
         self.done.append(("perform", agent, use))
         self.become(agent, "performing" if use else "idle", *([use] if use else []))
 
-    def set_mode(self, agent: str, mode: str) -> Any:
+    @blocking
+    async def set_mode(self, agent: str, mode: str) -> Any:
         self.done.append((mode, agent))
         self.become(agent, mode, "Start")
         return SimpleNamespace(message=f"{agent} is {mode}")
 
-    def command(self, agent: str, behavior: str, **fields: Any) -> AgentStatus:
+    @blocking
+    async def command(self, agent: str, behavior: str, **fields: Any) -> AgentStatus:
         self.done.append(("command", agent, behavior, fields["pace"], fields["seen"]))
         self.become(agent, "training", behavior)
         return self.statuses[agent]
@@ -314,10 +320,10 @@ def test_a_stick_that_points_nowhere_or_is_lost_commands_nothing(gamepad):
 
 
 def test_an_error_is_said_and_the_next_key_counts(desk, monkeypatch):
-    def refuse(*arguments: Any) -> None:
+    async def refuse(*arguments: Any) -> None:
         raise SwarmError("no")
 
-    monkeypatch.setattr(desk.agents, "perform", refuse)
+    monkeypatch.setattr(desk.agents, "perform", SimpleNamespace(coroutine=refuse))
     assert desk.press("1") == "no"
     assert desk.demonstrator.failed
     monkeypatch.undo()

@@ -12,6 +12,7 @@ from hitab_msgs.srv import BeginTraining, EditExamples, Perform, SaveBehavior, S
 from hitab_client.ros_link import RosLink
 from hitab_client.swarm_client import SwarmClient
 from hitab_ros.busy_timeout import BUSY_FACTOR
+from hitab_ros.call import Caller, blocking
 
 
 class Late(RosLink):
@@ -58,7 +59,7 @@ def test_its_own_work_counts():
     assert looks(Late(0.0), 0.4, work=0.05) <= 5
 
 
-class Keeper:
+class Keeper(Caller):
     """A link to a swarm whose keeper has missed a cycle of a stepped world, and comes back."""
 
     def __init__(self) -> None:
@@ -76,7 +77,7 @@ class Keeper:
         self.missed.append(list(self.world.missing))
         self.status.last_command_sequence = command.sequence
 
-    def spin_until(self, done: Callable[[], Any], *_: Any, **more: Any) -> bool:
+    async def until(self, done: Callable[[], Any], *_: Any, **more: Any) -> bool:
         if not done():
             self.world.missing.clear()
         return bool(done())
@@ -90,18 +91,22 @@ def test_an_agent_that_is_late_in_a_stepped_world_is_commanded_once_it_is_back()
     assert link.missed == [[]]
 
 
-class Slow:
+class Slow(Caller):
     """A link to an agent whose statuses come seconds after its answers."""
 
     def __init__(self, answer: Any, *statuses: AgentStatus, seconds: float = 3.0) -> None:
-        self.call = lambda *_, **__: answer
+        self.answer = answer
         self.on_the_way = list(statuses)
         self._seconds = seconds
 
     def subscribe(self, *arguments: Any) -> None:
         pass
 
-    def spin_until(self, done: Callable[[], Any], seconds: float, *_: Any, **more: Any) -> bool:
+    @blocking
+    async def call(self, *_: Any, **__: Any) -> Any:
+        return self.answer
+
+    async def until(self, done: Callable[[], Any], seconds: float, *_: Any, **more: Any) -> bool:
         while not done() and seconds >= self._seconds and self.on_the_way:
             self.swarm.statuses["keeper"] = self.on_the_way.pop(0)
         return bool(done())

@@ -1,6 +1,6 @@
 """A world that does not answer: why, and what to do about it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,8 +12,41 @@ from hitab_client.errors import SwarmError
 from hitab_client.run_folder import RunRecord
 from hitab_client.run_processes import RunProcesses
 from hitab_client.world_client import WorldClient
+from hitab_ros.call import Caller, blocking
 
-SILENCE = SimpleNamespace(subscribe=lambda *_: None, spin_until=lambda *_, **__: False, node=None)
+
+class Link(Caller):
+    """A link to a world that answers; what is on the way comes while somebody waits for it.
+
+    Args:
+        answer: of its services; None if there is none.
+        on_the_way: what comes.
+        take: takes each.
+        seconds: each takes so long to come.
+    """
+
+    def __init__(
+        self,
+        answer: Any = None,
+        on_the_way: Sequence[Any] = (),
+        take: Callable[[Any], None] = print,
+        seconds: float = 0.0,
+    ) -> None:
+        super().__init__(SimpleNamespace(count_publishers=lambda _: 1))
+        self._answer, self._on_the_way = answer, list(on_the_way)
+        self._take, self._seconds = take, seconds
+
+    def subscribe(self, *arguments: Any) -> None:
+        pass
+
+    @blocking
+    async def call(self, *_: Any, **__: Any) -> Any:
+        return self._answer
+
+    async def until(self, done: Callable[[], Any], seconds: float, *_: Any, **more: Any) -> bool:
+        while not done() and seconds >= self._seconds and self._on_the_way:
+            self._take(self._on_the_way.pop(0))
+        return bool(done())
 
 
 def record(tmp_path, *, world):
@@ -24,7 +57,7 @@ def record(tmp_path, *, world):
 
 
 def why(processes, started_by_it):
-    world = WorldClient(SILENCE, started_by_it=started_by_it, processes=processes)
+    world = WorldClient(Link(), started_by_it=started_by_it, processes=processes)
     with pytest.raises(SwarmError) as refused:
         world.place({"gopher_1": {"x": 0.0}})
     return refused.value
@@ -34,22 +67,6 @@ def test_a_swarm_of_robots_is_not_advised_to_start_a_world(tmp_path):
     told = why(RunProcesses(record(tmp_path, world=False)), False)
     assert "this swarm has no world" in told.what
     assert told.remedies == ()
-
-
-class Slow:
-    """A link to a world whose statuses come a second after its answers and states."""
-
-    def __init__(self, answer: Control.Response, *statuses: WorldStatus) -> None:
-        self.call = lambda *_, **__: answer
-        self.on_the_way = list(statuses)
-
-    def subscribe(self, *arguments: Any) -> None:
-        pass
-
-    def spin_until(self, done: Callable[[], Any], seconds: float, *_: Any, **more: Any) -> bool:
-        while not done() and seconds >= 1.0 and self.on_the_way:
-            self.world.status = self.on_the_way.pop(0)
-        return bool(done())
 
 
 @pytest.mark.parametrize(
@@ -67,8 +84,13 @@ def test_who_has_driven_the_world_knows_whether_it_runs(drive, before, after):
         WorldStatus(mode=mode, cycle=cycle, factor=factor)
         for mode, cycle, factor in (before, after)
     )
-    link: Any = Slow(Control.Response(success=True, cycle=9), was, now)
-    link.world = world = WorldClient(link)
+    link = Link(
+        Control.Response(success=True, cycle=9),
+        [was, now],
+        lambda status: setattr(world, "status", status),
+        1.0,
+    )
+    world = WorldClient(link)
     world.status, world.state = was, WorldState(cycle=9)
     drive(world)
     assert world.status == now
@@ -77,18 +99,8 @@ def test_who_has_driven_the_world_knows_whether_it_runs(drive, before, after):
 def test_an_episode_counts_as_first_told_though_a_restarted_world_repeats_it():
     told = [(0, True), (1, True), (0, False), (1, False), (2, False)]
     on_the_way = [Episode(run=3, number=n, reproducible=r) for n, r in told]
-
-    def spin_until(done: Callable[[], Any], *_: Any, **more: Any) -> bool:
-        while not done() and on_the_way:
-            world.episodes.append(on_the_way.pop(0))
-        return bool(done())
-
-    node = SimpleNamespace(count_publishers=lambda _: 1)
     answer = Play.Response(success=True, run=3)
-    link: Any = SimpleNamespace(
-        subscribe=lambda *_: None, spin_until=spin_until, call=lambda *_, **__: answer, node=node
-    )
-    world = WorldClient(link)
+    world = WorldClient(Link(answer, on_the_way, lambda episode: world.episodes.append(episode)))
     world.status, world.state = WorldStatus(), WorldState()
     played = world.play(3, 5)
     assert [(e.number, e.reproducible) for e in played] == [(0, True), (1, True), (2, False)]

@@ -1,4 +1,5 @@
 from . import answering as answering
+from . import call as call
 from . import checks as checks
 from . import conversions as conversions
 from . import diagnostics as diagnostics

@@ -19,6 +19,7 @@ from hitab_msgs.msg import TransitionEvent
 from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Use
 from hitab_ros.answering import what_went_wrong
+from hitab_ros.call import blocking
 from hitab_studio.learned import (
     NO_ITEMS,
     Effect,
@@ -69,7 +70,7 @@ class AgentWatch:
         agents: of the swarm.
         agent: name of the agent.
         events: last state changes of the agent, newest last, which the caller keeps.
-        do: does something with the swarm in a thread; see `SwarmLink.do`.
+        ask: asks something of the swarm; see `SwarmLink.ask`.
         changed: called when something new is known.
         failed: called with what is wrong with an answer, and its `error`.
 
@@ -83,7 +84,7 @@ class AgentWatch:
         agents: SwarmClient,
         agent: str,
         events: Sequence[TransitionEvent],
-        do: Callable[..., Awaitable[Any]],
+        ask: Callable[..., Awaitable[Any]],
         changed: Callable[[], None],
         failed: Callable[..., None],
     ) -> None:
@@ -92,7 +93,7 @@ class AgentWatch:
         self._agents = agents
         self._agent = agent
         self._events = events
-        self._do = do
+        self._call = ask
         self._changed = changed
         self._failed = failed
         self._asking: dict[str, asyncio.Task[None]] = {}
@@ -166,14 +167,14 @@ class AgentWatch:
     # -- asking -----------------------------------------------------------------------------
 
     def _ask(
-        self, key: str, verb: Callable[..., Any], take: Callable[[Any], None], *given: Any
+        self, key: str, verb: blocking[Any, ..., Any], take: Callable[[Any], None], *given: Any
     ) -> None:
         """Have a verb of the client done with the agent, unless that is under way."""
         agent = self._agent
 
         async def answer() -> None:
             try:
-                take(await self._do(lambda swarm: verb(swarm.agents, agent, *given), needs=agent))
+                take(await self._call(lambda it: verb.coroutine(it.agents, agent, *given), agent))
             except SwarmError:
                 await asyncio.sleep(REFUSED_RETRY_SECONDS)
             except Exception as error:  # it is not the page that has to know how to read this

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
@@ -51,29 +52,47 @@ SOON = 1.0
 
 
 @dataclass
-class Viewing:
-    """The agents and behaviors that pages show.
+class Connected:
+    """The swarm, as seen over ROS.
 
     Attributes:
-        focus: the agent that each session views; "" if none.
-        pages: sessions that are connected.
+        target: where it is.
+        spun: set for a moment whenever the node was spun.
+        asking: number of coroutines that wait.
+        ended: why nothing can be asked any more; "" if it can be.
     """
 
-    focus: dict[str, str] = field(default_factory=dict)
-    pages: set[str] = field(default_factory=set)
+    target: SwarmTarget
+    link: RosLink
+    agents: SwarmClient
+    world: WorldClient
+    spun: asyncio.Event = field(default_factory=asyncio.Event)
+    asking: int = 0
+    ended: str = ""
+
+    @classmethod
+    def to(cls, target: SwarmTarget, link: RosLink) -> Connected:
+        """Return the swarm over this link."""
+        space, identity = target.namespace, target.identity
+        return cls(
+            target,
+            link,
+            SwarmClient(link, target.agents, prefix=space, identity=identity),
+            WorldClient(link, prefix=space, identity=identity, started_by_it=target.world),
+        )
 
 
 class Observer:
     """Collects the state of one swarm, from its connection to its end.
 
     Args:
-        link: the node to use.
-        agents, world: of the swarm to observe.
+        swarm: to observe.
         known: the state at first.
-        viewing: agents that pages show; kept up to date by the caller.
+        pages: those that are open, by id: each with the `agent` that it views, and whether it is
+            `connected`.
         colors: of states, in the markers for other viewers.
-        complain: called with a text and its `agent`, `session` and `error`, if there are any.
-        do: does something with the swarm in a thread; see `SwarmLink.do`.
+        complain: called with a text and its `agent`, `page` and `error`, if there are any.
+        ask: asks something of the swarm; see `SwarmLink.ask`.
         options: a person's choice of the robots' topics.
 
     Attributes:
@@ -83,24 +102,22 @@ class Observer:
 
     def __init__(
         self,
-        link: RosLink,
-        agents: SwarmClient,
-        world: WorldClient,
+        swarm: Connected,
         known: SwarmState,
-        viewing: Viewing,
+        pages: Mapping[str, Any],
         colors: Mapping[str, int],
         complain: Callable[..., None],
-        do: Callable[..., Awaitable[Any]],
+        ask: Callable[..., Awaitable[Any]],
         options: Options | None = None,
     ) -> None:
         self.known = known
         self._colors = colors
-        self._link, self._agents, self._world = link, agents, world
-        self._viewing = viewing
+        link, agents = self._link, self._agents = swarm.link, swarm.agents
+        self._world = swarm.world
+        self._pages = pages
         self._complain = complain
-        self._do = do
-        assert known.target is not None  # what is connected to
-        target = known.target
+        self._ask = ask
+        target = swarm.target
         # Rebroadcasts the stop, because the process that issued it may already have exited.
         self._switch = EmergencySwitch(link.node, hands_on=True, known=known.emergency)
         self._stops = Stops(link, switch=self._switch)
@@ -160,7 +177,7 @@ class Observer:
         if any(known.groups.get(name) is not group for name, group in groups.items()):
             self._know(groups=MappingProxyType(dict(groups)))
         self._listen()
-        wanted = {*self._viewing.focus.values()} - {""}
+        wanted = {page.agent for page in self._pages.values()} - {""}
         for agent in [*(wanted & statuses.keys()), *sorted(statuses)[:FOLLOWED]]:
             if agent not in self._events:
                 self._follow(agent)
@@ -169,7 +186,7 @@ class Observer:
                 self._agents,
                 agent,
                 self._events[agent],
-                self._do,
+                self._ask,
                 partial(self._learns, agent),
                 partial(self._complain, agent=agent),
             )
@@ -184,7 +201,9 @@ class Observer:
         elif any(known.watched[name] is not it for name, it in watched.items()):
             self.known = replace(self.known, watched=MappingProxyType(watched))
         if known.robots is not None:
-            robots = self._robots.look(wanted, viewed=bool(self._viewing.pages))
+            robots = self._robots.look(
+                wanted, viewed=any(page.connected for page in self._pages.values())
+            )
             if robots is not known.robots:
                 self.known = replace(self.known, robots=robots)
 
@@ -250,7 +269,7 @@ class Observer:
             self._recorder.look()
             self._know(recorded=self._recorder.bag.count)
             if self._recorder.problem:
-                self._complain(self._recorder.problem, session=self._recording_page)
+                self._complain(self._recorder.problem, page=self._recording_page)
                 self.stop_recording()
 
     def _find_robots(self) -> None:
@@ -288,17 +307,18 @@ class Observer:
             at = known.stopped_at if known.emergency else time.time()
             self._know(emergency=stops, stopped_at=at)
 
-    def arm(self, agent: str) -> None:
-        """Let an agent's robot act again; to be called as a job.
+    async def arm(self, agent: str) -> None:
+        """Let an agent's robot act again.
 
         Raises:
             SwarmError: if it may not.
         """
-        self._stops.arm(f"{self._agents.prefix}/{agent}".strip("/"), ARM_S)
+        robot = f"{self._agents.prefix}/{agent}".strip("/")
+        await self._ask(lambda _: self._stops.arm.coroutine(robot, ARM_S), agent)
 
-    # -- recording; to be called as jobs ----------------------------------------------------
+    # -- recording --------------------------------------------------------------------------
 
-    def start_recording(self, path: str, session: str = "") -> None:
+    def start_recording(self, path: str, page: str = "") -> None:
         """Record all messages from now on.
 
         Raises:
@@ -307,7 +327,7 @@ class Observer:
         if self._recorder is not None:
             raise SwarmError(f"already recording to {self._recorder.bag.path}")
         self._recorder = Recorder(self._link, path)
-        self._recording_page = session
+        self._recording_page = page
         self._know(recording=path, recorded=0)
 
     def stop_recording(self) -> str:

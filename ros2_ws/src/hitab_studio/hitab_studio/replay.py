@@ -14,7 +14,8 @@ from hitab_msgs.msg import AgentStatus, Episode, TransitionEvent, WorldState
 from hitab_client import SwarmError
 from hitab_client.recording import Received, RecordedMessages, type_name
 from hitab_core.labeling import Strip
-from hitab_studio.scene import Scene, scene_of, state_shown
+from hitab_studio.scene import Scene, scene_of
+from hitab_studio.swarm_state import SwarmState
 
 NANOSECONDS = 1e9
 REPLAYED = {type_name(kind): kind for kind in (WorldState, AgentStatus, TransitionEvent, Episode)}
@@ -104,10 +105,6 @@ class Recording:
         last = {agent: line.last(self.start + seconds) for agent, line in self._statuses.items()}
         return {agent: status for agent, status in last.items() if status is not None}
 
-    def doing(self, seconds: float) -> dict[str, tuple[str, str]]:
-        """Return the mode and the active state of each agent at that time."""
-        return {agent: (s.mode, state_shown(s)) for agent, s in self.statuses(seconds).items()}
-
     def events(self, seconds: float, agent: str, count: int = 12) -> list[Any]:
         """Return an agent's last state changes until then, newest first."""
         events = self._events.until(self.start + seconds)
@@ -145,6 +142,15 @@ class ReplayPlayer:
     playing: bool = True
     speed: float = 1.0
     labels: Labels | None = None
+    _state: tuple[float, SwarmState] = (-1.0, SwarmState())
+
+    @property
+    def state(self) -> SwarmState:
+        """The state of the swarm at that moment."""
+        if self.at != self._state[0]:
+            scene, statuses = self.recording.scene(self.at), self.recording.statuses(self.at)
+            self._state = self.at, SwarmState(scene=scene, statuses=statuses)
+        return self._state[1]
 
     def advance(self, seconds: float) -> bool:
         """Advance the time; return whether the moment changed."""

@@ -38,6 +38,7 @@ STATE_COLORS = (
 AGENT_COLOR = "#5c7ea8"
 """Color of an agent in no state, and of things without a color of their own."""
 
+AS_IN_STATE = ("world", "cycle", "episode", "episode_cycle", "mode", "note")
 KNOWN_FIELDS = ("x", "y", "heading", "vx", "vy")
 
 
@@ -109,12 +110,7 @@ def scene_of(state: Any) -> Scene:
     ).reshape(len(entities), 5)
     places.setflags(write=False)
     return Scene(
-        world=state.world,
-        cycle=state.cycle,
-        episode=state.episode,
-        episode_cycle=state.episode_cycle,
-        mode=state.mode,
-        note=state.note,
+        **{name: getattr(state, name) for name in AS_IN_STATE},
         seconds=seconds_of(stamp),
         size=(state.width, state.height),
         names=tuple([e.name for e in entities]),
@@ -129,15 +125,15 @@ def scene_of(state: Any) -> Scene:
 def _looks(state: Any, kinds: set[str]) -> dict[str, Appearance]:
     """Return the look of each kind; one that the world has not declared has the usual one."""
     declared = {
-        look.kind: Appearance(
-            color=look.color or AGENT_COLOR,
-            shape=look.shape,
-            faces=look.faces,
-            labelled=look.labelled,
-            opacity=round(look.opacity, 3),
-            layer=look.layer,
+        it.kind: Appearance(
+            it.color or AGENT_COLOR,
+            it.shape,
+            it.faces,
+            it.labelled,
+            round(it.opacity, 3),
+            it.layer,
         )
-        for look in state.looks
+        for it in state.looks
     }
     return {kind: declared.get(kind, Appearance()) for kind in sorted(kinds)}
 

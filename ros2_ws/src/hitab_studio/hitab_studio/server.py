@@ -105,7 +105,7 @@ def serve(
     from nicegui import Client, app, ui
 
     from hitab_studio.actions.stopping import stop_robots
-    from hitab_studio.page import STATIC, Page
+    from hitab_studio.page_view import STATIC, PageView
     from hitab_studio.stream import stream
     from hitab_studio.studio import Studio
 
@@ -121,27 +121,27 @@ def serve(
     )
 
     @app.websocket("/field")
-    async def field(socket: WebSocket, session: str = "") -> None:
-        await stream(studio, socket, session)
+    async def field(socket: WebSocket, page: str = "") -> None:
+        await stream(studio, socket, page)
 
     @app.post("/stop-robots")
-    async def stop(request: Request, session: str = "") -> None:
+    async def stop(request: Request, page: str = "") -> None:
         """Take an emergency stop, also of a page that this server does not know any more."""
-        known = studio.sessions.get(session)
-        page = known or studio.open(unquote(request.cookies.get(DEMONSTRATOR, "")))
+        known = studio.pages.get(page)
+        stopping = known or studio.open(unquote(request.cookies.get(DEMONSTRATOR, "")))
         try:
-            await stop_robots(page)
+            await stop_robots(stopping)
         except SwarmError as error:
             raise HTTPException(503, told(error)) from None
         finally:
             if known is None:
-                studio.close(page)
+                studio.close(stopping)
 
     @app.post("/leave")
-    def leave(session: str = "") -> None:
+    def leave(page: str = "") -> None:
         """Close a page that a person has left, without waiting for it to connect again."""
-        if (page := studio.sessions.get(session)) is not None:
-            page.leave()
+        if (left := studio.pages.get(page)) is not None:
+            left.leave()
 
     @app.get("/recordings/{name}")
     def download(name: str) -> FileResponse:
@@ -154,7 +154,7 @@ def serve(
     @ui.page("/", title=STUDIO_TITLE, response_timeout=10.0)
     def index(client: Client, request: Request) -> None:
         demonstrator = unquote(request.cookies.get(DEMONSTRATOR, ""))
-        Page(studio, studio.open(demonstrator), client)
+        PageView(studio, studio.open(demonstrator), client)
 
     app.on_startup(studio.start)
     app.on_shutdown(studio.stop)

@@ -8,7 +8,7 @@ from contextlib import suppress
 
 from fastapi import WebSocket, WebSocketDisconnect
 
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.studio import Studio
 
 UNKNOWN_PAGE = 4404
@@ -18,48 +18,46 @@ BROWSER = "hitab_browser"
 
 async def stream(studio: Studio, socket: WebSocket, key: str) -> None:
     """Send moments until the page goes."""
-    session = studio.sessions.get(key)
+    page = studio.pages.get(key)
     await socket.accept()
-    if session is None:
+    if page is None:
         await socket.close(UNKNOWN_PAGE)
         return
-    session.connected = True
-    session.belong(socket.cookies.get(BROWSER, session.browser))
-    studio.store.touch()
-    studio.link.viewing.pages.add(key)
-    session.show_again()
-    session.send({"t": "chosen", "names": session.chosen})
-    sending = asyncio.create_task(_send(socket, session))
+    page.connected = True
+    page.belong(socket.cookies.get(BROWSER, page.browser))
+    studio.touch()
+    page.show_again()
+    page.send({"t": "chosen", "names": page.chosen})
+    sending = asyncio.create_task(_send(socket, page))
     try:
         while True:
             await socket.receive_text()  # ends with the connection
     except (WebSocketDisconnect, RuntimeError):
         pass
     finally:
-        session.connected = False
-        studio.link.viewing.pages.discard(key)
-        studio.store.touch()
+        page.connected = False
+        studio.touch()
         sending.cancel()
 
 
-async def _send(socket: WebSocket, session: PageState) -> None:
-    session.sent = b""
+async def _send(socket: WebSocket, page: Page) -> None:
+    page.sent = b""
     layers: Mapping[str, bytes] = {}
     with suppress(WebSocketDisconnect):
         while True:
-            await session.news.wait()
-            session.news.clear()
-            while session.outgoing:
-                await socket.send_text(session.outgoing.popleft())
+            await page.news.wait()
+            page.news.clear()
+            while page.outgoing:
+                await socket.send_text(page.outgoing.popleft())
             try:
-                newest = session.frame()
+                newest = page.frame()
             except Exception as error:
-                session.stop_replay(error)
+                page.stop_replay(error)
                 continue
-            if newest and newest is not session.sent:
-                session.sent = newest
+            if newest and newest is not page.sent:
+                page.sent = newest
                 await socket.send_bytes(newest)
-            before, layers = layers, session.layers()
+            before, layers = layers, page.layers()
             for name, data in layers.items():
                 if data is not before.get(name):
                     await socket.send_bytes(data)

@@ -10,7 +10,7 @@ from typing import Any
 
 from hitab_client import SwarmError, user_name
 from hitab_studio.launching import NONE
-from hitab_studio.page_state import PageState, StudioState
+from hitab_studio.page import Page, StudioState
 from hitab_studio.people import checked
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import said_message
@@ -26,17 +26,14 @@ OF_NO_SWARM = frozenset(
 """Dialogs that stay open when the swarm ends."""
 
 
-class Studio:
-    """Keeps the shared state up to date, and passes news to the pages.
+class Studio(StudioState):
+    """Keeps the state of all pages up to date, and passes news to the pages.
 
     Args:
         find: returns the swarm to connect to.
         startable: the swarms that pages may start, by name; what each is.
         choose: has another swarm be found from now on, by its run folder.
         options: a person's choice of the robots' topics.
-
-    Attributes:
-        shared: the state of all pages; the other attributes are parts of it.
     """
 
     def __init__(
@@ -46,13 +43,7 @@ class Studio:
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
     ) -> None:
-        link = SwarmLink(find, self._take, self._complain, choose, options)
-        self.shared = shared = StudioState(link, startable)
-        self.link = shared.link
-        self.store = shared.store
-        self.sessions = shared.sessions
-        self.present = shared.present
-        self.link.colors = self.store.palette.given
+        super().__init__(SwarmLink(find, self.take, self._complain, choose, options), startable)
         self._orders: dict[str, tuple[int, int]] = {}
         self._place: tuple[object, ...] = ()
         self._replays: asyncio.Task[None] | None = None
@@ -70,8 +61,8 @@ class Studio:
 
     # -- pages ------------------------------------------------------------------------------
 
-    def open(self, demonstrator: str = "") -> PageState:
-        """Return the session of a new page.
+    def open(self, demonstrator: str = "") -> Page:
+        """Return the state of a new page.
 
         Args:
             demonstrator: name of its person, as the browser has kept it; if it is none: the user
@@ -81,31 +72,36 @@ class Studio:
             name = checked(demonstrator)
         except SwarmError:
             name = user_name()
-        session = PageState(self.shared, secrets.token_urlsafe(16), name)
-        self.sessions[session.id] = session
-        return session
+        page = Page(self, secrets.token_urlsafe(16), name)
+        self.pages[page.id] = page
+        return page
 
-    def close(self, session: PageState) -> None:
+    def close(self, page: Page) -> None:
         """Remove a page that has gone and finished its requests; release its agents."""
-        self.sessions.pop(session.id, None)
-        for agent in [agent for agent, by in self.shared.held.items() if by is session]:
-            del self.shared.held[agent]
-        self.link.viewing.focus.pop(session.id, None)
-        self.store.touch()
+        self.pages.pop(page.id, None)
+        for agent in [agent for agent, by in self.held.items() if by is page]:
+            del self.held[agent]
+        self.touch()
 
     # -- moments ----------------------------------------------------------------------------
 
-    def _take(self, known: SwarmState) -> None:
+    def take(self, known: SwarmState) -> None:
         """Take what is known of the swarm now."""
-        before = self.store.known
-        self.store.take(known)
+        before, self.known = self.known, known
+        if known.revision != before.revision:
+            self.touch()
+        if known.target != before.target:
+            self.placements.clear()
+            self.snapshots = ()
+        if known.scene and before.scene and known.scene.episode != before.scene.episode:
+            self.placements.clear()  # that was another game
         if (known.target != before.target or known.shown is None) and self.present.roster:
             self._spread([self.present.clear()])
         if before.target is not None and known.target != before.target:
             self._close_dialogs(before.target)
         self._meet(known)
-        for session in self.sessions.values():
-            session.settle()
+        for page in self.pages.values():
+            page.settle()
         scene = known.shown
         moves = scene is not before.shown
         # The field shows what agents do in a paused world, too, and who does not answer.
@@ -125,28 +121,28 @@ class Studio:
         target = known.target
         if target is None or target.problem or not (known.agents or known.scene):
             return
-        for session in self.sessions.values():
-            session.messages.withdraw(_dialog_closed(target))
+        for page in self.pages.values():
+            page.messages.withdraw(_dialog_closed(target))
         place = (target.domain_id, target.swarm, target.folder)
         if self._place and place != self._place:
             self._orders.clear()
-            self.shared.held.clear()
-            for session in self.sessions.values():
-                session.forget_agents()
+            self.held.clear()
+            for page in self.pages.values():
+                page.forget_agents()
         self._place = place
 
     def _close_dialogs(self, target: SwarmTarget) -> None:
         """Close what asks about a swarm that has gone."""
-        for session in self.sessions.values():
-            session.missing_targets = session.shown_numbers = None
-            if session.dialog and session.dialog["kind"] not in OF_NO_SWARM:
-                session.close_dialog()
-                session.tell(_dialog_closed(target), "note")
+        for page in self.pages.values():
+            page.missing_targets = page.shown_numbers = None
+            if page.dialog and page.dialog["kind"] not in OF_NO_SWARM:
+                page.close_dialog()
+                page.tell(_dialog_closed(target), "note")
 
-    def _complain(self, text: str, *, session: str = "", agent: str = "") -> None:
-        for page in self.sessions.values():
-            if session in ("", page.id) and agent in ("", page.agent):
-                page.tell(text, "bad")
+    def _complain(self, text: str, *, page: str = "", agent: str = "") -> None:
+        for one in self.pages.values():
+            if page in ("", one.id) and agent in ("", one.agent):
+                one.tell(text, "bad")
 
     def _new_orders(self, groups: Mapping[str, Any]) -> list[dict[str, Any]]:
         found = []
@@ -154,32 +150,26 @@ class Studio:
             order = (group.epoch, group.sequence)
             if self._orders.get(name, (0, 0)) != order and group.order:
                 self._orders[name] = order
-                found.append(
-                    {
-                        "t": "order",
-                        "from": name,
-                        "order": group.order,
-                        "to": [member.name for member in group.subordinates],
-                    }
-                )
+                to = [member.name for member in group.subordinates]
+                found.append({"t": "order", "from": name, "order": group.order, "to": to})
         return found
 
     def _spread(self, messages: Sequence[str]) -> None:
-        for session in self.sessions.values():
-            if session.player is None:
-                session.outgoing.extend(messages)
-                session.news.set()
+        for page in self.pages.values():
+            if page.player is None:
+                page.outgoing.extend(messages)
+                page.news.set()
 
     async def _play(self) -> None:
         """Advance the time of open recordings."""
         while True:
             await asyncio.sleep(REPLAY_SECONDS)
-            for session in list(self.sessions.values()):
+            for page in list(self.pages.values()):
                 try:
-                    if session.player is not None and session.player.advance(REPLAY_SECONDS):
-                        session.show_moment()
+                    if page.player is not None and page.player.advance(REPLAY_SECONDS):
+                        page.show_moment()
                 except Exception as error:
-                    session.stop_replay(error)
+                    page.stop_replay(error)
 
 
 def _dialog_closed(target: SwarmTarget) -> str:

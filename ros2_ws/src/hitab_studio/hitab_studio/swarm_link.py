@@ -1,35 +1,26 @@
 """The connection to the swarm: the server's loop spins a node, and observes the swarm with it.
 
 It reconnects whenever the swarm has been restarted. All this belongs to the server's loop, as the
-pages do. An error here is shown on the page that caused it, and ends nothing.
-
-Only jobs, requests that wait for the swarm, run in threads. A job is ordinary code that waits by
-spinning the link. A job holds the link's monitor except while it waits, so only one thread at
-a time uses the node, the clients and their data.
-
-The rule for jobs: wait by the link (`spin`, `spin_until`, `call`), never by sleeping.
+pages do. An error here is shown on the page that caused it, and ends nothing. What pages ask of
+the swarm are coroutines (`hitab_ros.call`), each of which goes on whenever the node was spun.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
-import threading
 import time
-from collections import defaultdict
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
-from contextvars import ContextVar
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from hitab_client import RosLink, SwarmClient, SwarmError, Training, WorldClient
+from hitab_client import RosLink, SwarmError, Training
 from hitab_client.identity import STARTED_BY_HAND
-from hitab_core import HitabError
 from hitab_ros import give_signs_of_operator, names
 from hitab_ros.answering import what_went_wrong
-from hitab_studio.observer import Observer, Viewing
+from hitab_ros.call import Turns
+from hitab_studio.observer import Connected as Connected
+from hitab_studio.observer import Observer
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
@@ -37,7 +28,6 @@ from hitab_studio.swarm_state import SwarmState
 T = TypeVar("T")
 
 STUDIO_NODE = "hitab_studio"
-JOBS_MAX = 64
 SPIN_SECONDS = 0.01
 LINK_PERIOD_SECONDS = 0.05
 FIND_SECONDS = 1.0
@@ -53,76 +43,6 @@ UNCONNECTED = (
 FAILURES = 50
 """Consecutive failed turns after which the link reconnects."""
 
-_needs: ContextVar[str | None] = ContextVar("needs", default=None)
-"""In a job: the agent or the world that must answer; "" if none."""
-
-
-class JobError(RuntimeError):
-    """A bug in a job, in a form that a future can carry."""
-
-
-class SharedLink(RosLink):
-    """A link for the server's loop and for jobs.
-
-    Attributes:
-        monitor: held by the user of the link.
-        silent: agents, and the world, that have fallen silent: what needs them ends.
-        ended: why all jobs end; "" as long as they go on.
-    """
-
-    def __init__(self, domain_id: int | None, *, name: str) -> None:
-        super().__init__(domain_id, name=name)
-        self.monitor = threading.Condition()
-        self.silent: Mapping[str, float] = {}
-        self.ended = ""
-
-    def spin(self, seconds: float = 0.1) -> None:
-        """Handle events; in a job, have the server's loop do that.
-
-        Raises:
-            SwarmError: if the job should end.
-        """
-        needs = _needs.get()
-        if needs is None:
-            super().spin(seconds)
-            return
-        if not self.ended and needs not in self.silent:
-            self.monitor.wait(seconds)
-        if self.ended:
-            raise SwarmError(self.ended)
-        if needs in self.silent:
-            who = "The world" if needs == names.WORLD else needs
-            raise SwarmError(f"{who} fell silent meanwhile: look whether it was done.")
-
-    def end(self, why: str) -> None:
-        """End all jobs with an error, wherever they wait."""
-        with self.monitor:
-            self.ended = why
-            self.monitor.notify_all()
-
-
-@dataclass
-class Connected:
-    """The swarm, as seen over ROS."""
-
-    link: SharedLink
-    agents: SwarmClient
-    world: WorldClient
-
-    def run(self, job: Callable[[Connected], T], needs: str) -> T:
-        """Do a job; for a thread of its own."""
-        token = _needs.set(needs)
-        try:
-            with self.link.monitor:
-                return job(self)
-        except HitabError:
-            raise
-        except BaseException as error:
-            # A future cannot carry every exception, and some would end the server's loop.
-            raise JobError(f"{type(error).__name__}: {error}") from error
-        finally:
-            _needs.reset(token)
-
 
 class SwarmLink:
     """Communicates with the swarm for all pages.
@@ -130,12 +50,13 @@ class SwarmLink:
     Args:
         find: returns the swarm to connect to.
         tell: called with what is known, whenever that changes.
-        complain: called with an error, and the `session` or `agent` whose pages it concerns.
+        complain: called with an error, and the `page` or `agent` whose pages it concerns.
         choose: has a swarm be found from now on, by its run folder.
         options: a person's choice of the robots' topics.
 
     Attributes:
-        viewing: agents that pages show.
+        pages: those that are open, by id: each with the `agent` that it views, and whether it is
+            `connected`.
         colors: of states, in the markers for other viewers.
     """
 
@@ -147,7 +68,7 @@ class SwarmLink:
         choose: Callable[[str], None] = lambda folder: None,
         options: Options | None = None,
     ) -> None:
-        self.viewing = Viewing()
+        self.pages: Mapping[str, Any] = {}
         self.colors: Mapping[str, int] = {}
         self._find = find
         self._tell = tell
@@ -158,9 +79,7 @@ class SwarmLink:
         self._why_not = UNCONNECTED
         self._connected: Connected | None = None
         self._observer: Observer | None = None
-        self._lines: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
-        self._threads = ThreadPoolExecutor(JOBS_MAX, "studio job")
-        self._jobs: set[asyncio.Future[Any]] = set()
+        self._of_threads: set[RosLink] = set()
         self._chosen = False
         self._troubles: dict[str, float] = {}
         self._task: asyncio.Task[None] | None = None
@@ -177,46 +96,75 @@ class SwarmLink:
             self._task.cancel()
             with suppress(asyncio.CancelledError):
                 await self._task
-        self._threads.shutdown(wait=False, cancel_futures=True)
 
     # -- for pages --------------------------------------------------------------------------
 
-    async def do(self, job: Callable[[Connected], T], line: str = "", needs: str = "") -> T:
-        """Call a function with the swarm in a thread, and return its result.
+    async def ask(self, what: Callable[[Connected], Turns[T]], needs: str = "") -> T:
+        """Have a coroutine of the swarm's clients done, and return its result.
 
         Args:
-            job: does it.
-            line: the agent whose jobs are done one after the other; "" for independent jobs.
-            needs: an agent, or `names.WORLD`: if it falls silent, the job ends; "" if none.
+            what: returns it.
+            needs: an agent, or `names.WORLD`: if it falls silent, the coroutine ends; "" if none.
 
         Raises:
             SwarmError: if it cannot be done; the message is for people.
         """
+        swarm = await self._swarm()
+        coroutine = what(swarm)
+        swarm.asking += 1
+        try:
+            while True:
+                try:
+                    coroutine.send(None)
+                except StopIteration as end:
+                    result: T = end.value
+                    return result
+                await swarm.spun.wait()
+                if swarm.ended:
+                    raise SwarmError(swarm.ended)
+                if needs in self._known.silent:
+                    who = "The world" if needs == names.WORLD else needs
+                    raise SwarmError(f"{who} fell silent meanwhile: look whether it was done.")
+        finally:
+            coroutine.close()
+            swarm.asking -= 1
+            if self._observer is not None:  # the caller has its answer already
+                self._try(self._observer.look)
+                self._deliver()
+
+    async def do(self, job: Callable[[Connected], T], agent: str = "") -> T:
+        """Call a function that blocks for long, in a thread and with a node of its own.
+
+        Args:
+            job: does it with the swarm.
+            agent: that is concerned, for the reader.
+
+        Raises:
+            SwarmError: if it cannot be done; the message is for people.
+        """
+        target = (await self._swarm()).target
+
+        def work() -> T:
+            with RosLink(target.domain_id, name=STUDIO_NODE) as link:
+                self._of_threads.add(link)
+                try:
+                    return job(Connected.to(target, link))
+                finally:
+                    self._of_threads.discard(link)
+
+        return await asyncio.to_thread(work)
+
+    async def _swarm(self) -> Connected:
+        """Return the swarm, once it is connected to.
+
+        Raises:
+            SwarmError: if none is meant.
+        """
         while (swarm := self._connected) is None:
             if self._why_not:
                 raise SwarmError(self._why_not)
-            await asyncio.sleep(SPIN_SECONDS)  # it is being connected
-        if not line:
-            return await self._do(swarm, job, needs)
-        async with self._lines[line]:
-            return await self._do(swarm, job, needs)
-
-    async def _do(self, swarm: Connected, job: Callable[[Connected], T], needs: str) -> T:
-        if swarm.link.ended:
-            raise SwarmError(swarm.link.ended)
-        loop = asyncio.get_running_loop()
-        running = loop.run_in_executor(self._threads, swarm.run, job, needs)
-        self._jobs.add(running)
-        try:
-            return await running
-        finally:
-            self._jobs.discard(running)
-            if self._observer is not None and swarm.link.monitor.acquire(blocking=False):
-                try:  # the caller has its answer already
-                    self._try(self._observer.look)
-                finally:
-                    swarm.link.monitor.release()
-                self._deliver()
+            await asyncio.sleep(SPIN_SECONDS)
+        return swarm
 
     def choose(self, folder: str) -> None:
         """Show the swarm in this run folder from now on, for all pages."""
@@ -285,27 +233,26 @@ class SwarmLink:
         self._tell(self._known)
 
     async def _connect(self, target: SwarmTarget) -> None:
-        link = await asyncio.to_thread(SharedLink, target.domain_id, name=STUDIO_NODE)
-        space, identity = target.namespace, target.identity
+        with await asyncio.to_thread(RosLink, target.domain_id, name=STUDIO_NODE) as link:
+            await self._use(target, Connected.to(target, link))
+
+    async def _use(self, target: SwarmTarget, swarm: Connected) -> None:
         why = "The connection was lost meanwhile: look whether it was done."
         try:
-            swarm = Connected(
-                link,
-                SwarmClient(link, target.agents, prefix=space, identity=identity),
-                WorldClient(link, prefix=space, identity=identity, started_by_it=target.world),
-            )
             self._observer = Observer(
-                link,
-                swarm.agents,
-                swarm.world,
+                swarm,
                 self._known,
-                self.viewing,
+                self.pages,
                 self.colors,
                 self._trouble,
-                self.do,
+                self.ask,
                 self._options,
             )
-            give_signs_of_operator(link.node, space, lambda: self.viewing.pages)
+            give_signs_of_operator(
+                swarm.link.node,
+                target.namespace,
+                lambda: any(page.connected for page in self.pages.values()),
+            )
             self._connected = swarm
             await self._serve(target, swarm, self._observer)
             why = _gone(target)
@@ -314,41 +261,37 @@ class SwarmLink:
             raise
         finally:
             if self._observer is not None:
-                with link.monitor:
-                    self._try(self._observer.stop_recording)
+                self._try(self._observer.stop_recording)
                 self._deliver()
             self._connected = self._observer = None
-            link.end(why)
-            if self._jobs:
-                await asyncio.wait(self._jobs, timeout=LEAVE_SECONDS)
-            link.close()
+            swarm.ended = why
+            swarm.spun.set()
+            for other in list(self._of_threads):
+                other.end(why)
+            while swarm.asking:
+                await asyncio.sleep(0)
 
     async def _serve(self, target: SwarmTarget, swarm: Connected, observer: Observer) -> None:
         """Spin the node and observe the swarm until another one is meant."""
-        link, failures = swarm.link, 0
+        failures = 0
         next_look = next_find = 0.0
         while True:
             await asyncio.sleep(SPIN_SECONDS)
-            if not link.monitor.acquire(blocking=False):
-                continue  # a job is at it
-            try:
-                failures = 0 if self._try(lambda: link.spin(0.0)) else failures + 1
-                if failures >= FAILURES:
-                    raise SwarmError("nothing could be received for a while")
-                now = time.monotonic()
-                self._try(observer.see)
-                if now >= next_look:
-                    next_look = now + LINK_PERIOD_SECONDS
-                    self._try(observer.look)
-                    link.silent = observer.known.silent
-                if now >= next_find:
-                    next_find = now + FIND_SECONDS
-                    self._try(observer.keep_house)
-                    if not self._is_still(target):
-                        return
-            finally:
-                link.monitor.notify_all()
-                link.monitor.release()
+            failures = 0 if self._try(lambda: swarm.link.spin(0.0)) else failures + 1
+            if failures >= FAILURES:
+                raise SwarmError("nothing could be received for a while")
+            swarm.spun.set()
+            swarm.spun.clear()
+            now = time.monotonic()
+            self._try(observer.see)
+            if now >= next_look:
+                next_look = now + LINK_PERIOD_SECONDS
+                self._try(observer.look)
+            if now >= next_find:
+                next_find = now + FIND_SECONDS
+                self._try(observer.keep_house)
+                if not self._is_still(target):
+                    return
             self._deliver()
 
     def _deliver(self) -> None:

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from jinja2.utils import markupsafe
 
+from hitab_client import SwarmError, Training
 from hitab_core import START
-from hitab_ros import names
-from hitab_studio.absence import absence
-from hitab_studio.page_state import CHOOSE_FIRST, REAL, PageState
-
-RECORDING = "This is a recording: close it first (Esc)."
+from hitab_studio.page import CHOOSE_FIRST, Page
 
 
 def off(reason: str) -> markupsafe.Markup:
@@ -22,57 +19,54 @@ def off(reason: str) -> markupsafe.Markup:
     return markupsafe.Markup('aria-disabled="true" title="{0}" data-off="{0}"').format(reason)
 
 
-def world(session: PageState) -> str:
+def world(page: Page) -> str:
     """Return why the world cannot be controlled."""
-    known = session.shared.store.known
-    if session.player is not None:
-        return RECORDING
-    if known.robots is not None:
-        return REAL
-    if known.world is None:
-        return "No world is up."
-    if absent := absence(known, names.WORLD):
-        return f"The world {absent.what}."
-    return session.shared.why_busy
+    return page.world_off or ("" if page.studio.known.world else "No world is up.")
 
 
-def agent(session: PageState) -> str:
-    """Return why the agent cannot be commanded."""
-    name, known = session.agent, session.shared.store.known
-    if session.player is not None:
-        return RECORDING
-    if not name:
-        return CHOOSE_FIRST
-    if absent := absence(known, name):
-        return f"{name} {absent.what}."
-    if session.locked:
-        return f"{session.shared.held[name].name} holds {name}: take it over first."
-    return session.shared.why_busy
-
-
-def training(session: PageState) -> str:
+def training(page: Page) -> str:
     """Return why keys that only mean something in a training do nothing."""
-    kept = session.training is not None
-    if (why := agent(session)) or session.is_training or kept:
+    kept = page.training is not None
+    if (why := page.agent_off) or page.is_training or kept:
         return why
-    return f"{session.agent} trains nothing: press Train… above the field to begin."
+    return f"{page.agent} trains nothing: press Train… above the field to begin."
 
 
-def undoing(session: PageState) -> str:
+def undoing(page: Page) -> str:
     """Return why nothing can be undone."""
-    done = session.training.done if session.training is not None else ()
-    return training(session) or ("" if done else "There is nothing to undo.")
+    done = page.training.done if page.training is not None else ()
+    return training(page) or ("" if done else "There is nothing to undo.")
 
 
-def redoing(session: PageState) -> str:
+def redoing(page: Page) -> str:
     """Return why nothing can be redone."""
-    undone = session.training.undone if session.training is not None else ()
-    return training(session) or ("" if undone else "There is nothing to redo.")
+    undone = page.training.undone if page.training is not None else ()
+    return training(page) or ("" if undone else "There is nothing to redo.")
 
 
-def testing(session: PageState) -> str:
+def testing(page: Page) -> str:
     """Return why what was learned cannot be tested, or saved."""
-    learned = session.training
+    learned = page.training
     if learned is not None and not any(e.state == START for e in learned.examples):
         return "There is nothing yet: command the behavior to begin with."
-    return training(session)
+    return training(page)
+
+
+def training_of(page: Page) -> Training:
+    """Return the training of the page's agent.
+
+    Raises:
+        SwarmError: if there is none.
+    """
+    if page.training is None:
+        raise SwarmError(nothing_in_training(page))
+    return page.training
+
+
+def nothing_in_training(page: Page) -> str:
+    """Return why what concerns a training cannot be done without one."""
+    if not page.agent:
+        return CHOOSE_FIRST
+    if page.is_training:  # its status arrives before its training
+        return f"What {page.agent} trains is not known yet: try again in a moment."
+    return f"{page.agent} is not training anything: begin a training."

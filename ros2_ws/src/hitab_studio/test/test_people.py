@@ -6,7 +6,7 @@ from pathlib import Path
 
 from hitab_client.run_folder import state_home
 from hitab_client.users import user_name
-from hitab_studio.page import perform
+from hitab_studio.page_view import perform
 from hitab_studio.studio import Studio
 
 
@@ -44,12 +44,12 @@ def test_the_browser_remembers_the_name_of_its_person(tmp_path, monkeypatch):
     monkeypatch.setenv("HITAB_HOME", str(tmp_path))
 
     async def run() -> None:
-        session = Studio(lambda: None).open()  # type: ignore[arg-type,return-value]
-        await perform(session, {"do": "ask", "kind": "name"})
-        assert session.dialog["kind"] == "name"
-        await perform(session, {"do": "name-set", "values": {"demonstrator": "Änne"}})
-        assert (session.demonstrator, session.dialog) == ("Änne", {})
-        told = [json.loads(message) for message in session.outgoing]
+        page = Studio(lambda: None).open()  # type: ignore[arg-type,return-value]
+        await perform(page, {"do": "ask", "kind": "name"})
+        assert page.dialog["kind"] == "name"
+        await perform(page, {"do": "name-set", "values": {"demonstrator": "Änne"}})
+        assert (page.demonstrator, page.dialog) == ("Änne", {})
+        told = [json.loads(message) for message in page.outgoing]
         assert {"t": "demonstrator", "name": "Änne"} in told
 
     asyncio.run(run())

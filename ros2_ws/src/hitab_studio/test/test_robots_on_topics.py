@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from hitab_client.errors import SwarmError
-from hitab_studio.page import perform
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
+from hitab_studio.page_view import perform
 from hitab_studio.studio import Studio
 from hitab_studio.views import render
 
@@ -20,18 +20,18 @@ SECONDS = 60.0
 ROBOT = "robot_1"
 
 
-class Page:
+class OpenPage:
     """A page that is open."""
 
     def __init__(self, studio: Studio) -> None:
         self.studio = studio
-        self.session: PageState = studio.open()
-        self.session.look_at(ROBOT)
-        studio.link.viewing.pages.add(self.session.id)
+        self.page: Page = studio.open()
+        self.page.look_at(ROBOT)
+        self.page.connected = True
 
     @property
     def known(self) -> Any:
-        return self.studio.store.known
+        return self.studio.known
 
     async def until(self, true: Callable[[], Any]) -> None:
         deadline = time.monotonic() + SECONDS
@@ -46,18 +46,18 @@ class Page:
 
     def points(self) -> Any:
         """Return what the page shows of what the scanner sees."""
-        return np.frombuffer(self.session.layers()["scans"][4:], "<f4").tolist()
+        return np.frombuffer(self.page.layers()["scans"][4:], "<f4").tolist()
 
     def shown(self, panel: str) -> str:
-        return re.sub(r"\s+", " ", render(panel, self.session))
+        return re.sub(r"\s+", " ", render(panel, self.page))
 
 
-def at_a_page(robot: Any, use: Callable[[Page], Awaitable[None]]) -> None:
+def at_a_page(robot: Any, use: Callable[[OpenPage], Awaitable[None]]) -> None:
     async def run() -> None:
         studio = Studio(lambda: robot.target)
         await studio.start()
         try:
-            await use(Page(studio))
+            await use(OpenPage(studio))
         finally:
             await studio.stop()
 
@@ -68,7 +68,7 @@ def test_a_robot_is_drawn_where_its_odometry_is_and_what_it_scans_where_that_is(
     robot.stand(3.0, 1.0, math.pi / 2)
     robot.see(math.nan, 0.05, 2.0, math.inf)  # one return, straight ahead of the scanner
 
-    async def use(page: Page) -> None:
+    async def use(page: OpenPage) -> None:
         await page.until(lambda: page.stands(3.0, 1.0, math.pi / 2))
         # The scanner faces left of the robot (scan.yaw), and the robot faces y: so it faces -x.
         await page.until(lambda: np.allclose([*page.points(), 0, 0][:2], [1.0, 1.0], atol=1e-5))
@@ -89,16 +89,16 @@ def test_what_needs_a_world_is_not_offered_for_robots_and_one_is_seen_when_its_a
     robot,
 ):
 
-    async def use(page: Page) -> None:
+    async def use(page: OpenPage) -> None:
         await page.until(lambda: page.stands(0.0, 0.0, 0.0))
         await page.until(lambda: "real robots" in page.shown("top"))
         assert 'data-test="pause"' not in page.shown("top")
         for wish in ({"do": "pause"}, {"do": "reset"}, {"do": "step"}):
-            await perform(page.session, wish)
-        await perform(page.session, {"do": "place", "things": {ROBOT: {"x": 1.0, "y": 1.0}}})
+            await perform(page.page, wish)
+        await perform(page.page, {"do": "place", "things": {ROBOT: {"x": 1.0, "y": 1.0}}})
         assert "These are real robots: they cannot be paused" in page.shown("messages")
         with pytest.raises(SwarmError, match="real robots"):
-            await page.session.ask_world(lambda world: None)
+            await page.page.ask_world(lambda world: None)
         robot.end_agent()
         await page.until(lambda: ROBOT in page.known.gone)
         robot.stand(2.0, 0.0, 0.0)
@@ -113,20 +113,20 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
     robot.film(b"no picture")
     robot.draw_map([[0, 100]], 0.5, -1.0, 0.0, 0.0)
 
-    async def use(page: Page) -> None:
+    async def use(page: OpenPage) -> None:
         await page.until(lambda: "is neither JPEG nor PNG" in page.shown("overlay"))
         robot.film(robot.png(4, 3))
-        await page.until(lambda: {"map", f"camera {ROBOT}"} <= page.session.layers().keys())
-        assert page.session.layers()[f"camera {ROBOT}"][4:] == robot.png(4, 3)
+        await page.until(lambda: {"map", f"camera {ROBOT}"} <= page.page.layers().keys())
+        assert page.page.layers()[f"camera {ROBOT}"][4:] == robot.png(4, 3)
         robot.stand(math.nan, 0.0, 0.0)
         await page.until(lambda: "or nowhere" in page.shown("side"))
         await page.until(lambda: page.known.shown is None)  # nobody knows where it is
         await page.until(lambda: "No robot has a place yet" in page.shown("overlay"))
         robot.stand(1.0, 0.0, 0.0)
         await page.until(lambda: page.stands(1.0, 0.0, 0.0))
-        page.session.look_at("")
+        page.page.look_at("")
         await page.until(lambda: not robot.listeners("picture"))
-        page.studio.link.viewing.pages.discard(page.session.id)
+        page.page.connected = False
         await page.until(lambda: robot.listeners("odometry") == 1)  # the agent's
 
     at_a_page(robot, use)

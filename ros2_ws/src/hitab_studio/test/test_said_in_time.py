@@ -9,11 +9,12 @@ from hitab_msgs.msg import AgentStatus
 from hitab_client import Learned, SwarmError
 from hitab_core import Example
 from hitab_core.example import ExampleKind
+from hitab_ros.call import blocking
 from hitab_studio.actions import teaching
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.learned import Vocabulary
-from hitab_studio.page import RequestQueue, perform
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
+from hitab_studio.page_view import RequestQueue, perform
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
@@ -37,10 +38,10 @@ WORDS = Vocabulary(
 
 def page(known: SwarmState, use: Any) -> Any:
     async def made() -> Any:
-        session = Studio(lambda: SwarmTarget(0)).open()
-        session.shared.store.known = known
-        session.agent = ONE
-        return await use(session)
+        page = Studio(lambda: SwarmTarget(0)).open()
+        page.studio.known = known
+        page.agent = ONE
+        return await use(page)
 
     return asyncio.run(made())
 
@@ -59,21 +60,23 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
     done: list[str] = []
     status = AgentStatus(agent=ONE, mode="training", training="Chase")
 
-    def command(agents: Any, world: Any, agent: str, behavior: str, **_: Any) -> None:
+    async def command(agents: Any, world: Any, agent: str, behavior: str, **_: Any) -> None:
         if behavior == "Stop":
             raise SwarmError("keeper_1 did not acknowledge the command within 2 s")
         done.append(behavior)
 
-    async def use(session: PageState) -> None:
-        async def ask_agent(job: Any) -> None:
-            agents = SimpleNamespace(_edit=lambda *_: done.append("undo"))
-            job(SimpleNamespace(agents=agents, world=None), ONE)
+    async def edit(*_: Any) -> None:
+        done.append("undo")
 
-        monkeypatch.setattr(session, "ask_agent", ask_agent)
-        monkeypatch.setattr(teaching.demonstrating, "command", command)
+    async def use(page: Page) -> None:
+        async def ask_agent(job: Any) -> None:
+            await job(SimpleNamespace(agents=SimpleNamespace(_edit=edit), world=None), ONE)
+
+        monkeypatch.setattr(page, "ask_agent", ask_agent)
+        monkeypatch.setattr(teaching.demonstrating, "command", blocking(command))
         requests, seen = RequestQueue(), asyncio.Event()
         performing = asyncio.create_task(
-            requests.perform(session, lambda: requests.waiting or seen.set())
+            requests.perform(page, lambda: requests.waiting or seen.set())
         )
 
         async def ask(*asked: str) -> None:
@@ -85,9 +88,9 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
 
         await ask("GoFast", "Stop", "earlier", "GoSlow", "undo", "undo")
         assert done == ["GoFast"]
-        assert session.lost is not None
-        assert session.lost.behavior == "Stop"
-        said = [message.text for message in session.messages.shown]
+        assert page.lost is not None
+        assert page.lost.behavior == "Stop"
+        said = [message.text for message in page.messages.shown]
         assert "GoSlow is left out: Stop was not taken" in said
         assert said[-1] == "undo is left out: the command that it was for was not taken"
         await ask("undo", "GoSlow", "undo")
@@ -101,20 +104,20 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
 def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
     """It would be the key of a behavior otherwise, which nobody meant."""
 
-    async def use(session: PageState) -> None:
+    async def use(page: Page) -> None:
         done: list[str] = []
 
-        async def commanded(session: PageState, behavior: str, seen: int) -> None:
+        async def commanded(page: Page, behavior: str, seen: int) -> None:
             done.append(behavior)
 
         monkeypatch.setattr(teaching, "_commanded", commanded)
-        await perform(session, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
-        await perform(session, {"do": "command", "behavior": "GoFast", "hotkey": "1"})
+        await perform(page, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
+        await perform(page, {"do": "command", "behavior": "GoFast", "hotkey": "1"})
         assert done == ["GoTo(ball)"]
-        await perform(session, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
-        await perform(session, {"do": "command", "behavior": "GoFast"})
+        await perform(page, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
+        await perform(page, {"do": "command", "behavior": "GoFast"})
         assert done == ["GoTo(ball)", "GoFast"]
-        assert session.missing_targets is None
+        assert page.missing_targets is None
 
     page(keeper(), use)
 
@@ -123,23 +126,23 @@ def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
 
 
 def test_who_begins_before_that_was_said_is_told_and_may_begin_then(monkeypatch):
-    async def use(session: PageState) -> None:
+    async def use(page: Page) -> None:
         begun = []
 
         async def ask_agent(job: Any) -> None:
             begun.append(job)
 
-        monkeypatch.setattr(session, "ask_agent", ask_agent)
+        monkeypatch.setattr(page, "ask_agent", ask_agent)
         begin = {"do": "begin", "values": {"name": "FetchBall", "features": ["Done"]}}
-        await perform(session, {"do": "new"})
-        await perform(session, begin)
-        said = render("dialog", session)
+        await perform(page, {"do": "new"})
+        await perform(page, begin)
+        said = render("dialog", page)
         assert not begun
         assert 'data-test="saved-already"' in said
         assert "Begin replaces it" in said
-        await perform(session, begin)
+        await perform(page, begin)
         assert len(begun) == 1
-        assert session.messages.shown[-1].text == "keeper_1 is being trained: FetchBall"
+        assert page.messages.shown[-1].text == "keeper_1 is being trained: FetchBall"
 
     page(keeper(), use)
 
@@ -147,9 +150,9 @@ def test_who_begins_before_that_was_said_is_told_and_may_begin_then(monkeypatch)
 def test_what_was_typed_last_opens_no_dialog_that_is_closed():
     """An empty dialog took the Esc that was meant for the training."""
 
-    async def use(session: PageState) -> None:
+    async def use(page: Page) -> None:
         for late in ("new-name", "new-parameter"):
-            await perform(session, {"do": late, "value": "A"})
-            assert session.dialog == {}
+            await perform(page, {"do": late, "value": "A"})
+            assert page.dialog == {}
 
     page(keeper(), use)

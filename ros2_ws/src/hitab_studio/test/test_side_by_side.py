@@ -13,7 +13,7 @@ import pytest
 from hitab_client.errors import SwarmError
 from hitab_client.recording import bag_file
 from hitab_studio.actions import REGISTERED_ACTIONS
-from hitab_studio.page import RequestQueue
+from hitab_studio.page_view import RequestQueue
 from hitab_studio.studio import Studio
 
 SECONDS = 60.0
@@ -41,21 +41,25 @@ def in_the_server(find: Callable[[], Any], use: Callable[[Studio], Awaitable[Non
     asyncio.run(asyncio.wait_for(run(), 3 * SECONDS))
 
 
-def waiting(released: threading.Event) -> Callable[[Any], str]:
-    """Return a job that waits as all jobs do: for something that ROS has to bring."""
+def waiting(released: threading.Event) -> Callable[[Any], Any]:
+    """Return a question that waits as all do: for something that ROS has to bring."""
 
-    def job(swarm: Any) -> str:
-        assert swarm.link.spin_until(released.is_set, 2 * SECONDS), "it was not released"
+    async def asked(swarm: Any) -> str:
+        assert await swarm.link.until(released.is_set, 2 * SECONDS), "it was not released"
         return "done"
 
-    return job
+    return asked
 
 
-# -- jobs do not stop each other ------------------------------------------------------------
+async def at_once(swarm: Any) -> str:
+    return "at once"
 
 
-def test_while_the_job_of_one_page_waits_the_field_moves_and_others_get_their_jobs_done(stand_in):
-    """A job in the thread that spins the node would stop the stream and all other jobs."""
+# -- questions do not stop each other -------------------------------------------------------
+
+
+def test_while_one_page_waits_for_an_answer_the_field_moves_and_others_get_theirs(stand_in):
+    """A question that spins the node itself would stop the stream and all others."""
 
     async def use(studio: Studio) -> None:
         one, two, released = studio.open(), studio.open(), threading.Event()
@@ -63,7 +67,7 @@ def test_while_the_job_of_one_page_waits_the_field_moves_and_others_get_their_jo
         await until(lambda: one.busy, "it has begun")
         before = studio.present.frames
         await until(lambda: studio.present.frames > before + 10, "the field stands still")
-        answer = await asyncio.wait_for(two.ask(lambda swarm: "at once"), SECONDS)
+        answer = await asyncio.wait_for(two.ask(at_once), SECONDS)
         assert answer == "at once"
         assert not waits.done()
         released.set()
@@ -72,62 +76,62 @@ def test_while_the_job_of_one_page_waits_the_field_moves_and_others_get_their_jo
     in_the_server(lambda: stand_in.target, use)
 
 
-def test_jobs_with_one_agent_are_done_in_order(stand_in):
-    """Else two pages mix their commands."""
-
-    async def use(studio: Studio) -> None:
-        one, two, three = studio.open(), studio.open(), studio.open()
-        released, done = threading.Event(), []
-        first = asyncio.create_task(one.ask(waiting(released), "keeper_1"))
-        await until(lambda: one.busy, "it has begun")
-        second = asyncio.create_task(two.ask(lambda swarm: done.append("second"), "keeper_1"))
-        await until(lambda: two.busy, "it was asked for")
-        await three.ask(lambda swarm: done.append("third"), "keeper_2")
-        assert done == ["third"]
-        released.set()
-        await asyncio.wait_for(asyncio.gather(first, second), SECONDS)
-        assert done == ["third", "second"]
-
-    in_the_server(lambda: stand_in.target, use)
-
-
-def test_a_job_whose_swarm_goes_down_ends_with_the_reason(stand_in):
-    """Else its page is busy until the last of the job's own deadlines has passed."""
+def test_what_was_asked_of_a_swarm_that_goes_down_ends_with_the_reason(stand_in):
+    """Else its page is busy until the last of its own deadlines has passed."""
     target = stand_in.target
 
     async def use(studio: Studio) -> None:
         nonlocal target
-        page, queued = studio.open(), studio.open()
+        page, other = studio.open(), studio.open()
         waits = asyncio.create_task(page.ask(waiting(threading.Event()), "keeper_1"))
-        behind = asyncio.create_task(queued.ask(lambda swarm: "too late", "keeper_1"))
-        await until(lambda: page.busy and queued.busy, "both were asked for")
+        too = asyncio.create_task(other.ask(waiting(threading.Event())))
+        await until(lambda: page.busy and other.busy, "both were asked for")
         target = dataclasses.replace(target, start=2)
-        for job in (waits, behind):
+        for asked in (waits, too):
             with pytest.raises(SwarmError, match=r'"stand_in" went down .* look whether'):
-                await asyncio.wait_for(job, SECONDS)
+                await asyncio.wait_for(asked, SECONDS)
         assert not page.busy
-        assert await asyncio.wait_for(page.ask(lambda swarm: "again"), SECONDS) == "again"
+        assert await asyncio.wait_for(page.ask(at_once), SECONDS) == "at once"
 
     in_the_server(lambda: target, use)
 
 
-@pytest.mark.parametrize(
-    "error", [ValueError, StopIteration, SystemExit, asyncio.CancelledError, KeyboardInterrupt]
-)
-def test_whatever_a_job_raises_reaches_its_page_and_ends_nothing(stand_in, error):
-    """Some exceptions cannot stand in a future, some end the thread that they leave."""
+def test_what_blocks_for_minutes_has_a_thread_and_a_node_and_ends_with_its_swarm(stand_in):
+    target = stand_in.target
 
+    async def use(studio: Studio) -> None:
+        nonlocal target
+        begun = threading.Event()
+
+        def job(swarm: Any) -> None:
+            assert swarm.agents.await_agent("keeper_1").agent == "keeper_1"
+            begun.set()
+            swarm.link.spin_until(lambda: False, SECONDS)
+
+        doing = asyncio.create_task(studio.link.do(job))
+        await until(begun.is_set, "it has begun")
+        before = studio.present.frames
+        await until(lambda: studio.present.frames > before + 10, "the field stands still")
+        target = dataclasses.replace(target, start=2)
+        with pytest.raises(SwarmError, match=r'"stand_in" went down .* look whether'):
+            await asyncio.wait_for(doing, SECONDS)
+
+    in_the_server(lambda: target, use)
+
+
+@pytest.mark.parametrize("error", [ValueError, StopIteration, SystemError])
+def test_whatever_a_question_raises_reaches_its_page_and_ends_nothing(stand_in, error):
     async def use(studio: Studio) -> None:
         page, other = studio.open(), studio.open()
 
-        def job(swarm: Any) -> None:
+        async def mistaken(swarm: Any) -> None:
             raise error("a mistake")
 
-        with pytest.raises(Exception, match="a mistake"):
-            await asyncio.wait_for(page.ask(job), SECONDS)
+        with pytest.raises(Exception, match=r"a mistake|raised StopIteration"):
+            await asyncio.wait_for(page.ask(mistaken), SECONDS)
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
-        assert await asyncio.wait_for(other.ask(lambda swarm: "goes on"), SECONDS) == "goes on"
+        assert await asyncio.wait_for(other.ask(at_once), SECONDS) == "at once"
 
     in_the_server(lambda: stand_in.target, use)
 
@@ -157,7 +161,7 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
 
     async def use(studio: Studio) -> None:
         looks, other = studio.open(), studio.open()
-        await until(lambda: studio.store.known.answers("keeper_2"), "it is there")
+        await until(lambda: studio.known.answers("keeper_2"), "it is there")
         other.look_at("keeper_1")
         looks.look_at("keeper_2")
         await until(lambda: other.watched.vocabulary.features, "the other agent answers")
@@ -187,11 +191,11 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
     async def use(studio: Studio) -> None:
         page, other = studio.open(), studio.open()
         path = str(tmp_path / "run.mcap")
-        await page.ask(lambda _: studio.link.observer.start_recording(path, page.id))
-        assert studio.store.known.recording == path
+        studio.link.observer.start_recording(path, page.id)
+        await until(lambda: studio.known.recording == path, "it has begun")
         await until(lambda: page.messages.shown, "it was not told")
         assert "run.mcap ends here: No space left" in page.messages.shown[0].text
-        await until(lambda: not studio.store.known.recording, "it has ended")
+        await until(lambda: not studio.known.recording, "it has ended")
         assert not other.messages.shown
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
@@ -206,13 +210,13 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
     """Else the agent would be free for others in the middle of it."""
     begun, released, done = asyncio.Event(), asyncio.Event(), []
 
-    async def first(session: Any, data: Any) -> None:
-        session.hold("keeper_1")
+    async def first(page: Any, data: Any) -> None:
+        page.hold("keeper_1")
         begun.set()
         await released.wait()
         done.append("first")
 
-    async def second(session: Any, data: Any) -> None:
+    async def second(page: Any, data: Any) -> None:
         done.append("second")
 
     monkeypatch.setitem(REGISTERED_ACTIONS, "first", first)
@@ -229,9 +233,9 @@ def test_what_was_begun_when_a_page_goes_is_done_to_its_end_and_what_waits_is_no
         released.set()
         await asyncio.wait_for(performing, SECONDS)
         assert done == ["first"]
-        assert studio.shared.held == {"keeper_1": page}
+        assert studio.held == {"keeper_1": page}
         studio.close(page)
-        assert not studio.shared.held
+        assert not studio.held
 
     asyncio.run(run())
 
@@ -243,7 +247,7 @@ def asked_twice(monkeypatch: Any, name: str, *wanted: Any) -> list[Any]:
     async def run() -> None:
         begun = asyncio.Event()
 
-        async def do(session: Any, data: Any) -> None:
+        async def do(page: Any, data: Any) -> None:
             begun.set()
             done.append(data)
             await asyncio.sleep(0)

@@ -18,13 +18,12 @@ from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.learned import Vocabulary, effect, is_contradicted
-from hitab_studio.page import perform
+from hitab_studio.page_view import perform
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of, state_shown
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
-from hitab_studio.swarm_store import SwarmStore
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views import render
 
@@ -39,13 +38,13 @@ def scene(cycle: int = 0, x: float = 0.0) -> Any:
 
 
 def test_placements_cannot_be_undone_in_another_episode():
-    store = SwarmStore()
-    store.take(SwarmState(scene=replace(scene(), episode=1)))
-    store.placements.append({"ball": {"x": 0.0}})
-    store.take(SwarmState(scene=replace(scene(5), episode=1)))
-    assert store.placements
-    store.take(SwarmState(scene=replace(scene(9), episode=2)))
-    assert not store.placements
+    studio = Studio(lambda: SwarmTarget(0))
+    studio.take(SwarmState(scene=replace(scene(), episode=1)))
+    studio.placements.append({"ball": {"x": 0.0}})
+    studio.take(SwarmState(scene=replace(scene(5), episode=1)))
+    assert studio.placements
+    studio.take(SwarmState(scene=replace(scene(9), episode=2)))
+    assert not studio.placements
 
 
 def test_where_nothing_has_a_place_what_an_agent_perceives_is_plotted_instead():
@@ -59,12 +58,12 @@ def test_where_nothing_has_a_place_what_an_agent_perceives_is_plotted_instead():
             watched={"pump": AgentState(Vocabulary("plant"), readings=readings)},
             scene=scene_of(WorldState(width=20.0, height=10.0)),
         )
-        studio.store.take(known)
+        studio.take(known)
         shown = render("overlay", page)
         assert "21.50" in shown
         assert DISTANCE in shown
         assert "Gap(a,a)" not in shown
-        studio.store.take(replace(known, scene=scene()))
+        studio.take(replace(known, scene=scene()))
         assert "21.50" not in render("overlay", page)
         assert "21.50" in render("side", page), "an idle agent perceives all the same"
 
@@ -186,9 +185,9 @@ def test_an_agent_is_commanded_by_one_demonstrator_until_another_takes_it():
         await perform(ben, {"do": "take"})
         assert anna.messages.shown[0].text == "Ben has taken keeper_1"
         studio.close(anna)
-        assert studio.shared.held == {"keeper_1": ben}
+        assert studio.held == {"keeper_1": ben}
         await perform(ben, {"do": "release"})
-        assert not studio.shared.held
+        assert not studio.held
 
     asyncio.run(use())
 

@@ -30,16 +30,16 @@ class Seen:
         self.agents: Any = Agents()
         self.asked = 0
         self.watch = AgentWatch(
-            self.agents, "ann", [], self.do, lambda: None, lambda *_, **__: None
+            self.agents, "ann", [], self.ask, lambda: None, lambda *_, **__: None
         )
 
-    async def do(self, job: Callable[[Any], Any], *, needs: str) -> Any:
-        def ask(agent: str, kind: Any, *_: Any, **__: Any) -> Any:
+    async def ask(self, what: Callable[[Any], Any], needs: str) -> Any:
+        async def ask(agent: str, kind: Any, *_: Any, **__: Any) -> Any:
             self.asked += kind is GetVocabulary
             return GetVocabulary.Response(domain="keepaway")
 
-        self.agents.ask = ask
-        return job(SimpleNamespace(agents=self.agents))
+        self.agents.ask = SimpleNamespace(coroutine=ask)
+        return await what(SimpleNamespace(agents=self.agents))
 
     async def look(self, **changes: Any) -> bool:
         """Change the status; return whether the agent is then asked what it has learned."""

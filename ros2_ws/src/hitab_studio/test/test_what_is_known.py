@@ -11,8 +11,8 @@ from hitab_msgs.msg import AgentStatus, WorldStatus
 from hitab_client import SwarmError
 from hitab_ros import KnownStops
 from hitab_studio.actions import REGISTERED_ACTIONS
-from hitab_studio.page import perform
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
+from hitab_studio.page_view import perform
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import JOINING_SECONDS, SwarmState
@@ -28,10 +28,10 @@ def shown(known: SwarmState, *panels: str, tab: str = "teach", agent: str = ONE)
     """Return what panels of a page say."""
 
     async def made() -> str:
-        session = Studio(lambda: SwarmTarget(0)).open()
-        session.shared.store.known = known
-        session.agent, session.tab = agent, tab
-        return "".join(render(panel, session) for panel in panels)
+        page = Studio(lambda: SwarmTarget(0)).open()
+        page.studio.known = known
+        page.agent, page.tab = agent, tab
+        return "".join(render(panel, page) for panel in panels)
 
     return asyncio.run(made())
 
@@ -55,61 +55,61 @@ def test_nothing_is_said_of_an_agent_whose_swarm_has_ended(tab):
     assert "does not answer" not in said
 
 
-def in_a_studio(use: Callable[[Studio, PageState], None]) -> None:
+def in_a_studio(use: Callable[[Studio, Page], None]) -> None:
     async def made() -> None:
         studio = Studio(lambda: SwarmTarget(0))
-        session = studio.open()
-        studio._take(SwarmState(UP, 1, statuses=hears(ONE)))
-        use(studio, session)
+        page = studio.open()
+        studio.take(SwarmState(UP, 1, statuses=hears(ONE)))
+        use(studio, page)
 
     asyncio.run(made())
 
 
 def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
-    def use(studio: Studio, session: PageState) -> None:
-        session.dialog = {"kind": "distribute", "name": "Chase", "agent": ONE}
-        studio._take(SwarmState(UP, 2, statuses=hears(ONE, "keeper_2")))
-        assert session.dialog, "its swarm is there"
-        studio._take(SwarmState(OVER, 3))
-        assert "dialog" not in render("dialog", session)
+    def use(studio: Studio, page: Page) -> None:
+        page.dialog = {"kind": "distribute", "name": "Chase", "agent": ONE}
+        studio.take(SwarmState(UP, 2, statuses=hears(ONE, "keeper_2")))
+        assert page.dialog, "its swarm is there"
+        studio.take(SwarmState(OVER, 3))
+        assert "dialog" not in render("dialog", page)
         closed = "The dialog was closed: keepaway is not there any more."
-        assert closed in render("messages", session)
-        studio._take(SwarmState(UP, 4, statuses=hears(ONE)))
-        assert closed not in render("messages", session), "it is there again"
-        session.dialog = {"kind": "help"}
-        studio._take(SwarmState(UP, 4))
-        assert session.dialog, "it is about no swarm"
+        assert closed in render("messages", page)
+        studio.take(SwarmState(UP, 4, statuses=hears(ONE)))
+        assert closed not in render("messages", page), "it is there again"
+        page.dialog = {"kind": "help"}
+        studio.take(SwarmState(UP, 4))
+        assert page.dialog, "it is about no swarm"
 
     in_a_studio(use)
 
 
 def test_a_refusal_is_shown_in_the_dialog_that_asked_for_it():
-    async def refuses(session: PageState, data: Any) -> None:
+    async def refuses(page: Page, data: Any) -> None:
         raise SwarmError("Choose at least one feature.")
 
-    async def nothing(session: PageState, data: Any) -> None: ...
+    async def nothing(page: Page, data: Any) -> None: ...
 
     async def made(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(REGISTERED_ACTIONS, "refuses", refuses)
         monkeypatch.setitem(REGISTERED_ACTIONS, "nothing", nothing)
-        session = Studio(lambda: SwarmTarget(0)).open()
-        session.shared.store.known = SwarmState(UP, statuses=hears(ONE))
-        session.agent = ONE
+        page = Studio(lambda: SwarmTarget(0)).open()
+        page.studio.known = SwarmState(UP, statuses=hears(ONE))
+        page.agent = ONE
         new = {"kind": "new", "agent": ONE, "resume": "", "name": "", "parameter": ""}
         caution = {"kind": "caution", "agent": ONE}
         rename = {"kind": "rename-recording", "name": "a"}
         for dialog in (new, caution, rename, {"kind": "snapshots"}):
-            session.dialog = dict(dialog)
-            await perform(session, {"do": "refuses"})
-            assert "Choose at least one feature." in render("dialog", session)
-            assert "Choose" not in render("messages", session)
-            await perform(session, {"do": "why", "reason": "It is not ready."})
-            assert "It is not ready." in render("dialog", session)
-            await perform(session, {"do": "nothing"})
-            assert 'data-test="refused"' not in render("dialog", session)
-        session.close_dialog()
-        await perform(session, {"do": "refuses"})
-        assert "Choose at least one feature." in render("messages", session)
+            page.dialog = dict(dialog)
+            await perform(page, {"do": "refuses"})
+            assert "Choose at least one feature." in render("dialog", page)
+            assert "Choose" not in render("messages", page)
+            await perform(page, {"do": "why", "reason": "It is not ready."})
+            assert "It is not ready." in render("dialog", page)
+            await perform(page, {"do": "nothing"})
+            assert 'data-test="refused"' not in render("dialog", page)
+        page.close_dialog()
+        await perform(page, {"do": "refuses"})
+        assert "Choose at least one feature." in render("messages", page)
 
     with pytest.MonkeyPatch.context() as monkeypatch:
         asyncio.run(made(monkeypatch))
@@ -165,10 +165,10 @@ def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_no
             assert time.monotonic() < deadline, "the signs are heard"
             await asyncio.sleep(0.01)
         stand_in.alive = ()
-        while "nobody" not in studio.store.known.silent:
+        while "nobody" not in studio.known.silent:
             assert time.monotonic() < deadline, "what sends nothing else falls silent"
             await asyncio.sleep(0.01)
-        assert "world" not in studio.store.known.silent
+        assert "world" not in studio.known.silent
 
     async def run() -> None:
         studio = Studio(lambda: stand_in.target)

@@ -14,7 +14,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.identity import STARTED_BY_HAND
 from hitab_client.run_folder import RunFolder, RunRecord
 from hitab_studio import swarm_finder
-from hitab_studio.page import perform
+from hitab_studio.page_view import perform
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import Finder, SwarmTarget
 from hitab_studio.swarm_link import SwarmLink
@@ -39,13 +39,17 @@ def test_while_it_is_not_certain_which_swarm_is_meant_nothing_is_done():
         )
         link.start()
         try:
-            await asyncio.wait_for(link.do(done.append), 30.0)
+            await asyncio.wait_for(link.ask(done.append), 30.0)
         finally:
             await link.stop()
 
     with pytest.raises(SwarmError, match=r"Which one\?"):
         asyncio.run(ask())
     assert done == []
+
+
+async def its_link(swarm: Any) -> Any:
+    return swarm.link
 
 
 def test_a_studio_that_was_suspended_until_it_was_forgotten_connects_anew():
@@ -55,12 +59,12 @@ def test_a_studio_that_was_suspended_until_it_was_forgotten_connects_anew():
             link = SwarmLink(lambda: target, lambda _: None, lambda text, **_: None)
             link.start()
             try:
-                first = await link.do(lambda swarm: swarm.link)
+                first = await link.ask(its_link)
                 first._note_suspension(30.0)
                 deadline = time.monotonic() + 60.0
                 while time.monotonic() < deadline:
                     with contextlib.suppress(SwarmError):  # it is connecting
-                        if await link.do(lambda swarm: swarm.link) is not first:
+                        if await link.ask(its_link) is not first:
                             return True
                     await asyncio.sleep(0.05)
                 return False
@@ -171,17 +175,17 @@ def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_s
     stand_in.belong_to(ELSEWHERE)
 
     async def use(studio: Studio) -> None:
-        session, store = studio.open(), studio.store
-        await until(lambda: store.known.elsewhere == (ELSEWHERE,), "it is noticed")
-        await until(lambda: store.known.scene is None, "its world is not shown")
-        assert not store.known.statuses
-        assert f"hitab studio {ELSEWHERE}" in render("overlay", session)
+        page = studio.open()
+        await until(lambda: studio.known.elsewhere == (ELSEWHERE,), "it is noticed")
+        await until(lambda: studio.known.scene is None, "its world is not shown")
+        assert not studio.known.statuses
+        assert f"hitab studio {ELSEWHERE}" in render("overlay", page)
         for ask in (
-            lambda swarm: swarm.agents.perform("keeper_1", ""),
-            lambda swarm: swarm.world.control("pause"),
+            lambda swarm: swarm.agents.perform.coroutine("keeper_1", ""),
+            lambda swarm: swarm.world.control.coroutine("pause"),
         ):
             with pytest.raises(SwarmError, match=f"{ELSEWHERE}, which was not started from here"):
-                await session.ask(ask)
+                await page.ask(ask)
 
     in_a_studio(lambda: nodes, use)
 
@@ -191,9 +195,9 @@ def test_whom_no_command_has_started_or_who_was_named_is_shown(stand_in, nodes, 
     stand_in.belong_to(identity)
 
     async def use(studio: Studio) -> None:
-        await until(lambda: len(studio.store.known.statuses) == 2, "its agents")
-        await until(lambda: studio.store.known.scene, "its world")
-        assert studio.store.known.elsewhere == ()
+        await until(lambda: len(studio.known.statuses) == 2, "its agents")
+        await until(lambda: studio.known.scene, "its world")
+        assert studio.known.elsewhere == ()
 
     in_a_studio(lambda: replace(nodes, identity=identity or STARTED_BY_HAND), use)
 
@@ -207,22 +211,21 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
     chosen = []
 
     async def use(studio: Studio) -> None:
-        store = studio.store
-        await until(lambda: store.known.scene, "its world")
+        await until(lambda: studio.known.scene, "its world")
         targets.append(
             SwarmTarget(nodes.domain_id, "red", ("a",), 1, "", "red-0", choices=(choice,))
         )
-        await until(lambda: store.known.target.choices == (choice,), "it is offered")
-        assert store.known.scene is not None
-        session = studio.open()
-        session.choose(["keeper_1"])
-        session.look_at("keeper_1")
-        await perform(session, {"do": "swarm-choose", "name": "/red"})
-        await until(lambda: store.known.target.swarm == "red", "it is shown")
+        await until(lambda: studio.known.target.choices == (choice,), "it is offered")
+        assert studio.known.scene is not None
+        page = studio.open()
+        page.choose(["keeper_1"])
+        page.look_at("keeper_1")
+        await perform(page, {"do": "swarm-choose", "name": "/red"})
+        await until(lambda: studio.known.target.swarm == "red", "it is shown")
         assert chosen == ["/red"]
-        assert (session.agent, session.chosen) == ("", [])
+        assert (page.agent, page.chosen) == ("", [])
         # Its world may be seen before it says that it is another swarm's.
         await until(lambda: not studio.present.frame, "no other world is shown")
-        assert store.known.agents == ("a",)
+        assert studio.known.agents == ("a",)
 
     in_a_studio(lambda: targets[-1], use, chosen.append)

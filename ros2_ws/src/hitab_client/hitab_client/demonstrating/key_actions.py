@@ -8,12 +8,14 @@ from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import ACKNOWLEDGE_SECONDS, SwarmClient
 from hitab_client.world_client import WorldClient
 from hitab_core import FLAGS, quantity
+from hitab_ros.call import blocking
 
 EARLIER_SECONDS = 0.2
 """By how much a person has a command be due earlier with one key, in seconds of their own."""
 
 
-def command(
+@blocking
+async def command(
     agents: SwarmClient,
     world: WorldClient,
     agent: str,
@@ -42,15 +44,15 @@ def command(
     Raises:
         SwarmError: if the agent is missing, refuses, or does not acknowledge.
     """
-    status = agents.await_agent(agent)
+    status = await agents.await_agent.coroutine(agent)
     if status.mode in (AgentStatus.IDLE, AgentStatus.PERFORMING):
-        agents.perform(agent, behavior)
+        await agents.perform.coroutine(agent, behavior)
         kept = f': t continues that of "{status.training}"' if status.training else ""
         return f"{agent} performs {behavior}; it learns from commands only in training{kept}"
     if status.mode == AgentStatus.TESTING:
-        agents.set_mode(agent, AgentStatus.TRAINING)
+        await agents.set_mode.coroutine(agent, AgentStatus.TRAINING)
     paused = world.status is not None and world.status.mode == WorldState.PAUSED
-    status = agents.command(
+    status = await agents.command.coroutine(
         agent,
         behavior,
         seen=0 if paused else seen,  # the situation has waited for the person
@@ -100,19 +102,20 @@ def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
     )
 
 
-def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> str:
+@blocking
+async def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> str:
     """Have the last command be due a little earlier than at present; return by how much.
 
     Raises:
         SwarmError: if there is none, or that time is not kept.
     """
-    examples = agents.training(agent).examples
+    examples = (await agents.training.coroutine(agent)).examples
     last = max(examples, key=lambda e: (e.command, -e.number), default=None)
     if last is None:
         raise SwarmError("There is no command yet that could have been due earlier.")
     ago = round(last.ago + earlier(world), 3)
-    agents.retime(agent, [last.number], ago)
-    now = {e.number: e for e in agents.training(agent).examples}[last.number]
+    await agents.retime.coroutine(agent, [last.number], ago)
+    now = {e.number: e for e in (await agents.training.coroutine(agent)).examples}[last.number]
     return f"{now.state} → {now.next_state}: {now.ago:.2f} s ago, instead of {last.ago:.2f} s ago"
 
 

@@ -8,142 +8,141 @@ from hitab_msgs.msg import WorldState
 
 from hitab_client import SwarmError, WorldClient
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 MOST_UNDO = 100
 PAUSED = WorldState.PAUSED
 
 
 @action("pause")
-async def pause(session: PageState, data: Data) -> None:
+async def pause(page: Page, data: Data) -> None:
     """Pause or resume the world."""
-    world = session.shared.store.known.world
+    world = page.studio.known.world
     wanted = "resume" if world is not None and world.mode == PAUSED else "pause"
-    await session.ask_world(lambda world: world.control(wanted))
+    await page.ask_world(lambda world: world.control.coroutine(wanted))
 
 
 @action("step", repeats=True)
-async def step(session: PageState, data: Data) -> None:
+async def step(page: Page, data: Data) -> None:
     """Play some cycles, then pause."""
     cycles = int(data.get("cycles", 1))
-    await session.ask_world(lambda world: world.step(cycles, 5.0))
+    await page.ask_world(lambda world: world.step.coroutine(cycles, 5.0))
 
 
 @action("reset")
-async def reset(session: PageState, data: Data) -> None:
+async def reset(page: Page, data: Data) -> None:
     """Begin a new episode."""
-    _remember(session)
-    await session.ask_world(lambda world: world.control("reset"))
+    _remember(page)
+    await page.ask_world(lambda world: world.control.coroutine("reset"))
 
 
 @action("pace")
-async def pace(session: PageState, data: Data) -> None:
+async def pace(page: Page, data: Data) -> None:
     """Set how fast the world runs: a factor of real time, or lockstep."""
     value = str(data["value"])
     if value == "lockstep":
-        await session.ask_world(lambda world: world.control("pace", pace="lockstep"))
+        await page.ask_world(lambda world: world.control.coroutine("pace", pace="lockstep"))
     else:
         factor = float(value)
-        await session.ask_world(
-            lambda world: world.control("pace", pace="realtime", factor=factor)
+        await page.ask_world(
+            lambda world: world.control.coroutine("pace", pace="realtime", factor=factor)
         )
 
 
-def _remember(session: PageState) -> None:
+def _remember(page: Page) -> None:
     """Remember all positions, for undo."""
-    store = session.shared.store
-    if store.known.scene is not None:
-        store.placements.append(store.known.scene.everything())
-        del store.placements[:-MOST_UNDO]
+    studio = page.studio
+    if studio.known.scene is not None:
+        studio.placements.append(studio.known.scene.everything())
+        del studio.placements[:-MOST_UNDO]
 
 
 @action("place", repeats=True)
-async def place(session: PageState, data: Data) -> None:
+async def place(page: Page, data: Data) -> None:
     """Move things to where they were dragged."""
     things = {
         str(name): {key: float(value) for key, value in where.items()}
         for name, where in data["things"].items()
     }
-    _remember(session)
+    _remember(page)
     try:
-        await session.ask_world(lambda world: _placed(world, things))
+        await page.ask_world(lambda world: _placed(world, things))
     except SwarmError:
-        session.shared.store.placements.pop()
-        session.show_again()
+        page.studio.placements.pop()
+        page.show_again()
         raise
 
 
-def _placed(world: WorldClient, things: Any) -> None:
+async def _placed(world: WorldClient, things: Any) -> None:
+    answer = await world.place.coroutine(things)
     if world.is_paused:
         # The agents must have seen it before the next command.
-        world.shown(world.place(things), 3.0)
-    else:
-        world.place(things)
+        await world.shown.coroutine(answer, 3.0)
 
 
-def paused(world: WorldClient) -> bool:
+async def paused(world: WorldClient) -> bool:
     """Pause the world; return whether it was running."""
-    if world.wait().mode == PAUSED:
+    if (await world.wait.coroutine()).mode == PAUSED:
         return False
-    world.control("pause")
+    await world.control.coroutine("pause")
     return True
 
 
 @action("unplace", repeats=True)
-async def unplace(session: PageState, data: Data) -> None:
+async def unplace(page: Page, data: Data) -> None:
     """Undo the last placement."""
-    placements = session.shared.store.placements
+    placements = page.studio.placements
     if not placements:
         raise SwarmError("There is no placement to undo.")
     things = placements.pop()
-    await session.ask_world(lambda world: _placed(world, things))
-    session.tell("Everything is where it was before")
+    await page.ask_world(lambda world: _placed(world, things))
+    page.tell("Everything is where it was before")
 
 
 @action("snapshots")
-async def snapshots(session: PageState, data: Data) -> None:
+async def snapshots(page: Page, data: Data) -> None:
     """Show the snapshots of the world."""
-    await _snapshot(session, "list")
-    session.dialog = {"kind": "snapshots"}
+    await _snapshot(page, "list")
+    page.dialog = {"kind": "snapshots"}
 
 
 @action("snapshot-save")
-async def snapshot_save(session: PageState, data: Data) -> None:
+async def snapshot_save(page: Page, data: Data) -> None:
     """Save the world's state under a name."""
     name = str(data["values"].get("name", "")).strip()
     if not name:
         raise SwarmError("Give the snapshot a name.")
-    await _snapshot(session, "save", name)
-    session.tell(f'kept as "{name}"')
+    await _snapshot(page, "save", name)
+    page.tell(f'kept as "{name}"')
 
 
 @action("snapshot-restore")
-async def snapshot_restore(session: PageState, data: Data) -> None:
+async def snapshot_restore(page: Page, data: Data) -> None:
     """Restore a snapshot."""
     name = str(data["name"])
-    _remember(session)
-    await _snapshot(session, "restore", name)
-    session.dialog = {}
-    session.tell(f'"{name}" is back')
+    _remember(page)
+    await _snapshot(page, "restore", name)
+    page.dialog = {}
+    page.tell(f'"{name}" is back')
 
 
 @action("snapshot-delete")
-async def snapshot_delete(session: PageState, data: Data) -> None:
+async def snapshot_delete(page: Page, data: Data) -> None:
     """Delete a snapshot."""
-    await _snapshot(session, "delete", str(data["name"]))
+    await _snapshot(page, "delete", str(data["name"]))
 
 
-async def _snapshot(session: PageState, what: str, name: str = "") -> None:
-    answer = await session.ask_world(lambda world: world.snapshot(what, name))
-    session.shared.store.snapshots = tuple(answer.names)
+async def _snapshot(page: Page, what: str, name: str = "") -> None:
+    answer = await page.ask_world(lambda world: world.snapshot.coroutine(what, name))
+    page.studio.snapshots = tuple(answer.names)
 
 
-async def go_there(session: PageState, things: Any) -> None:
+async def go_there(page: Page, things: Any) -> None:
     """Pause, and move everything to where it was at another time."""
-    _remember(session)
+    _remember(page)
 
-    def job(world: WorldClient) -> None:
-        paused(world)
-        _placed(world, things)
+    async def moved(world: WorldClient) -> None:
+        await paused(world)
+        await _placed(world, things)
 
-    await session.ask_world(job)
+    await page.ask_world(moved)

@@ -11,9 +11,9 @@ from typing import Any
 
 from hitab_client import SwarmError
 from hitab_client.bootstrapping import Bootstrapping, generations_folder, read_generations
-from hitab_studio import unavailable
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page_state import Making, PageState
+from hitab_studio.page import Page
+from hitab_studio.page_parts import Making
 from hitab_studio.swarm_link import Connected
 
 MOST_EPISODES = 1000
@@ -22,65 +22,62 @@ LONGEST_NOTE = 200
 
 
 @action("generations-dialog")
-async def generations_dialog(session: PageState, data: Data) -> None:
+async def generations_dialog(page: Page, data: Data) -> None:
     """List the generations of a behavior, to make the next one or to go back."""
-    session.look_at(str(data.get("agent") or session.agent))
-    training = session.training
+    page.look_at(str(data.get("agent") or page.agent))
+    training = page.training
     behavior = str(data.get("name") or (training.name if training is not None else ""))
     if not behavior:
         raise SwarmError("There is nothing to make a generation from yet: begin a training first.")
-    session.close_dialog()
-    _show(session, session.agent, behavior)
+    page.close_dialog()
+    _show(page, page.agent, behavior)
 
 
 @action("generation-next", urgent=True)
-async def generation_next(session: PageState, data: Data) -> None:
+async def generation_next(page: Page, data: Data) -> None:
     """Make the next generation of what is being trained."""
-    agent, note = session.dialog["agent"], str(data["values"].get("note", "")).strip()
-    await _make(session, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
+    agent, note = page.dialog["agent"], str(data["values"].get("note", "")).strip()
+    await _make(page, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
 
 
 @action("generation-back", urgent=True)
-async def generation_back(session: PageState, data: Data) -> None:
+async def generation_back(page: Page, data: Data) -> None:
     """Go back to a generation: the team performs it again, and the training goes on from it."""
-    agent, behavior = session.dialog["agent"], session.dialog["behavior"]
+    agent, behavior = page.dialog["agent"], page.dialog["behavior"]
     version, discard = int(data["number"]), data["values"].get("discard") == "on"
-    await _make(session, data, lambda steps: steps.back(agent, behavior, version, discard))
+    await _make(page, data, lambda steps: steps.back(agent, behavior, version, discard))
 
 
 @action("generation-stop", urgent=True)
-async def generation_stop(session: PageState, data: Data) -> None:
+async def generation_stop(page: Page, data: Data) -> None:
     """Stop what is under way at the next episode; the training goes on."""
-    if session.shared.making is not None:
-        session.shared.making.is_to_end = True
+    if page.studio.making is not None:
+        page.studio.making.is_to_end = True
 
 
-def _show(session: PageState, agent: str, behavior: str) -> None:
-    target = session.shared.store.known.target
+def _show(page: Page, agent: str, behavior: str) -> None:
+    target = page.studio.known.target
     folder = generations_folder(target.folder if target is not None else None, agent)
     known = read_generations(folder, behavior)
     about = {"kind": "generations", "agent": agent, "behavior": behavior, "generations": known}
-    session.dialog |= about
+    page.dialog |= about
 
 
-async def _make(session: PageState, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
-    shared, behavior = session.shared, session.dialog["behavior"]
-    known, target = shared.store.known, shared.store.known.target
+async def _make(page: Page, data: Data, step: Callable[[Bootstrapping], Any]) -> None:
+    studio, behavior = page.studio, page.dialog["behavior"]
+    known, target = studio.known, studio.known.target
     text = str(data["values"].get("episodes", "")).strip()
     if not text.isdigit() or int(text) > MOST_EPISODES:
         raise SwarmError(f"Give a number of episodes up to {MOST_EPISODES}; 0: no score.")
-    session.look_at(session.dialog["agent"])
-    if why := unavailable.agent(session):
-        raise SwarmError(why)
-    session.hold(session.agent)
-    making = shared.making = Making(session.agent, behavior)
+    page.look_at(page.dialog["agent"])
+    making = studio.making = Making(page.take_agent(), behavior)
 
     def job(swarm: Connected) -> None:
         def progress(done: int, total: int, doing: str) -> None:
             if making.is_to_end:
                 raise SwarmError("It was stopped.")
             making.doing = f"{doing}, {done} of {total}"
-            shared.store.touch()
+            studio.touch()
 
         step(
             Bootstrapping(
@@ -88,7 +85,7 @@ async def _make(session: PageState, data: Data, step: Callable[[Bootstrapping], 
                 swarm.world if known.world is not None else None,
                 target.folder if target is not None else None,
                 episodes=int(text),
-                who=session.demonstrator,
+                who=page.demonstrator,
                 say=making.said.append,
                 progress=progress,
             )
@@ -97,10 +94,10 @@ async def _make(session: PageState, data: Data, step: Callable[[Bootstrapping], 
 
     try:
         # It needs nobody in the link's sense: a short silence of the agent should not end it.
-        await shared.link.do(job, making.agent)
+        await studio.link.do(job, making.agent)
     finally:
         making.doing = ""
-        shared.store.touch()
-        for page in shared.sessions.values():
-            if page.dialog.get("kind") == "generations":
-                _show(page, page.dialog["agent"], page.dialog["behavior"])
+        studio.touch()
+        for other in studio.pages.values():
+            if other.dialog.get("kind") == "generations":
+                _show(other, other.dialog["agent"], other.dialog["behavior"])

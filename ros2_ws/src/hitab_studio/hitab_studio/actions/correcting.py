@@ -6,60 +6,60 @@ from hitab_client import SwarmClient, SwarmError
 from hitab_core import Use, numbered, with_numbers
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action, number_from
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 
 @action("undo", repeats=True)
-async def undo(session: PageState, data: Data) -> None:
+async def undo(page: Page, data: Data) -> None:
     """Undo the last command or edit."""
-    session.unseen.check(session.agent, "undo")
-    await session.request(SwarmClient.undo)
-    session.tell("Undone")
+    page.unseen.check(page.agent, "undo")
+    await page.request(SwarmClient.undo)
+    page.tell("Undone")
 
 
 @action("redo", repeats=True)
-async def redo(session: PageState, data: Data) -> None:
+async def redo(page: Page, data: Data) -> None:
     """Redo what was undone last."""
-    await session.request(SwarmClient.redo)
-    session.tell("Redone")
+    await page.request(SwarmClient.redo)
+    page.tell("Redone")
 
 
 @action("mark", repeats=True)
-async def mark(session: PageState, data: Data) -> None:
+async def mark(page: Page, data: Data) -> None:
     """Select or deselect an example."""
-    session.table.marked ^= {int(data["number"])}
+    page.table.marked ^= {int(data["number"])}
 
 
 @action("mark-none")
-async def mark_none(session: PageState, data: Data) -> None:
+async def mark_none(page: Page, data: Data) -> None:
     """Deselect all examples."""
-    session.table.marked.clear()
+    page.table.marked.clear()
 
 
 @action("sort", repeats=True)
-async def sort(session: PageState, data: Data) -> None:
+async def sort(page: Page, data: Data) -> None:
     """Sort by a column, or reverse the order."""
-    table, column = session.table, str(data["column"])
+    table, column = page.table, str(data["column"])
     table.descending = not table.descending if table.sort == column else False
     table.sort = column
 
 
 @action("examples-text", repeats=True)
-async def examples_text(session: PageState, data: Data) -> None:
+async def examples_text(page: Page, data: Data) -> None:
     """Show examples with this in their states."""
-    session.table.text = str(data["value"])
+    page.table.text = str(data["value"])
 
 
 @action("examples-kind", repeats=True)
-async def examples_kind(session: PageState, data: Data) -> None:
+async def examples_kind(page: Page, data: Data) -> None:
     """Show examples of one kind."""
-    session.table.kind = str(data["value"])
+    page.table.kind = str(data["value"])
 
 
 @action("examples-column", repeats=True)
-async def examples_column(session: PageState, data: Data) -> None:
+async def examples_column(page: Page, data: Data) -> None:
     """Show a feature's column, or leave it out."""
-    table, name = session.table, str(data["name"])
+    table, name = page.table, str(data["name"])
     if data["value"]:
         table.hidden.discard(name)
     else:
@@ -68,38 +68,38 @@ async def examples_column(session: PageState, data: Data) -> None:
             table.sort = "number"
 
 
-def _numbers(session: PageState, data: Data) -> list[int]:
+def _numbers(page: Page, data: Data) -> list[int]:
     if "number" in data:
         return [int(data["number"])]
-    if not session.table.marked:
+    if not page.table.marked:
         raise SwarmError("Choose examples first, by clicking on them.")
-    return sorted(session.table.marked)
+    return sorted(page.table.marked)
 
 
 @action("delete")
-async def delete(session: PageState, data: Data) -> None:
+async def delete(page: Page, data: Data) -> None:
     """Delete examples."""
-    numbers = _numbers(session, data)
-    await session.request(SwarmClient.delete, numbers)
-    session.table.marked.clear()
-    session.tell(f"Deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
+    numbers = _numbers(page, data)
+    await page.request(SwarmClient.delete, numbers)
+    page.table.marked.clear()
+    page.tell(f"Deleted {numbered('example', numbers)}; Undo brings {_them(numbers)} back")
 
 
 @action("relabel")
-async def relabel(session: PageState, data: Data) -> None:
+async def relabel(page: Page, data: Data) -> None:
     """Change the next state of examples."""
-    numbers, state = _numbers(session, data), str(data["value"])
+    numbers, state = _numbers(page, data), str(data["value"])
     if not state:
         return
-    answer = await session.request(SwarmClient.relabel, numbers, state)
-    session.table.marked.clear()
-    session.tell(answer.message)
+    answer = await page.request(SwarmClient.relabel, numbers, state)
+    page.table.marked.clear()
+    page.tell(answer.message)
 
 
 @action("renumber")
-async def renumber(session: PageState, data: Data) -> None:
+async def renumber(page: Page, data: Data) -> None:
     """Change a number with which an example was commanded."""
-    number, training = int(data["number"]), session.training
+    number, training = int(data["number"]), page.training
     found = [e for e in training.examples if e.number == number] if training else []
     if training is None or not found:
         return
@@ -109,20 +109,18 @@ async def renumber(session: PageState, data: Data) -> None:
     name = str(data["name"])
     given[name] = number_from({name: data["value"]}, name)
     meant = str(with_numbers(state, [given[n.name] for n in numbers], numbers))
-    await session.request(SwarmClient.relabel, [number], meant)
-    session.tell(f"Example {number} now leads to {meant}")
+    await page.request(SwarmClient.relabel, [number], meant)
+    page.tell(f"Example {number} now leads to {meant}")
 
 
 @action("situation")
-async def situation(session: PageState, data: Data) -> None:
+async def situation(page: Page, data: Data) -> None:
     """Move everything to where it was when an example was recorded."""
     number = int(data["number"])
-    training = session.training
+    training = page.training
     found = [e for e in training.examples if e.number == number] if training else []
     scene = (
-        session.shared.store.known.moments.get(
-            (session.agent, training.name, number, found[0].cycle)
-        )
+        page.studio.known.moments.get((page.agent, training.name, number, found[0].cycle))
         if training is not None and found
         else None
     )
@@ -131,8 +129,8 @@ async def situation(session: PageState, data: Data) -> None:
             f"Where everything was when example {number} was recorded is not known: "
             "the studio was not watching then."
         )
-    await go_there(session, scene.everything())
-    session.tell(f"This is where example {number} was recorded; the world is paused")
+    await go_there(page, scene.everything())
+    page.tell(f"This is where example {number} was recorded; the world is paused")
 
 
 def _them(numbers: list[int]) -> str:

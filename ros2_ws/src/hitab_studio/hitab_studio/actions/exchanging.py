@@ -8,52 +8,43 @@ from hitab_client import SwarmClient, SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
-from hitab_studio.page_state import PageState, nothing_in_training
+from hitab_studio.page import Page
 from hitab_studio.ui_remedies import told
+from hitab_studio.unavailable import training_of
 
 
 @action("features-dialog")
-async def features_dialog(session: PageState, data: Data) -> None:
+async def features_dialog(page: Page, data: Data) -> None:
     """Ask which features to learn from."""
-    training = session.training
-    if training is None:
-        raise SwarmError(nothing_in_training(session))
-    session.dialog = {
-        "kind": "features",
-        "agent": session.agent,
-        "name": training.name,
-        "parameters": training.parameters,
-        "used": training.features,
-        "chosen": training.features,
-        "preview": None,
-        "change": None,
-        "problem": "",
-    }
-    session.shared.link.probe(session.agent, on=True)
+    training = training_of(page)
+    now, unseen = training.features, {"preview": None, "change": None, "problem": ""}
+    about = {"name": training.name, "parameters": training.parameters}
+    page.open_dialog("features", used=now, chosen=now, **about, **unseen)
+    page.studio.link.probe(page.agent, on=True)
 
 
-def _chosen(session: PageState, values: Iterable[object]) -> tuple[str, ...]:
+def _chosen(page: Page, values: Iterable[object]) -> tuple[str, ...]:
     """Return the chosen features: those in use first, in their order."""
     wanted = [str(value) for value in values]
-    used = session.dialog["used"]
+    used = page.dialog["used"]
     kept = [feature for feature in used if feature in wanted]
     return (*kept, *(feature for feature in wanted if feature not in used))
 
 
 @action("features-preview", repeats=True)
-async def features_preview(session: PageState, data: Data) -> None:
+async def features_preview(page: Page, data: Data) -> None:
     """Show what would be learned from other features."""
-    dialog = session.dialog
+    dialog = page.dialog
     if dialog.get("kind") != "features":
         return
-    chosen = _chosen(session, data["values"].get("features", []))
+    chosen = _chosen(page, data["values"].get("features", []))
     dialog |= {"chosen": chosen, "preview": None, "change": None, "problem": ""}
-    training = session.training
+    training = page.training
     if not chosen:
         dialog["problem"] = "Choose at least one feature for the decisions to depend on."
     elif training is not None and any(example.state == START for example in training.examples):
         try:
-            preview = await session.request(SwarmClient.behavior, with_features=list(chosen))
+            preview = await page.request(SwarmClient.behavior, with_features=list(chosen))
         except SwarmError as error:
             dialog["problem"] = told(error)
         else:
@@ -61,9 +52,9 @@ async def features_preview(session: PageState, data: Data) -> None:
 
 
 @action("features-accept")
-async def features_accept(session: PageState, data: Data) -> None:
+async def features_accept(page: Page, data: Data) -> None:
     """Learn from other features from now on."""
-    chosen = _chosen(session, data["values"].get("features", []))
-    await session.request(SwarmClient.choose_features, chosen)
-    session.close_dialog()
-    session.tell(f"Learned from {', '.join(chosen)} now; Undo brings the former features back")
+    chosen = _chosen(page, data["values"].get("features", []))
+    await page.request(SwarmClient.choose_features, chosen)
+    page.close_dialog()
+    page.tell(f"Learned from {', '.join(chosen)} now; Undo brings the former features back")

@@ -9,23 +9,23 @@ from hitab_core.labeling import Span, Strip
 from hitab_studio.actions.library_changes import change_library
 from hitab_studio.actions.recording import meanwhile_busy, player_of
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.replay import Labels, ReplayPlayer
 
 
 @action("label-dialog")
-async def ask(session: PageState, data: Data) -> None:
+async def ask(page: Page, data: Data) -> None:
     """Ask by which features the agent may have chosen among which behaviors."""
-    if session.status is None:
+    if page.status is None:
         raise SwarmError("Choose an agent of the recording first.")
-    domain = named_domain(session.status.domain)
-    session.dialog = {"kind": "label", "agent": session.agent, "domain": domain}
+    domain = named_domain(page.status.domain)
+    page.open_dialog("label", domain=domain)
 
 
 @action("label")
-async def label(session: PageState, data: Data) -> None:
+async def label(page: Page, data: Data) -> None:
     """Find which behavior each moment of what the agent did was."""
-    player, dialog, chosen = player_of(session), session.dialog, data["values"]
+    player, dialog, chosen = player_of(page), page.dialog, data["values"]
     features, behaviors = chosen.get("features", []), chosen.get("states", [])
 
     def made() -> Labels:
@@ -33,25 +33,25 @@ async def label(session: PageState, data: Data) -> None:
         strip = Strip(driven.moments, dialog["domain"], driven.agent, behaviors, features)
         return Labels(strip, driven.start - player.recording.start)
 
-    player.labels = await meanwhile_busy(session, made)
-    session.close_dialog()
+    player.labels = await meanwhile_busy(page, made)
+    page.close_dialog()
 
 
 @action("label-span", repeats=True)
-async def look_at_span(session: PageState, data: Data) -> None:
+async def look_at_span(page: Page, data: Data) -> None:
     """Look at a span: go to where it begins."""
-    player = player_of(session)
+    player = player_of(page)
     labels, span = _labels(player), _span(player, int(data["number"]))
     labels.chosen = int(data["number"])
     player.playing = False
     player.seek(span.begin + labels.offset)
-    session.show_moment()
+    page.show_moment()
 
 
 @action("label-was")
-async def correct(session: PageState, data: Data) -> None:
+async def correct(page: Page, data: Data) -> None:
     """Say what a span was, and label the rest again."""
-    player = player_of(session)
+    player = player_of(page)
     labels, span = _labels(player), _span(player, int(data["number"]))
 
     def corrected() -> None:
@@ -63,27 +63,27 @@ async def correct(session: PageState, data: Data) -> None:
             labels.strip.known = before
             raise
 
-    await meanwhile_busy(session, corrected)
+    await meanwhile_busy(page, corrected)
     spans = enumerate(labels.strip.spans)
     labels.chosen = next((i for i, s in spans if s.begin <= span.begin < s.end), -1)
 
 
 @action("label-train")
-async def train(session: PageState, data: Data) -> None:
+async def train(page: Page, data: Data) -> None:
     """Train a behavior from the labels, into the library of the agent in the swarm."""
-    player, name = player_of(session), str(data["values"].get("name", "")).strip()
+    player, name = player_of(page), str(data["values"].get("name", "")).strip()
     strip, source = _labels(player).strip, player.recording.path.name
-    session.look_at(strip.agent)
-    session.player = None  # what follows concerns the swarm
+    page.look_at(strip.agent)
+    page.player = None  # what follows concerns the swarm
     try:
         await change_library(
-            session, lambda library: strip.train(name, library, source), f"{name} is trained"
+            page, lambda library: strip.train(name, library, source), f"{name} is trained"
         )
     except Exception:
-        session.player = player
+        page.player = player
         raise
-    session.tab, session.behavior = "library", name
-    session.show_again()
+    page.tab, page.behavior = "library", name
+    page.show_again()
 
 
 def _labels(player: ReplayPlayer) -> Labels:

@@ -10,48 +10,47 @@ from hitab_client import SwarmError
 from hitab_client.cli_remedies import called
 from hitab_client.run_folder import libraries_of
 from hitab_core import BehaviorLibrary, Use, load_domain
+from hitab_studio.actions.recording import meanwhile_busy
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.swarm_link import Connected
 
 
 @action("behavior-rename")
-async def rename(session: PageState, data: Data) -> None:
+async def rename(page: Page, data: Data) -> None:
     """Rename a behavior, also in what uses it."""
-    old, new = session.dialog["name"], str(data["values"].get("name", "")).strip()
+    old, new = page.dialog["name"], str(data["values"].get("name", "")).strip()
     await change_library(
-        session,
+        page,
         lambda library: library.rename(old, new, with_users=True),
         f"{old} is called {new} now",
     )
-    session.behavior = new
+    page.behavior = new
 
 
 @action("behavior-delete")
-async def delete(session: PageState, data: Data) -> None:
+async def delete(page: Page, data: Data) -> None:
     """Delete a behavior, also if others use it and the person was warned."""
-    name = session.dialog["name"]
-    told = bool(users_of(session, name))
+    name = page.dialog["name"]
+    told = bool(users_of(page, name))
     await change_library(
-        session,
+        page,
         lambda library: library.remove(name, anyway=told),
         f"{name} is deleted; its versions are kept: `{called()} library restore {name}`",
     )
-    session.behavior = ""
+    page.behavior = ""
 
 
-def users_of(session: PageState, name: str) -> list[str]:
+def users_of(page: Page, name: str) -> list[str]:
     """Return the behaviors of the agent that use a behavior."""
     return sorted(
         user.name
-        for user in session.watched.behaviors.values()
+        for user in page.watched.behaviors.values()
         if user.name != name and name in {Use.parse(state).name for state in user.states}
     )
 
 
-async def change_library(
-    session: PageState, what: Callable[[BehaviorLibrary], Any], done: str
-) -> None:
+async def change_library(page: Page, what: Callable[[BehaviorLibrary], Any], done: str) -> None:
     """Change the library of the agent, and have all who use it read it again.
 
     Raises:
@@ -59,7 +58,7 @@ async def change_library(
             had read.
         LibraryError: if it cannot be changed so.
     """
-    agent, known = session.agent, session.shared.store.known
+    agent, known = page.agent, page.studio.known
     used = libraries_of(Path(known.target.folder)) if known.target is not None else {}
     status = known.statuses.get(agent)
     if status is None or agent not in used or agent in known.groups:
@@ -69,13 +68,17 @@ async def change_library(
         )
     library = BehaviorLibrary(used[agent], load_domain(status.domain))
 
-    def job(swarm: Connected, _: str) -> list[tuple[str, str, bool]]:
-        what(library)
-        sharing = [name for name, folder in used.items() if folder == used[agent]]
-        return list(swarm.agents.reload([name for name in sharing if known.answers(name)]))
+    page.take_agent()
+    await meanwhile_busy(page, lambda: what(library))
+    sharing = [name for name, folder in used.items() if folder == used[agent]]
+    there = [name for name in sharing if known.answers(name)]
 
-    read = await session.ask_agent(job)
-    session.close_dialog()
-    session.tell(done)
-    if refused := [f"{name} keeps its library: {why}" for name, why, did in read if not did]:
+    async def read_again(swarm: Connected, _: str) -> list[str]:
+        answers = [await it for it in swarm.agents.reloading(there)]
+        return [f"{name} keeps its library: {why}" for name, why, did in answers if not did]
+
+    refused = await page.ask_agent(read_again)
+    page.close_dialog()
+    page.tell(done)
+    if refused:
         raise SwarmError("; ".join(refused))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from hitab_studio import unavailable
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching import discard, give_target, targets_meant
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 MOST_REASON = 300
 """Characters."""
@@ -18,125 +17,125 @@ DIALOGS = frozenset(
 
 
 @action("choose", repeats=True)
-async def choose(session: PageState, data: Data) -> None:
+async def choose(page: Page, data: Data) -> None:
     """Select something in the field: an agent to view, or a requested target."""
     name = str(data["name"])
-    if session.missing_targets is not None:
-        meant = targets_meant(session, name)
+    if page.missing_targets is not None:
+        meant = targets_meant(page, name)
         if len(meant) == 1:
-            await give_target(session, meant[0])
+            await give_target(page, meant[0])
         elif meant:
-            session.tell(f"{name} may be {' or '.join(meant)}: choose below", "note")
+            page.tell(f"{name} may be {' or '.join(meant)}: choose below", "note")
         else:
-            session.tell(f"{name} is not a target that {session.agent} knows", "bad")
+            page.tell(f"{name} is not a target that {page.agent} knows", "bad")
         return
     if data.get("more"):
-        names = [n for n in session.chosen if n != name]
-        names += [] if name in session.chosen else [name]
-        session.choose(names)
+        names = [n for n in page.chosen if n != name]
+        names += [] if name in page.chosen else [name]
+        page.choose(names)
     else:
-        session.choose([name])
-    if name in session.agents:
-        session.look_at(name)
+        page.choose([name])
+    if name in page.agents:
+        page.look_at(name)
 
 
 @action("agent", repeats=True)
-async def agent(session: PageState, data: Data) -> None:
+async def agent(page: Page, data: Data) -> None:
     """View an agent of the list."""
     name = str(data["name"])
-    session.choose([name])
-    session.look_at(name)
+    page.choose([name])
+    page.look_at(name)
 
 
 @action("neighbor", repeats=True)
-async def neighbor(session: PageState, data: Data) -> None:
+async def neighbor(page: Page, data: Data) -> None:
     """View the next or the previous agent of the list."""
-    agents = session.agents
+    agents = page.agents
     if agents:
         step = int(data["step"])
-        here = agents.index(session.agent) if session.agent in agents else (-1 if step > 0 else 0)
-        await agent(session, {"name": agents[(here + step) % len(agents)]})
+        here = agents.index(page.agent) if page.agent in agents else (-1 if step > 0 else 0)
+        await agent(page, {"name": agents[(here + step) % len(agents)]})
 
 
 @action("deselect", repeats=True)
-async def deselect(session: PageState, data: Data) -> None:
+async def deselect(page: Page, data: Data) -> None:
     """Deselect everything in the field; the viewed agent stays."""
-    if session.missing_targets is None:
-        session.choose([session.agent] if session.agent else [])
+    if page.missing_targets is None:
+        page.choose([page.agent] if page.agent else [])
 
 
 @action("filter", repeats=True)
-async def filter_agents(session: PageState, data: Data) -> None:
+async def filter_agents(page: Page, data: Data) -> None:
     """Show agents with this in their names."""
-    session.filter = str(data["value"])
+    page.filter = str(data["value"])
 
 
 @action("fold", repeats=True)
-async def fold(session: PageState, data: Data) -> None:
+async def fold(page: Page, data: Data) -> None:
     """Open or close what is below a commander or a title in the list of agents."""
-    session.folds[str(data["name"])] = data.get("open") == "yes"
+    page.folds[str(data["name"])] = data.get("open") == "yes"
 
 
 @action("tab", repeats=True)
-async def tab(session: PageState, data: Data) -> None:
+async def tab(page: Page, data: Data) -> None:
     """Show a tab."""
-    session.tab = str(data["name"])
+    page.tab = str(data["name"])
 
 
 @action("level", repeats=True)
-async def level(session: PageState, data: Data) -> None:
+async def level(page: Page, data: Data) -> None:
     """View an automaton of the hierarchy."""
-    session.level, session.state = str(data.get("name", "")), ""
+    page.level, page.state = str(data.get("name", "")), ""
 
 
 @action("state")
-async def state(session: PageState, data: Data) -> None:
+async def state(page: Page, data: Data) -> None:
     """View the tree of a state; if it is shown already, that of the active one."""
     name = str(data.get("name", ""))
-    session.state = "" if session.state == name else name
+    page.state = "" if page.state == name else name
 
 
 @action("ask")
-async def ask(session: PageState, data: Data) -> None:
+async def ask(page: Page, data: Data) -> None:
     """Open a dialog that needs no more than a name."""
     kind, name = str(data["kind"]), str(data.get("name", ""))
     if kind in DIALOGS:
-        session.dialog = {"kind": kind, "agent": session.agent, "name": name}
+        page.open_dialog(kind, name=name)
 
 
 @action("close", repeats=True)
-async def close(session: PageState, data: Data) -> None:
+async def close(page: Page, data: Data) -> None:
     """Close the dialog."""
-    session.close_dialog()
+    page.close_dialog()
 
 
 @action("message-close", repeats=True)
-async def message_close(session: PageState, data: Data) -> None:
+async def message_close(page: Page, data: Data) -> None:
     """Close a message."""
-    session.messages.close(int(data["number"]))
+    page.messages.close(int(data["number"]))
 
 
 @action("why", repeats=True)
-async def why(session: PageState, data: Data) -> None:
+async def why(page: Page, data: Data) -> None:
     """Say why something does nothing at present."""
-    session.refuse(str(data["reason"])[:MOST_REASON], "note")
+    page.refuse(str(data["reason"])[:MOST_REASON], "note")
 
 
 @action("escape", repeats=True)
-async def escape(session: PageState, data: Data) -> None:
+async def escape(page: Page, data: Data) -> None:
     """Close whatever is in front."""
-    if session.dialog:
-        session.close_dialog()
-    elif session.missing_targets is not None:
-        session.missing_targets = None
-    elif session.shown_numbers is not None:
-        session.shown_numbers = None
-    elif session.player is not None:
-        session.player = None
-        session.show_again()
-    elif session.lost is not None:
-        session.lost = None
-    elif session.table.marked:
-        session.table.marked.clear()
-    elif session.is_training and not unavailable.agent(session):
-        await discard(session, data)
+    if page.dialog:
+        page.close_dialog()
+    elif page.missing_targets is not None:
+        page.missing_targets = None
+    elif page.shown_numbers is not None:
+        page.shown_numbers = None
+    elif page.player is not None:
+        page.player = None
+        page.show_again()
+    elif page.lost is not None:
+        page.lost = None
+    elif page.table.marked:
+        page.table.marked.clear()
+    elif page.is_training and not page.agent_off:
+        await discard(page, data)

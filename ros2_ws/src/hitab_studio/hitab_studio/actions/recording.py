@@ -9,107 +9,108 @@ from typing import TypeVar
 from hitab_client import SwarmError
 from hitab_client.recording import recordings
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page_state import PageState
+from hitab_studio.page import RECORDING, Page
 from hitab_studio.replay import Recording, ReplayPlayer
 
 T = TypeVar("T")
 
 
 @action("record")
-async def record(session: PageState, data: Data) -> None:
+async def record(page: Page, data: Data) -> None:
     """Record the run, or stop recording."""
-    link, store = session.shared.link, session.shared.store
+    link, store = page.studio.link, page.studio
+    if page.player is not None:
+        raise SwarmError(RECORDING)
     if store.known.recording:
-        path = await session.ask(lambda _: link.observer.stop_recording())
-        session.tell(f"Recorded to {path}")
+        page.tell(f"Recorded to {link.observer.stop_recording()}")
     else:
         path = str(
             recordings.new_recording(store.known.target.swarm if store.known.target else "")
         )
-        await session.ask(lambda _: link.observer.start_recording(path, session.id))
-    session.tab = "record"
+        link.observer.start_recording(path, page.id)
+    page.tab = "record"
 
 
 @action("replay")
-async def replay(session: PageState, data: Data) -> None:
+async def replay(page: Page, data: Data) -> None:
     """Open a recording."""
     path = recordings.recording(str(data["name"]))
-    session.player = ReplayPlayer(await meanwhile_busy(session, lambda: Recording(path)))
-    if session.player.recording.missing:
-        session.tell(session.player.recording.missing)
-    session.show_again()
+    page.player = ReplayPlayer(await meanwhile_busy(page, lambda: Recording(path)))
+    if page.player.recording.missing:
+        page.tell(page.player.recording.missing)
+    page.show_again()
 
 
 @action("recording-rename")
-async def rename(session: PageState, data: Data) -> None:
+async def rename(page: Page, data: Data) -> None:
     """Give a recording another name."""
-    name = session.dialog["name"]
-    _not_being_recorded(session, name)
+    name = page.dialog["name"]
+    _not_being_recorded(page, name)
     path = recordings.rename(name, str(data["values"].get("name", "")))
-    session.close_dialog()
-    session.tell(f"{name} is called {path.name} now")
+    page.close_dialog()
+    page.tell(f"{name} is called {path.name} now")
 
 
 @action("recording-delete")
-async def delete(session: PageState, data: Data) -> None:
+async def delete(page: Page, data: Data) -> None:
     """Delete a recording."""
-    name = session.dialog["name"]
-    _not_being_recorded(session, name)
+    name = page.dialog["name"]
+    _not_being_recorded(page, name)
     recordings.delete(name)
-    session.close_dialog()
-    session.tell(f"{name} is deleted")
+    page.close_dialog()
+    page.tell(f"{name} is deleted")
 
 
-def _not_being_recorded(session: PageState, name: str) -> None:
-    if session.shared.store.known.recording.endswith(f"/{name}"):
+def _not_being_recorded(page: Page, name: str) -> None:
+    if page.studio.known.recording.endswith(f"/{name}"):
         raise SwarmError(f"{name} is being recorded: stop that first.")
 
 
 @action("replay-play")
-async def replay_play(session: PageState, data: Data) -> None:
+async def replay_play(page: Page, data: Data) -> None:
     """Play or pause; restart at the end."""
-    player = player_of(session)
+    player = player_of(page)
     if not player.playing and player.at >= player.recording.seconds:
         player.seek(0.0)
     player.playing = not player.playing
 
 
 @action("replay-seek", repeats=True)
-async def replay_seek(session: PageState, data: Data) -> None:
+async def replay_seek(page: Page, data: Data) -> None:
     """Go to a moment."""
-    player_of(session).seek(float(data["value"]))
-    session.show_moment()
+    player_of(page).seek(float(data["value"]))
+    page.show_moment()
 
 
 @action("replay-speed", repeats=True)
-async def replay_speed(session: PageState, data: Data) -> None:
+async def replay_speed(page: Page, data: Data) -> None:
     """Set the playback speed."""
-    player_of(session).speed = float(data["value"])
+    player_of(page).speed = float(data["value"])
 
 
 @action("replay-close")
-async def replay_close(session: PageState, data: Data) -> None:
+async def replay_close(page: Page, data: Data) -> None:
     """Go back to the swarm."""
-    session.player = None
-    session.show_again()
+    page.player = None
+    page.show_again()
 
 
-async def meanwhile_busy(session: PageState, job: Callable[[], T]) -> T:
+async def meanwhile_busy(page: Page, job: Callable[[], T]) -> T:
     """Run a slow function in a thread; the page is marked busy until the function ends."""
-    session.busy += 1
-    session.touch()
+    page.busy += 1
+    page.touch()
     try:
         return await asyncio.to_thread(job)
     finally:
-        session.busy -= 1
+        page.busy -= 1
 
 
-def player_of(session: PageState) -> ReplayPlayer:
+def player_of(page: Page) -> ReplayPlayer:
     """Return the player of the open recording.
 
     Raises:
         SwarmError: if none is.
     """
-    if session.player is None:
+    if page.player is None:
         raise SwarmError("No recording is open.")
-    return session.player
+    return page.player

@@ -6,10 +6,10 @@ from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from hitab_client import SwarmError
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 Data = Mapping[str, Any]
-Action = Callable[[PageState, Data], Awaitable[None]]
+Action = Callable[[Page, Data], Awaitable[None]]
 
 REGISTERED_ACTIONS: dict[str, Action] = {}
 REPEATED: set[str] = set()

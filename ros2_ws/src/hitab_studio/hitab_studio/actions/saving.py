@@ -6,8 +6,9 @@ from typing import Any
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page_state import PageState, nothing_in_training
+from hitab_studio.page import Page
 from hitab_studio.ui_remedies import answered, told
+from hitab_studio.unavailable import training_of
 
 
 def _chosen(values: Any) -> dict[str, Any]:
@@ -25,90 +26,81 @@ def _chosen(values: Any) -> dict[str, Any]:
 
 
 @action("save-dialog")
-async def save_dialog(session: PageState, data: Data) -> None:
+async def save_dialog(page: Page, data: Data) -> None:
     """Show what would be saved."""
-    training = session.training
-    if training is None:
-        raise SwarmError(nothing_in_training(session))
-    session.dialog = {
-        "kind": "save",
-        "agent": session.agent,
-        "training": training,
-        "preview": None,
-        "problem": "",
-    }
-    await _preview(session, {})
+    page.open_dialog("save", training=training_of(page), preview=None, problem="")
+    await _preview(page, {})
 
 
 @action("save-preview", repeats=True)
-async def save_preview(session: PageState, data: Data) -> None:
+async def save_preview(page: Page, data: Data) -> None:
     """Show the preview for other choices."""
-    await _preview(session, data["values"])
+    await _preview(page, data["values"])
 
 
-async def _preview(session: PageState, values: Any) -> None:
+async def _preview(page: Page, values: Any) -> None:
     try:
-        preview = await session.request(SwarmClient.behavior, trim=True, **_chosen(values))
+        preview = await page.request(SwarmClient.behavior, trim=True, **_chosen(values))
     except SwarmError as error:
-        session.dialog |= {"preview": None, "problem": told(error)}
+        page.dialog |= {"preview": None, "problem": told(error)}
     else:
-        session.dialog |= {"preview": preview, "problem": ""}
+        page.dialog |= {"preview": preview, "problem": ""}
 
 
 @action("save")
-async def save(session: PageState, data: Data) -> None:
+async def save(page: Page, data: Data) -> None:
     """Save what was trained, and show it in the library."""
     values = data["values"]
-    training = session.dialog.get("training")
+    training = page.dialog.get("training")
     # Without a name it is saved under the one that training began with.
     name = str(values.get("name", "")).strip() or (training.name if training else "")
     description = str(values.get("description", "")).strip()
-    answer = await session.request(
+    answer = await page.request(
         SwarmClient.save, name=name, description=description, **_chosen(values)
     )
     left_out = "; what nothing uses was left out" if answer.trimmed else ""
-    session.dialog = {}
-    session.tab = "library"
-    session.behavior = name
-    session.shared.link.want(session.agent, name)
+    page.dialog = {}
+    page.tab = "library"
+    page.behavior = name
+    page.studio.link.want(page.agent, name)
     done = f"{answered(answer)}{left_out}".split("; ")
-    session.tell("\n".join(done), "good" if len(done) == 1 else "note")
+    page.tell("\n".join(done), "good" if len(done) == 1 else "note")
 
 
 @action("library")
-async def library(session: PageState, data: Data) -> None:
+async def library(page: Page, data: Data) -> None:
     """View a behavior of the library."""
-    session.behavior = str(data["name"]) if session.behavior != data["name"] else ""
-    session.compare = None
-    session.shared.link.want(session.agent, str(data["name"]))
+    page.behavior = str(data["name"]) if page.behavior != data["name"] else ""
+    page.compare = None
+    page.studio.link.want(page.agent, str(data["name"]))
 
 
 @action("versions")
-async def versions(session: PageState, data: Data) -> None:
+async def versions(page: Page, data: Data) -> None:
     """Show the differences between two versions."""
-    name, agent = session.behavior, session.agent
+    name, agent = page.behavior, page.agent
     newer = int(data.get("newer") or data["values"]["newer"])
     older = int(data.get("older") or data["values"]["older"])
-    compared = await session.ask(
-        lambda swarm: swarm.agents.behavior(agent, name, version=newer, compare_with=older)
+    compared = await page.ask(
+        lambda swarm: swarm.agents.behavior.coroutine(
+            agent, name, version=newer, compare_with=older
+        )
     )
-    session.compare = (f"{name}: version {older} → {newer}", compared)
+    page.compare = (f"{name}: version {older} → {newer}", compared)
 
 
 @action("distribute")
-async def distribute(session: PageState, data: Data) -> None:
+async def distribute(page: Page, data: Data) -> None:
     """Distribute a behavior and show each receiver's answer."""
     values = data["values"]
-    behavior = session.dialog["name"]
+    behavior = page.dialog["name"]
     receivers = [str(r) for r in values.get("receivers", [])]
     if not receivers:
         raise SwarmError("Choose at least one receiver.")
     start = values.get("start") == "on"
-    report = await session.request(
-        SwarmClient.distribute, behavior, receivers=receivers, start=start
-    )
-    session.dialog["report"] = report
-    session.tell(
+    report = await page.request(SwarmClient.distribute, behavior, receivers=receivers, start=start)
+    page.dialog["report"] = report
+    page.tell(
         f"{behavior}: {len(report.accepted)} of {len(receivers)} have it",
         "bad" if report.missing else "good",
     )

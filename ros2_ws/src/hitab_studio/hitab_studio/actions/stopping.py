@@ -5,13 +5,13 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_core import some
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 BUTTON = "emergency stop in the studio"
 """The reason shown to other people."""
 
 
-async def stop_robots(session: PageState) -> None:
+async def stop_robots(page: Page) -> None:
     """Have all robots stand still at once, also while a recording is open.
 
     This is no action: pages ask for it in a way that does not need their connection.
@@ -19,7 +19,7 @@ async def stop_robots(session: PageState) -> None:
     Raises:
         SwarmError: if they were not stopped.
     """
-    link, who = session.shared.link, session.demonstrator
+    link, who = page.studio.link, page.demonstrator
     try:
         there = link.observer.stop_robots(True, who, BUTTON)
     except SwarmError as error:
@@ -28,30 +28,30 @@ async def stop_robots(session: PageState) -> None:
         ) from None
     heard = f": {some(there)}" if there else "; nothing that acts is there, and who comes obeys"
     kind = "good" if there else "note"
-    session.tell(f"Emergency stop: all have to stand still{heard}", kind)
+    page.tell(f"Emergency stop: all have to stand still{heard}", kind)
 
 
 @action("release-dialog")
-async def release_dialog(session: PageState, data: Data) -> None:
+async def release_dialog(page: Page, data: Data) -> None:
     """Ask whether the robots may move again."""
-    known = session.shared.store.known
+    known = page.studio.known
     if known.is_stopped:
-        session.close_dialog()
-        session.dialog = {"kind": "release", "by": known.emergency.who}
+        page.close_dialog()
+        page.dialog = {"kind": "release", "by": known.emergency.who}
 
 
 @action("release-robots", urgent=True)
-async def release_robots(session: PageState, data: Data) -> None:
+async def release_robots(page: Page, data: Data) -> None:
     """Let the robots move again."""
-    link, who = session.shared.link, session.demonstrator
+    link, who = page.studio.link, page.demonstrator
     link.observer.stop_robots(False, who, "")
-    session.close_dialog()
-    session.tell("Released: simulated worlds go on, and each robot waits to be re-armed")
+    page.close_dialog()
+    page.tell("Released: simulated worlds go on, and each robot waits to be re-armed")
 
 
 @action("arm")
-async def arm(session: PageState, data: Data) -> None:
+async def arm(page: Page, data: Data) -> None:
     """Let the robot of the agent act again."""
-    link, agent = session.shared.link, session.agent
-    await link.do(lambda _: link.observer.arm(agent), needs=agent)
-    session.tell(f"{agent} may act")
+    link, agent = page.studio.link, page.agent
+    await link.observer.arm(agent)
+    page.tell(f"{agent} may act")

@@ -5,32 +5,32 @@ from __future__ import annotations
 from hitab_client import SwarmError
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.people import checked
 from hitab_studio.swarm_link import Connected
 
 
 @action("name-set")
-async def name_set(session: PageState, data: Data) -> None:
+async def name_set(page: Page, data: Data) -> None:
     """Have the page be used by whom its person says; the browser keeps the name."""
-    session.become(checked(str(data["values"].get("demonstrator", ""))))
-    session.send({"t": "demonstrator", "name": session.demonstrator})
-    session.close_dialog()
+    page.become(checked(str(data["values"].get("demonstrator", ""))))
+    page.send({"t": "demonstrator", "name": page.demonstrator})
+    page.close_dialog()
 
 
 @action("earlier", repeats=True)
-async def due_earlier(session: PageState, data: Data) -> None:
+async def due_earlier(page: Page, data: Data) -> None:
     """Have the last command be due a little earlier than it is at present."""
-    session.unseen.check(session.agent, "earlier")
-
-    def job(swarm: Connected, agent: str) -> str:
-        return put_earlier(swarm.agents, swarm.world, agent)
-
-    session.tell(await session.ask_agent(job))
+    page.unseen.check(page.agent, "earlier")
+    page.tell(
+        await page.ask_agent(
+            lambda swarm, agent: put_earlier.coroutine(swarm.agents, swarm.world, agent)
+        )
+    )
 
 
 @action("retime", repeats=True)
-async def retime(session: PageState, data: Data) -> None:
+async def retime(page: Page, data: Data) -> None:
     """Have a command be due at another time before it was given."""
     number, text = int(data["number"]), str(data["value"]).strip()
     try:
@@ -38,9 +38,9 @@ async def retime(session: PageState, data: Data) -> None:
     except ValueError:
         raise SwarmError(f'"{text}" is not a number of seconds, such as 0.3.') from None
 
-    def job(swarm: Connected, agent: str) -> float:
-        swarm.agents.retime(agent, [number], ago)
-        examples = swarm.agents.training(agent).examples
+    async def retimed(swarm: Connected, agent: str) -> float:
+        await swarm.agents.retime.coroutine(agent, [number], ago)
+        examples = (await swarm.agents.training.coroutine(agent)).examples
         return next((e.ago for e in examples if e.number == number), ago)  # that of a cycle
 
-    session.tell(f"Example {number}: {await session.ask_agent(job):.2f} s ago")
+    page.tell(f"Example {number}: {await page.ask_agent(retimed):.2f} s ago")

@@ -15,7 +15,7 @@ const TRAIL = 90;
 const SMALL = 26; // things; with more, they are drawn smaller, and again with many
 
 class Field {
-  constructor(canvas, session) {
+  constructor(canvas, page) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.roster = { names: [], kinds: [], radii: [], size: [20, 20], center: [0, 0], legend: [] };
@@ -33,7 +33,7 @@ class Field {
     this.robots = new Robots(this);
     this.recolor();
     listen(this);
-    openStream(session, (message) => this.take(message));
+    openStream(page, (message) => this.take(message));
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     this.resize();
     // On a phone, what lies over the field takes much of it, and changes.
@@ -268,6 +268,6 @@ if (!document.cookie.includes("hitab_browser=")) {
 function begin() {
   const canvas = document.getElementById("field");
   if (!canvas) return requestAnimationFrame(begin);
-  window.studioField = new Field(canvas, window.STUDIO_SESSION);
+  window.studioField = new Field(canvas, window.STUDIO_PAGE);
 }
 begin();

@@ -4,11 +4,11 @@ import { layer } from "./robots.js";
 
 const THINGS = 1; // kind of a binary frame: the things in the field
 
-export function openStream(session, take) {
+export function openStream(page, take) {
   let socket;
   let wait = 250;
   function open() {
-    const address = new URL(`field?session=${session}`, document.baseURI);
+    const address = new URL(`field?page=${page}`, document.baseURI);
     address.protocol = address.protocol.replace("http", "ws");
     socket = new WebSocket(address);
     socket.binaryType = "arraybuffer";

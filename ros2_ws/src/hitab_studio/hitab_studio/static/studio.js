@@ -68,7 +68,7 @@ async function sendStop() {
   while (Number(sessionStorage.getItem(PRESSED)) > Date.now() - GIVE_UP_MS) {
     try {
       const signal = AbortSignal.timeout(3000);
-      const answer = await fetch(`stop-robots?session=${window.STUDIO_SESSION}`, { method: "POST", signal });
+      const answer = await fetch(`stop-robots?page=${window.STUDIO_PAGE}`, { method: "POST", signal });
       told = answer.ok ? "" : (await answer.json()).detail;
       break;
     } catch {
@@ -90,7 +90,7 @@ if (sessionStorage.getItem(PRESSED)) sendStop();
 
 // The person's agents are free at once, also for the page that a reload makes, and not only when the
 // server no longer waits for this one to connect again.
-addEventListener("pagehide", () => navigator.sendBeacon(`leave?session=${window.STUDIO_SESSION}`));
+addEventListener("pagehide", () => navigator.sendBeacon(`leave?page=${window.STUDIO_PAGE}`));
 addEventListener("pageshow", ({ persisted }) => persisted && location.reload());
 
 // Whether what happens now comes of a further click of a double click: the server tells whether

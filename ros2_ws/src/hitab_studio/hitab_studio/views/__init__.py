@@ -14,20 +14,20 @@ from jinja2.utils import markupsafe
 from hitab_client.cli_remedies import called
 from hitab_core import quantity, unbroken
 from hitab_studio import unavailable
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.views import agents, dialog, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure, measured
 from hitab_studio.views.swarm import since
 
 Context = dict[str, Any]
-PANELS: dict[str, Callable[[PageState], Context]] = {
+PANELS: dict[str, Callable[[Page], Context]] = {
     "top": top.context,
     "emergency": top.emergency,
     "agents": agents.context,
     "overlay": overlay.context,
     "side": side.context,
     "dialog": dialog.context,
-    "messages": lambda session: {"messages": session.messages.shown},
+    "messages": lambda page: {"messages": page.messages.shown},
 }
 
 
@@ -78,17 +78,17 @@ _environment.filters |= {
 _environment.globals |= {"off": unavailable.off, "unavailable": unavailable, "called": called}
 
 
-def render(panel: str, session: PageState) -> str:
+def render(panel: str, page: Page) -> str:
     """Return the HTML of a panel."""
     common = {
-        "session": session,
-        "store": session.shared.store,
-        "agent": session.agent,
-        "status": session.status,
-        "training": session.training,
-        "player": session.player,
-        "dialog": session.dialog,
-        "agent_off": unavailable.agent(session),
-        "measured": partial(measured, session),
+        "page": page,
+        "known": page.studio.known,
+        "agent": page.agent,
+        "status": page.status,
+        "training": page.training,
+        "player": page.player,
+        "dialog": page.dialog,
+        "agent_off": page.agent_off,
+        "measured": partial(measured, page),
     }
-    return _environment.get_template(f"{panel}.html").render(common, **PANELS[panel](session))
+    return _environment.get_template(f"{panel}.html").render(common, **PANELS[panel](page))

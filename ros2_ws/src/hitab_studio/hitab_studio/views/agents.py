@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from hitab_studio.absence import absence
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.scene import state_shown
 
 ROWS_MAX = 80
@@ -18,27 +18,26 @@ UNFOLDED_MAX = 40
 AGENT_LEVELS_MAX = 8
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the list's template."""
-    known, player = session.shared.store.known, session.player
-    statuses = known.statuses if player is None else player.recording.statuses(player.at)
-    wanted = session.filter.lower()
+    known, statuses = page.studio.known, page.moment.statuses
+    wanted = page.filter.lower()
     if wanted:
         shown = [
             (name, 0, 0, False)
-            for name in session.agents
+            for name in page.agents
             if wanted in name.lower()
             or (name in statuses and wanted in " ".join(statuses[name].active_path).lower())
         ]
     else:
-        shown = list(unfolded(session.agents, known.groups, session.folds, session.agent))
+        shown = list(unfolded(page.agents, known.groups, page.folds, page.agent))
     return {
         "rows": [
             {"name": name, "depth": depth, "below": below, "is_open": is_open}
-            | _row(session, statuses.get(name), name)
+            | _row(page, statuses.get(name), name)
             for name, depth, below, is_open in shown[:ROWS_MAX]
         ],
-        "count": len(shown if wanted else session.agents),
+        "count": len(shown if wanted else page.agents),
         "more": max(0, len(shown) - ROWS_MAX),
     }
 
@@ -92,18 +91,18 @@ def _commanded(groups: Mapping[str, Any], agents: Iterable[str]) -> dict[str, li
     return found
 
 
-def _row(session: PageState, status: Any, name: str) -> dict[str, Any]:
+def _row(page: Page, status: Any, name: str) -> dict[str, Any]:
     """Return the row of an agent; of a commander, its order and how many obey it."""
-    store, live = session.shared.store, session.player is None
-    holder = session.shared.held.get(name) if live else None
+    studio, live = page.studio, page.player is None
+    holder = page.studio.held.get(name) if live else None
     state = state_shown(status) if status is not None else ""
-    group = store.known.groups.get(name)
+    group = studio.known.groups.get(name)
     return {
         "mode": status.mode if status is not None else "",
         "state": state or (status.behavior if status is not None else ""),
-        "color": store.palette.color(state),
-        "absence": (absence(store.known, name) or "") if live else "",
-        "lock": "" if holder is None else ("you" if session.is_same(holder) else holder.name),
+        "color": studio.palette.color(state),
+        "absence": (absence(studio.known, name) or "") if live else "",
+        "lock": "" if holder is None else ("you" if page.is_same(holder) else holder.name),
         "order": group.order if group is not None else "",
         "obeying": sum(member.obeys for member in group.subordinates) if group is not None else 0,
         "size": len(group.subordinates) if group is not None else 0,

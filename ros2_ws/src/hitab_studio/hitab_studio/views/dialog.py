@@ -10,7 +10,7 @@ from hitab_core import FLAGS, FeatureKind, Use, shown_unit
 from hitab_studio.actions.library_changes import users_of
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import uses
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.people import LONGEST_NAME
 from hitab_studio.views.numbers import counted, measure
 from hitab_studio.views.questions import WHEN_UNSURE
@@ -25,52 +25,50 @@ Feature = tuple[str, str, str, str]
 """A feature with its targets, its description, its kind with its unit, and its present value."""
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the dialog's template."""
-    dialog = session.dialog
+    dialog = page.dialog
     kind = dialog.get("kind", "")
     found: dict[str, Any] = {"kind": kind, "name_format": NAME_FORMAT}
     if kind == "new":
-        vocabulary = session.watched.vocabulary
+        vocabulary = page.watched.vocabulary
         parameter = dialog["parameter"]
         arguments = [*vocabulary.targets, *([parameter] if parameter else [])]
-        status, world = session.status, session.shared.store.known.world
+        status, world = page.status, page.studio.known.world
         found |= {
-            "features": _features(session, arguments),
+            "features": _features(page, arguments),
             "states": [
                 (str(use), _described(vocabulary.behavior_descriptions, text, use))
                 for text, use in uses(vocabulary.behaviors, arguments)
             ],
             "running": world is not None and world.mode != "paused",
-            "others": sorted(
-                {p.name for p in session.shared.held.values() if not session.is_same(p)}
-            ),
+            "others": sorted({p.name for p in page.studio.held.values() if not page.is_same(p)}),
             "targets": vocabulary.targets,
             "unsaved": status.examples if status is not None else 0,
-            "saved": _saved(session),
+            "saved": _saved(page),
         }
     if kind == "features":
-        arguments = [*session.watched.vocabulary.targets, *dialog["parameters"]]
+        arguments = [*page.watched.vocabulary.targets, *dialog["parameters"]]
         found |= {
             "features": sorted(
-                _features(session, arguments), key=lambda found: found[0] not in dialog["used"]
+                _features(page, arguments), key=lambda found: found[0] not in dialog["used"]
             ),
             "same": dialog["chosen"] == dialog["used"],
-            "graph": _graph(session),
+            "graph": _graph(page),
         }
     if kind == "label":
         found |= words(dialog["domain"])
     if kind == "caution":
         found |= {
             "when_unsure": WHEN_UNSURE,
-            "now_unsure": session.status.when_unsure if session.status is not None else "",
+            "now_unsure": page.status.when_unsure if page.status is not None else "",
         }
     if kind == "name":
-        found |= {"demonstrator": session.demonstrator, "longest_name": LONGEST_NAME}
+        found |= {"demonstrator": page.demonstrator, "longest_name": LONGEST_NAME}
     if kind == "distribute":
-        found["receivers"] = [agent for agent in session.agents if agent != dialog["agent"]]
+        found["receivers"] = [agent for agent in page.agents if agent != dialog["agent"]]
     if kind in ("rename-behavior", "delete-behavior"):
-        found["users"] = users_of(session, dialog["name"])
+        found["users"] = users_of(page, dialog["name"])
     if kind == "save":
         training = dialog["training"]
         used = {a for f in (*training.features, *training.states) for a in Use.parse(f).arguments}
@@ -78,35 +76,35 @@ def context(session: PageState) -> dict[str, Any]:
     return found
 
 
-def _saved(session: PageState) -> tuple[str, str]:
+def _saved(page: Page) -> tuple[str, str]:
     """Return the typed name and the examples it has, if a behavior of this name is saved."""
-    name = session.dialog.get("typed", "")
-    if session.dialog["resume"] or name not in session.watched.vocabulary.trained:
+    name = page.dialog.get("typed", "")
+    if page.dialog["resume"] or name not in page.watched.vocabulary.trained:
         return ("", "")
-    behavior = session.watched.behaviors.get(name)
+    behavior = page.watched.behaviors.get(name)
     return (name, counted(behavior.examples) if behavior is not None else "")
 
 
-def _features(session: PageState, arguments: Sequence[str]) -> list[Feature]:
+def _features(page: Page, arguments: Sequence[str]) -> list[Feature]:
     """Return the features to choose from, with these targets and parameters."""
-    words = session.watched.vocabulary
+    words = page.watched.vocabulary
     return [
-        *(_feature(session, text, use) for text, use in uses(words.features, arguments)),
+        *(_feature(page, text, use) for text, use in uses(words.features, arguments)),
         *((flag, FLAG_DESCRIPTION.format(flag), "boolean", "") for flag in FLAGS),
     ]
 
 
-def _graph(session: PageState) -> Graph | None:
+def _graph(page: Page) -> Graph | None:
     """Return the drawing of what would be learned from the chosen features."""
-    preview = session.dialog["preview"]
+    preview = page.dialog["preview"]
     if preview is None or preview.automaton is None:
         return None
-    return graph(preview.automaton, [*session.watched.behaviors])
+    return graph(preview.automaton, [*page.watched.behaviors])
 
 
-def _feature(session: PageState, text: str, use: Use) -> Feature:
+def _feature(page: Page, text: str, use: Use) -> Feature:
     """Return a feature of the vocabulary with targets, as the dialog offers it."""
-    watched = session.watched
+    watched = page.watched
     vocabulary, name, label = watched.vocabulary, use.name, str(use)
     kind, unit = vocabulary.kinds.get(name, ""), vocabulary.units.get(name, "")
     now = ""

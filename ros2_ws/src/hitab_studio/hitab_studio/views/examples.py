@@ -8,24 +8,25 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import BoundedNumber, Example, Use, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
-from hitab_studio.page_state import ExamplesTable, PageState
+from hitab_studio.page import Page
+from hitab_studio.page_parts import ExamplesTable
 from hitab_studio.views.numbers import measure
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    training, table = session.training, session.table
+    training, table = page.training, page.table
     if training is None:
         return {"lines": [], "columns": [], "total": 0}
-    moments = session.shared.store.known.moments
+    moments = page.studio.known.moments
     against = is_contradicted(training.examples)
     superseded = {n: overruled_by(by) for n, by in superseding(training.examples).items()}
     lines = [e for e in training.examples if _shown(e, table, against)]
     lines.sort(key=lambda e: _key(e, training, table), reverse=table.descending)
-    given = {*training.parameters, *session.watched.vocabulary.targets}
+    given = {*training.parameters, *page.watched.vocabulary.targets}
     states = [
         b
-        for b in (*training.states, *session.watched.vocabulary.behaviors)
+        for b in (*training.states, *page.watched.vocabulary.behaviors)
         if not set(Use.parse(b).arguments) - given
     ]
     return {
@@ -36,10 +37,10 @@ def context(session: PageState) -> dict[str, Any]:
         "against": against,
         "superseded": superseded,
         "decided": lambda example: _decided(training, example),
-        "known": lambda e: (session.agent, training.name, e.number, e.cycle) in moments,
+        "known": lambda e: (page.agent, training.name, e.number, e.cycle) in moments,
         "values": lambda example: _values(training, example),
         "states": [
-            session.watched.vocabulary.commandable(s)
+            page.watched.vocabulary.commandable(s)
             for s in dict.fromkeys([*states, "Done", "Failed"])
             if s != training.name
         ],

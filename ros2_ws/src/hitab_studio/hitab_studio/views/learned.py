@@ -8,7 +8,7 @@ from typing import Any
 from hitab_client import Learned
 from hitab_core import FLAGS, START, Use, with_numbers
 from hitab_studio.graph import graph
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.tree_rows import tree_rows
 from hitab_studio.views.numbers import measured
 
@@ -18,19 +18,19 @@ TRANSITIONS_SHOWN_MAX = 8
 LEVELS_MAX = 6
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    levels = _levels(session)
-    chosen = (level for level in levels if level["name"] == session.level)
+    levels = _levels(page)
+    chosen = (level for level in levels if level["name"] == page.level)
     shown = next(chosen, levels[0] if levels else {"name": "", "label": "", "state": ""})
-    behavior = _behavior(session, shown["name"])
+    behavior = _behavior(page, shown["name"])
     automaton = behavior.automaton if behavior is not None else None
-    state = session.state or shown["state"] or START
+    state = page.state or shown["state"] or START
     tree = behavior.trees.get(state) if behavior is not None else None
-    values = _values(session, shown["label"], behavior)
-    events = _events(session)
+    values = _values(page, shown["label"], behavior)
+    events = _events(page)
     names = behavior.features if behavior is not None else ()
-    automata = [b.name for b in session.watched.behaviors.values() if b.is_automaton]
+    automata = [b.name for b in page.watched.behaviors.values() if b.is_automaton]
     return {
         "levels": levels,
         "level": shown,
@@ -42,33 +42,33 @@ def context(session: PageState) -> dict[str, Any]:
         "live": bool(values),
         "numbers": _numbers(behavior, state, values),
         "changes": events[:TRANSITIONS_SHOWN_MAX],
-        "because": lambda event: _because(session, event),
+        "because": lambda event: _because(page, event),
         "label": _label,
     }
 
 
-def _behavior(session: PageState, name: str) -> Learned | None:
-    training = session.training
-    if training is not None and training.name == name and session.is_training:
+def _behavior(page: Page, name: str) -> Learned | None:
+    training = page.training
+    if training is not None and training.name == name and page.is_training:
         return training
-    return session.watched.behaviors.get(name)
+    return page.watched.behaviors.get(name)
 
 
-def _levels(session: PageState) -> list[dict[str, Any]]:
+def _levels(page: Page) -> list[dict[str, Any]]:
     """Return the hierarchy below what the agent performs, active or not, outermost first.
 
     Each automaton has the label of the path of active states, such as ``GoTo(ball)``.
     """
-    status, training = session.status, session.training
+    status, training = page.status, page.training
     if status is None:
         return []
-    top = status.behavior or (training.name if training is not None else session.behavior)
+    top = status.behavior or (training.name if training is not None else page.behavior)
     path = list(status.active_path)
     found: dict[str, dict[str, Any]] = {}
 
     def visit(label: str, depth: int, *, active: bool) -> None:
         name = Use.parse(label).name
-        behavior = _behavior(session, name)
+        behavior = _behavior(page, name)
         if name in found or behavior is None or not behavior.is_automaton or depth > LEVELS_MAX:
             return
         state = path[depth] if active and depth < len(path) else ""
@@ -82,13 +82,13 @@ def _levels(session: PageState) -> list[dict[str, Any]]:
     return list(found.values())
 
 
-def _values(session: PageState, label: str, behavior: Learned | None) -> list[float]:
+def _values(page: Page, label: str, behavior: Learned | None) -> list[float]:
     """Return the values that the automaton's features have now, if it is active."""
-    if behavior is None or session.player is not None:
+    if behavior is None or page.player is not None:
         return []
     values = [
         values[-1]
-        for (automaton, _), values in list(session.watched.readings.items())
+        for (automaton, _), values in list(page.watched.readings.items())
         if automaton == label and values
     ]
     if len(values) != len(behavior.features) or any(math.isnan(v) for v in values):
@@ -107,11 +107,11 @@ def _numbers(behavior: Learned | None, state: str, values: list[float]) -> str:
     return f"Now {here}: as in {'example' if len(like) == 1 else 'examples'} {', '.join(like)}"
 
 
-def _events(session: PageState) -> list[Any]:
+def _events(page: Page) -> list[Any]:
     """Return the last `TransitionEvent`s of the agent, the newest first."""
-    if session.player is not None:
-        return session.player.recording.events(session.player.at, session.agent)
-    return list(reversed(session.watched.transitions))
+    if page.player is not None:
+        return page.player.recording.events(page.player.at, page.agent)
+    return list(reversed(page.watched.transitions))
 
 
 def _label(event: Any) -> str:
@@ -119,10 +119,10 @@ def _label(event: Any) -> str:
     return event.automaton[-1] if event.automaton else ""
 
 
-def _because(session: PageState, event: Any) -> str:
+def _because(page: Page, event: Any) -> str:
     """Say why a state changed."""
     seen = ", ".join(
-        f"{feature} = {measured(session, feature, value)}"
+        f"{feature} = {measured(page, feature, value)}"
         for feature, value in zip(event.features, event.values, strict=True)
     )
     return "commanded" if event.commanded else seen or "always"

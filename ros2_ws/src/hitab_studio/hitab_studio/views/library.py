@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_core import automaton_as_text
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    watched = session.watched
-    behavior = watched.behaviors.get(session.behavior)
+    watched = page.watched
+    behavior = watched.behaviors.get(page.behavior)
     text = ""
     if behavior is not None and behavior.automaton is not None:
         text = automaton_as_text(behavior.automaton, trees=False)

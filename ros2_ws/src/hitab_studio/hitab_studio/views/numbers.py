@@ -16,7 +16,7 @@ from hitab_core import (
     shown_unit,
     shown_value,
 )
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 ONE_DECIMAL_FROM = 100.0
 """Numbers from here on are written with one decimal less."""
@@ -45,9 +45,9 @@ def measure(value: float, kind: str = "", unit: str = "") -> str:
     return f"{text} {unit}" if unit else text
 
 
-def measured(session: PageState, feature: str, value: float) -> str:
+def measured(page: Page, feature: str, value: float) -> str:
     """Return the value of a feature of the agent for people, with its unit."""
-    words, name = session.watched.vocabulary, Use.parse(feature).name
+    words, name = page.watched.vocabulary, Use.parse(feature).name
     kind = FeatureKind.BOOLEAN if name in FLAGS else words.kinds.get(name, "")
     return measure(value, kind, words.units.get(name, ""))
 

@@ -10,7 +10,7 @@ from hitab_ros.names import WORLD
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_asked, targets_meant
 from hitab_studio.launching import NONE, unknown
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.views import sensors
 from hitab_studio.views.perceived import plotted
 from hitab_studio.views.strip import strip
@@ -24,60 +24,60 @@ MODE_WORDS = {
 }
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the overlay's template."""
-    status = session.status
-    live = session.player is None
+    status = page.status
+    live = page.player is None
     mode = status.mode if status is not None else ""
-    nothing = empty(session)
-    known, launch = session.shared.store.known, session.shared.launcher.launch
+    nothing = empty(page)
+    known, launch = page.studio.known, page.studio.launcher.launch
     world_absent = absence(known, WORLD) if live else None
     faults = list(status.faults) if status is not None else []
     may_not_act = live and any(
         remedy.code == Fix.ARM.name for remedy in (status.remedies if status is not None else ())
     )
     return {
-        "absent": absence(known, session.agent) if live and session.agent else None,
+        "absent": absence(known, page.agent) if live and page.agent else None,
         "world_absent": world_absent,
         "stale": live and bool(world_absent or nothing[0]),
-        "lost_off": _lost_off(session),
-        "stuck": _stuck(session),
+        "lost_off": _lost_off(page),
+        "stuck": _stuck(page),
         "mode": mode,
         "mode_words": MODE_WORDS.get(mode, ("", "")),
-        "buttons": _buttons(session),
-        "targets": _targets(session),
-        "shown_numbers": _shown_numbers(session),
-        "arrow": _arrow(session),
-        "legend": _legend(session),
-        "camera": sensors.camera(session),
+        "buttons": _buttons(page),
+        "targets": _targets(page),
+        "shown_numbers": _shown_numbers(page),
+        "arrow": _arrow(page),
+        "legend": _legend(page),
+        "camera": sensors.camera(page),
         "stopped": "; ".join(faults) if may_not_act else "",
         "faults": [] if may_not_act else faults,
-        "strip": strip(session),
+        "strip": strip(page),
         "empty": nothing,
-        "plots": plotted(session),
-        "choices": choices(session) if nothing[0] else [],
+        "plots": plotted(page),
+        "choices": choices(page) if nothing[0] else [],
         "launch": launch,
-        "making": session.shared.making if live else None,
+        "making": page.studio.making if live else None,
         "expected": len(known.target.agents) if launch and known.target is not None else 0,
         "there": sum(map(known.answers, known.agents)) if launch else 0,
-        **_to_start(session),
-        "kept": session.training is not None and mode in ("idle", "performing"),
+        **_to_start(page),
+        "kept": page.training is not None and mode in ("idle", "performing"),
     }
 
 
-def _lost_off(session: PageState) -> str:
+def _lost_off(page: Page) -> str:
     """Return why a lost command cannot be sent again now."""
-    lost = session.lost
-    absent = absence(session.shared.store.known, lost.agent) if lost is not None else None
+    lost = page.lost
+    absent = absence(page.studio.known, lost.agent) if lost is not None else None
     return f"{lost.agent} {absent.what}: wait until it answers." if lost and absent else ""
 
 
-def _stuck(session: PageState) -> str:
+def _stuck(page: Page) -> str:
     """Say why nothing happens while what was learned is tested, if nothing does."""
-    status, training = session.status, session.training
-    if status is None or status.mode != "testing" or training is None or session.player:
+    status, training = page.status, page.training
+    if status is None or status.mode != "testing" or training is None or page.player:
         return ""
-    world = session.shared.store.known.world
+    world = page.studio.known.world
     state = status.active_path[0] if status.active_path else START
     if state != START and state not in FLAGS:
         leads_to = {e.next_state for e in training.examples if e.state == state}
@@ -91,23 +91,19 @@ def _stuck(session: PageState) -> str:
     return ""
 
 
-def _legend(session: PageState) -> list[tuple[str, str]]:
+def _legend(page: Page) -> list[tuple[str, str]]:
     """Return the states that are active at the moment, with their colors."""
-    palette = session.shared.store.palette
-    player = session.player
-    doing = (
-        session.shared.store.known.doing() if player is None else player.recording.doing(player.at)
-    )
-    active = {state for _, state in doing.values() if state}
+    palette = page.studio.palette
+    active = {state for _, state in page.moment.doing().values() if state}
     return [(s, palette.color(s)) for s in palette.states if s in active][:8]
 
 
-def empty(session: PageState) -> tuple[str, str, str]:
+def empty(page: Page) -> tuple[str, str, str]:
     """Return a title, an explanation and what to type, for when there is no field to show."""
-    known, launch = session.shared.store.known, session.shared.launcher.launch
+    known, launch = page.studio.known, page.studio.launcher.launch
     target, finds = known.target, "This page finds it by itself."
-    here = "here or in a terminal" if startable(session) else "in a terminal"
-    if session.player is not None or known.shown is not None:
+    here = "here or in a terminal" if startable(page) else "in a terminal"
+    if page.moment.shown is not None:
         return ("", "", "")
     if launch is not None and launch.status is None:
         return (f"{'Starting' if launch.verb == 'up' else 'Stopping'} {launch.swarm} …", "", "")
@@ -137,41 +133,41 @@ def empty(session: PageState) -> tuple[str, str, str]:
             f"{some(known.elsewhere)}. To use one nevertheless, start a studio for it:",
             f"hitab studio {known.elsewhere[0]}",
         )
-    return ("No swarm is up", f"Start one {here}. {finds}", f"hitab up {_proposed(session)}")
+    return ("No swarm is up", f"Start one {here}. {finds}", f"hitab up {_proposed(page)}")
 
 
-def _to_start(session: PageState) -> dict[str, Any]:
+def _to_start(page: Page) -> dict[str, Any]:
     """Return the swarms to choose from, and the one that is chosen to be started."""
-    swarms = NONE if session.shared.launcher.is_busy else startable(session)
-    name = _proposed(session)
+    swarms = NONE if page.studio.launcher.is_busy else startable(page)
+    name = _proposed(page)
     return {"startable": swarms, "to_start": name if name in swarms else next(iter(swarms), "")}
 
 
-def _proposed(session: PageState) -> str:
+def _proposed(page: Page) -> str:
     """Return the swarm that is proposed to be started: the chosen one, else keepaway."""
-    return session.to_start or "keepaway"
+    return page.to_start or "keepaway"
 
 
-def startable(session: PageState) -> Mapping[str, str]:
+def startable(page: Page) -> Mapping[str, str]:
     """Return the swarms that may be started now, each with a description; none while one is up."""
-    known = session.shared.store.known
+    known = page.studio.known
     target = known.target
     up = target is not None and (target.choices or (target.swarm and not target.problem))
-    return NONE if up or known.shown or known.statuses else session.shared.launcher.startable
+    return NONE if up or known.shown or known.statuses else page.studio.launcher.startable
 
 
-def _buttons(session: PageState) -> list[dict[str, Any]]:
+def _buttons(page: Page) -> list[dict[str, Any]]:
     """Return the behaviors that may be commanded: those chosen for the training, else all."""
-    status, watched = session.status, session.watched
-    vocabulary, training = watched.vocabulary, session.training
-    if status is None or session.player is not None or not vocabulary.behaviors:
+    status, watched = page.status, page.watched
+    vocabulary, training = watched.vocabulary, page.training
+    if status is None or page.player is not None or not vocabulary.behaviors:
         return []
-    keys = session.shared.keys
+    keys = page.studio.keys
     names = keys.commandable(
         vocabulary.domain,
         vocabulary.behaviors,
         vocabulary.trained,
-        training if session.is_training else None,
+        training if page.is_training else None,
     )
     active = status.active_path[0] if status.active_path else ""
     if status.mode == "performing":
@@ -189,21 +185,21 @@ def _buttons(session: PageState) -> list[dict[str, Any]]:
     ]
 
 
-def _shown_numbers(session: PageState) -> tuple[BoundedNumber, ...]:
+def _shown_numbers(page: Page) -> tuple[BoundedNumber, ...]:
     """Return the numbers of the behavior that is being shown."""
-    if session.shown_numbers is None:
+    if page.shown_numbers is None:
         return ()
-    return session.watched.vocabulary.numbers_of(session.shown_numbers.behavior)
+    return page.watched.vocabulary.numbers_of(page.shown_numbers.behavior)
 
 
-def _arrow(session: PageState) -> BoundedNumber | None:
+def _arrow(page: Page) -> BoundedNumber | None:
     """Return the number that an arrow from the agent gives: its direction from where it faces.
 
     With a target, a direction may be relative to that.
     """
-    if session.shown_numbers is None or Use.parse(session.shown_numbers.behavior).arguments:
+    if page.shown_numbers is None or Use.parse(page.shown_numbers.behavior).arguments:
         return None
-    return next((n for n in _shown_numbers(session) if n.circular), None)
+    return next((n for n in _shown_numbers(page) if n.circular), None)
 
 
 def _kind(name: str, trained: frozenset[str]) -> str:
@@ -213,7 +209,7 @@ def _kind(name: str, trained: frozenset[str]) -> str:
     return "trained" if bare in trained else "basic"
 
 
-def _targets(session: PageState) -> list[tuple[str, bool]]:
+def _targets(page: Page) -> list[tuple[str, bool]]:
     """Return the targets that may be given, with whether what is chosen in the field means it."""
-    meant = {t for name in session.chosen for t in targets_meant(session, name)}
-    return [(t, t in meant) for t in targets_asked(session)]
+    meant = {t for name in page.chosen for t in targets_meant(page, name)}
+    return [(t, t in meant) for t in targets_asked(page)]

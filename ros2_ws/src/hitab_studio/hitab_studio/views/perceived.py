@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from hitab_core import OWN_NAMES, Use
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 Readings = Mapping[tuple[str, str], tuple[float, ...]]
 
 
-def perceived(session: PageState) -> Readings:
+def perceived(page: Page) -> Readings:
     """Return the features of the automata that are active; of none: all that the agent has.
 
     As in `hitab perceive`, a feature is left out that has one target twice, and what tells of an
     automaton alone.
     """
-    readings = {key: history for key, history in session.watched.readings.items() if history}
+    readings = {key: history for key, history in page.watched.readings.items() if history}
     of_automata = {key: history for key, history in readings.items() if key[0]}
     if of_automata:
         return of_automata
@@ -28,8 +28,7 @@ def _is_of_the_body(feature: str) -> bool:
     return use.name not in OWN_NAMES and len(set(use.arguments)) == len(use.arguments)
 
 
-def plotted(session: PageState) -> Readings:
+def plotted(page: Page) -> Readings:
     """Return the features drawn over time in place of an empty field."""
-    scene = session.shared.store.known.shown
-    has_places = session.player is not None or (scene is not None and scene.names)
-    return {} if has_places else perceived(session)
+    scene = page.moment.shown
+    return {} if scene is not None and scene.names else perceived(page)

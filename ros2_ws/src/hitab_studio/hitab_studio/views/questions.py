@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from hitab_msgs.msg import Question
 
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 WHEN_UNSURE = {
     "go_on": ("go on", "it decides all the same"),
@@ -18,7 +18,7 @@ TITLES = {
 }
 
 
-def when_unsure(session: PageState) -> str:
+def when_unsure(page: Page) -> str:
     """Return the agent's choice for unsure decisions, for people."""
-    status = session.status
+    status = page.status
     return WHEN_UNSURE.get(status.when_unsure if status is not None else "", ("go on", ""))[0]

@@ -6,14 +6,14 @@ import time
 from typing import Any
 
 from hitab_client.recording.recordings import recordings, recordings_folder
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 RECORDINGS_MAX = 30
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    known = session.shared.store.known
+    known = page.studio.known
     done = [r for r in recordings() if not known.recording.endswith(f"/{r.path.name}")]
     return {
         "folder": str(recordings_folder()),
@@ -22,5 +22,5 @@ def context(session: PageState) -> dict[str, Any]:
             for r in done[:RECORDINGS_MAX]
         ],
         "more": max(0, len(done) - RECORDINGS_MAX),
-        "shown": session.player.recording.path.name if session.player is not None else "",
+        "shown": page.player.recording.path.name if page.player is not None else "",
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hitab_studio.absence import absence
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.views import examples, learned, library, record, swarm, teach
 
 TABS = {
@@ -26,24 +26,22 @@ IN_REPLAY = ("learned", "record")
 """Tabs that show a recording; the others are about the swarm as it is now."""
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the panel's template."""
-    training = session.training
-    live = session.agent and session.player is None
-    absent = absence(session.shared.store.known, session.agent) if live else None
-    tabs = [tab for tab in TABS if session.player is None or tab in IN_REPLAY]
-    shown = session.tab if session.tab in tabs else tabs[0]
+    training = page.training
+    live = page.agent and page.player is None
+    absent = absence(page.studio.known, page.agent) if live else None
+    tabs = [tab for tab in TABS if page.player is None or tab in IN_REPLAY]
+    shown = page.tab if page.tab in tabs else tabs[0]
     return {
         "tabs": tabs,
         "tab": shown,
         "absent": absent,
         "ago_means": AGO_MEANS,
-        "asks": bool(live) and not session.watched.vocabulary.domain,
+        "asks": bool(live) and not page.watched.vocabulary.domain,
         "counts": {
             "examples": len(training.examples) if training is not None else 0,
-            "teach": len(training.questions)
-            if training is not None and session.is_training
-            else 0,
+            "teach": len(training.questions) if training is not None and page.is_training else 0,
         },
-        **TABS[shown](session),
+        **TABS[shown](page),
     }

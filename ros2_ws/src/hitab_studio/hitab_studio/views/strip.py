@@ -7,16 +7,16 @@ from typing import Any
 from hitab_core import Domain, Use
 from hitab_core.labeling import UNSURE
 from hitab_studio.learned import uses
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 
 
-def strip(session: PageState) -> dict[str, Any] | None:
+def strip(page: Page) -> dict[str, Any] | None:
     """Return the strip of the agent; None if there is none."""
-    player = session.player
+    player = page.player
     labels = player.labels if player is not None else None
-    if player is None or labels is None or labels.strip.agent != session.agent:
+    if player is None or labels is None or labels.strip.agent != page.agent:
         return None
-    palette, whole = session.shared.store.palette, player.recording.seconds or 1.0
+    palette, whole = page.studio.palette, player.recording.seconds or 1.0
     colors = {b: palette.color(b) for b in labels.strip.behaviors}
     spans = [
         {

@@ -9,7 +9,7 @@ from typing import Any
 
 from hitab_core import natural, some
 from hitab_studio.absence import NOT_HEARD, absence
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.scene import state_shown
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
@@ -17,24 +17,24 @@ from hitab_studio.swarm_state import SwarmState
 DAY = 24 * 3600
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    store = session.shared.store
-    statuses = store.known.statuses.values()
+    studio = page.studio
+    statuses = studio.known.statuses.values()
     states = Counter(state_shown(s) or s.behavior or "nothing" for s in statuses)
     return {
         "shares": [
-            (state, count, 100 * count / len(statuses), store.palette.color(state))
+            (state, count, 100 * count / len(statuses), studio.palette.color(state))
             for state, count in states.most_common(12)
         ],
         "modes": Counter(s.mode for s in statuses),
-        "expected": len(store.known.agents),
-        "waiting": store.known.is_waiting,
+        "expected": len(studio.known.agents),
+        "waiting": studio.known.is_waiting,
         "libraries": len({s.library_digest for s in statuses}),
-        "stoppable": _stoppable(session),
-        "choices": choices(session),
-        "absences": {w: some(sorted(who, key=natural)) for w, who in absent(store.known).items()},
-        "errors": [(n, e) for n, s in store.known.statuses.items() if (e := s.last_error)][:6],
+        "stoppable": _stoppable(page),
+        "choices": choices(page),
+        "absences": {w: some(sorted(who, key=natural)) for w, who in absent(studio.known).items()},
+        "errors": [(n, e) for n, s in studio.known.statuses.items() if (e := s.last_error)][:6],
     }
 
 
@@ -48,10 +48,10 @@ def absent(known: SwarmState) -> dict[str, list[str]]:
     return found
 
 
-def choices(session: PageState) -> Sequence[SwarmTarget]:
+def choices(page: Page) -> Sequence[SwarmTarget]:
     """Return the swarms that may be shown instead of the present one, by name, oldest first."""
-    target = session.shared.store.known.target
-    if target is None or session.player is not None:
+    target = page.studio.known.target
+    if target is None or page.player is not None:
         return []
     found = sorted(target.choices, key=lambda choice: (choice.swarm, choice.start))
     return [choice for choice in found if target.problem or choice.folder != target.folder]
@@ -63,9 +63,9 @@ def since(moment: float) -> str:
     return time.strftime("%H:%M:%S" if recent else "%d %b, %H:%M", time.localtime(moment))
 
 
-def _stoppable(session: PageState) -> str:
+def _stoppable(page: Page) -> str:
     """Return the swarm that may be stopped here; "" if there is none."""
-    target, launcher = session.shared.store.known.target, session.shared.launcher
+    target, launcher = page.studio.known.target, page.studio.launcher
     if target is None or target.problem or not target.folder or launcher.is_busy:
         return ""
     return target.swarm if launcher.startable else ""

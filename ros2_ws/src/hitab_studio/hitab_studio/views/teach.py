@@ -7,7 +7,7 @@ from typing import Any
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
 from hitab_studio.learned import superseding
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.ui_remedies import in_studio
 from hitab_studio.views import sensors
 from hitab_studio.views.numbers import measure
@@ -18,46 +18,46 @@ EDITS_MAX = 6
 """Edits of the history that are shown on either side of now."""
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the tab's template."""
-    watched = session.watched
-    training = session.training
+    watched = page.watched
+    training = page.training
     examples = training.examples if training is not None else ()
     last = max((e.command for e in examples), default=0)
     return {
         "recorded": [e for e in examples if e.command == last] if last else [],
         "defaults": sum(e.is_default for e in examples),
-        "readings": perceived(session),
+        "readings": perceived(page),
         "abouts": watched.vocabulary.feature_descriptions,
-        "values_of": lambda example: _values(session, example),
-        "trained": sorted(session.watched.vocabulary.trained),
+        "values_of": lambda example: _values(page, example),
+        "trained": sorted(page.watched.vocabulary.trained),
         "last_edits": [(text, False) for text in (training.done if training else ())[-EDITS_MAX:]]
         + [(text, True) for text in (training.undone if training else ())[:EDITS_MAX]],
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
-        "given_up": _given_up(session),
+        "given_up": _given_up(page),
         "cost": training.cost if training else None,
         "questions": training.questions if training else (),
         "remarks": training.remarks if training else (),
         "in_studio": in_studio,
         "question_titles": TITLES,
-        "when_unsure": when_unsure(session),
-        "sensors": sensors.rows(session),
-        "sensor_notes": sensors.notes(session),
+        "when_unsure": when_unsure(page),
+        "sensors": sensors.rows(page),
+        "sensor_notes": sensors.notes(page),
     }
 
 
-def _given_up(session: PageState) -> int:
+def _given_up(page: Page) -> int:
     """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
-    training = session.training
+    training = page.training
     if training is None or training.cost is None:
         return 0
     return max(0, training.cost.wasted - sum(not e.is_learned for e in training.examples))
 
 
-def _values(session: PageState, example: Example) -> list[tuple[str, str]]:
+def _values(page: Page, example: Example) -> list[tuple[str, str]]:
     """Return the agent's percept in an example: names of features, and values for people."""
-    training = session.training
+    training = page.training
     if training is None:
         return []
     kinds = [scale.kind for scale in training.scales]

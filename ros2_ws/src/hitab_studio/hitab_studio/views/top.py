@@ -8,25 +8,25 @@ from typing import Any
 from hitab_ros import names
 from hitab_studio import unavailable
 from hitab_studio.absence import absence
-from hitab_studio.page_state import PageState
+from hitab_studio.page import Page
 from hitab_studio.views.overlay import empty
 from hitab_studio.views.swarm import absent
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 
 
-def context(session: PageState) -> dict[str, Any]:
+def context(page: Page) -> dict[str, Any]:
     """Return the variables of the bar's template."""
-    store = session.shared.store
-    known = store.known
+    studio = page.studio
+    known = studio.known
     world = known.world
-    world_off = unavailable.world(session)
+    world_off = unavailable.world(page)
     pace = ""
     if world is not None:
         pace = "lockstep" if world.pace == "lockstep" else f"{world.factor:g}"
     listed = pace in ("", "lockstep", *SPEEDS)
     return {
-        **emergency(session),
+        **emergency(page),
         "swarm": known.target.swarm if known.target else "",
         "there": sum(map(known.answers, known.agents)),
         "agents": len(known.agents),
@@ -35,18 +35,18 @@ def context(session: PageState) -> dict[str, Any]:
         "pace": pace,
         "speeds": SPEEDS if listed else sorted((*SPEEDS, pace), key=float),
         "unheard": len([n for n in world.missing if known.answers(n)]) if world else 0,
-        "people": {p.browser: p.name for p in session.shared.sessions.values() if p.connected},
+        "people": {p.browser: p.name for p in page.studio.pages.values() if p.connected},
         "world_off": world_off,
-        "unplace_off": world_off or ("" if store.placements else "Nothing was placed yet."),
+        "unplace_off": world_off or ("" if studio.placements else "Nothing was placed yet."),
         "absent": absence(known, names.WORLD) if world is not None else None,
         "absences": {word: len(who) for word, who in absent(known).items()},
-        "unconnected": empty(session)[0],
+        "unconnected": empty(page)[0],
     }
 
 
-def emergency(session: PageState) -> dict[str, Any]:
+def emergency(page: Page) -> dict[str, Any]:
     """Return the variables of the emergency stop's button and of the band below the header."""
-    known = session.shared.store.known
+    known = page.studio.known
     return {
         "stop": known.emergency.who,
         "since": time.strftime("%H:%M:%S", time.localtime(known.stopped_at)),

@@ -1,0 +1,261 @@
+"""Asks over ROS: calls services, repeats what gets no answer, and waits for what is to come.
+
+All of it is coroutines, which yield for how long, in seconds, their node may wait for the next
+event. Whoever spins the node drives them: `Caller.run` until they return, for verbs and scripts;
+a server's loop whenever it has spun, so that any number of them wait at the same time.
+"""
+
+from __future__ import annotations
+
+import functools
+import time
+import types
+import uuid
+from collections.abc import Callable, Coroutine, Generator
+from typing import TYPE_CHECKING, Any, Concatenate, Generic, ParamSpec, Self, TypeVar, overload
+
+from hitab_core import Fix, HitabError
+from hitab_ros.busy_timeout import BusyTimeout
+
+if TYPE_CHECKING:
+    from hitab_ros.guarded_node import GuardedNode
+
+S = TypeVar("S")
+T = TypeVar("T")
+P = ParamSpec("P")
+
+Turns = Coroutine[float, None, T]
+"""A coroutine that yields for how long its node may wait for the next event, s."""
+
+CALL_SECONDS = 15.0
+"""Timeout for the answer of an available service, s."""
+
+APPEARANCE_SECONDS = 8.0
+"""Timeout for a service to appear, s."""
+
+REQUEST_REPEAT_SECONDS = 1.0
+"""Time before a request is sent again, s; doubled each time."""
+
+NOTICEABLE_SECONDS = 0.5
+"""A wait that takes longer is announced."""
+
+
+class SwarmError(HitabError):
+    """A swarm that does not start, does not answer or refuses."""
+
+
+def refused(answer: Any, where: str = "") -> SwarmError:
+    """Return the error for a refusing answer of a service.
+
+    Args:
+        answer: with its message and remedies.
+        where: who refused.
+    """
+    from hitab_ros.conversions import remedies_of  # here because the help imports this module
+
+    return SwarmError(answer.message, *remedies_of(answer.remedies), where=where)
+
+
+@types.coroutine
+def turn(seconds: float) -> Generator[float, None, None]:
+    """Have the node handle events; it waits at most this long for one."""
+    yield seconds
+
+
+class Blocking(Generic[P, T]):
+    """A method that waits, of one object: call it to wait, or await its coroutine."""
+
+    def __init__(self, run: Callable[[Turns[T]], T], coroutine: Callable[P, Turns[T]]) -> None:
+        self.coroutine = coroutine
+        self._run = run
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T:
+        """Wait for the result."""
+        return self._run(self.coroutine(*args, **kwargs))
+
+
+class blocking(Generic[S, P, T]):
+    """Decorates a coroutine function so that calling it blocks; see `Blocking`.
+
+    Its first argument is a `Caller`, or has one as its `link`.
+    """
+
+    def __init__(self, coroutine: Callable[Concatenate[S, P], Turns[T]]) -> None:
+        self.coroutine = coroutine
+        functools.update_wrapper(self, coroutine)
+
+    @overload
+    def __get__(self, owner: None, kind: type) -> Self: ...
+    @overload
+    def __get__(self, owner: S, kind: type) -> Blocking[P, T]: ...
+    def __get__(self, owner: S | None, kind: type) -> Self | Blocking[P, T]:
+        return self if owner is None else self._of(owner)
+
+    def __call__(self, owner: S, *args: P.args, **kwargs: P.kwargs) -> T:
+        """Wait for the result."""
+        return self._of(owner)(*args, **kwargs)
+
+    def _of(self, owner: S) -> Blocking[P, T]:
+        link: Any = getattr(owner, "link", owner)
+        return Blocking(link.run, functools.partial(self.coroutine, owner))
+
+
+class Caller:
+    """Calls services with a node; a base class, whose `spin` handles the node's events.
+
+    Args:
+        node: that calls.
+        announce: called with what a wait is for, once it takes noticeable time.
+    """
+
+    def __init__(self, node: GuardedNode, announce: Callable[[str], None] | None = None) -> None:
+        self.node = node
+        self._announce = announce
+        self._announced: set[str] = set()
+        self._clients: dict[str, Any] = {}
+        # What services tell clients apart by when a request is repeated.
+        self._name = uuid.uuid4().hex
+        self._requests = 0
+
+    def spin(self, seconds: float = 0.1) -> None:
+        """Handle pending events; wait at most this long for one."""
+        raise NotImplementedError
+
+    def run(self, coroutine: Turns[T]) -> T:
+        """Drive a coroutine to its end, and return its result."""
+        try:
+            while True:
+                try:
+                    seconds = coroutine.send(None)
+                except StopIteration as end:
+                    result: T = end.value
+                    return result
+                self.spin(seconds)
+        finally:
+            coroutine.close()
+
+    async def until(
+        self,
+        done: Callable[[], Any],
+        seconds: float,
+        each: float = 0.05,
+        waiting_for: Callable[[], str] | None = None,
+    ) -> bool:
+        """Wait until ``done()`` is true; return whether it became true in time.
+
+        Args:
+            done: the condition.
+            seconds: how long to wait for it; longer on a busy machine, see `BusyTimeout`.
+            each: seconds between two looks, if nothing happens.
+            waiting_for: returns what to announce if the wait takes noticeable time.
+        """
+        began, patience = time.monotonic(), BusyTimeout(seconds)
+        while not done():
+            step = patience.step(each)
+            if not step:
+                return False
+            if waiting_for is not None and time.monotonic() - began > NOTICEABLE_SECONDS:
+                self._announce_once(f"waiting for {waiting_for()}")
+                waiting_for = None
+            await turn(step)
+        return True
+
+    spin_until = blocking(until)
+
+    def _announce_once(self, text: str) -> None:
+        if self._announce is not None and text not in self._announced:
+            self._announced.add(text)
+            self._announce(text)
+
+    async def repeat(
+        self,
+        send: Callable[[], Any],
+        answered: Callable[[], Any],
+        seconds: float,
+        period: float,
+        *,
+        growth: float = 1.0,
+        waiting_for: Callable[[], str] | None = None,
+        over: Callable[[], bool] = lambda: False,
+    ) -> bool:
+        """Send something again and again until it is answered; return whether it was in time.
+
+        Args:
+            send: sends it.
+            answered: whether there is an answer.
+            seconds: how long to wait for one.
+            period: seconds until it is sent again.
+            growth: factor by which that is longer each time.
+            waiting_for: returns what to announce if the wait takes noticeable time.
+            over: whether to give up, since nobody will answer.
+        """
+        deadline = time.monotonic() + seconds
+        while (left := deadline - time.monotonic()) > 0 and not over():
+            send()
+            if await self.until(answered, min(period, left), 0.05, waiting_for):
+                return True
+            period *= growth
+        return bool(answered())
+
+    def will_call(self, kind: Any, service: str) -> None:
+        """Prepare to call a service, for discovery while others are called."""
+        if service not in self._clients:
+            self._clients[service] = self.node.create_client(kind, service)
+
+    @blocking
+    async def call(
+        self,
+        kind: Any,
+        service: str,
+        request: Any,
+        *,
+        missing: Callable[[], SwarmError],
+        where: str = "",
+        seconds: float = CALL_SECONDS,
+    ) -> Any:
+        """Call a service and return its answer.
+
+        An answer may be lost, for example if the service has not discovered this client yet, so
+        the request is repeated until there is an answer. Requests that change something are
+        numbered, so that they are carried out only once.
+
+        Args:
+            kind: the type of the service.
+            service: full name of the service.
+            request: to send.
+            missing: returns the error if the service is not there.
+            where: who refuses, for people.
+            seconds: how long to wait for its answer.
+
+        Raises:
+            SwarmError: if the service is not there, does not answer, or refuses.
+        """
+        self.will_call(kind, service)
+        client = self._clients[service]
+        if not await self.until(
+            client.service_is_ready, APPEARANCE_SECONDS, 0.01, lambda: f"{service} to appear"
+        ):
+            raise missing()
+        if getattr(request, "request", None) == 0:
+            self._requests += 1
+            request.request, request.client = self._requests, self._name
+        sent: list[Any] = []
+        try:
+            if not await self.repeat(
+                lambda: sent.append(client.call_async(request)),
+                lambda: any(future.done() for future in sent),
+                seconds,
+                REQUEST_REPEAT_SECONDS,
+                growth=2.0,
+                waiting_for=lambda: f"the answer of {service}",
+            ):
+                late = f"{service} did not answer within {seconds:g} s"
+                raise SwarmError(late, Fix.LOGS(node=service.split("/")[-2]))
+        finally:
+            for future in sent:
+                if not future.done():
+                    client.remove_pending_request(future)
+        answer = next(future.result() for future in sent if future.done())
+        if not getattr(answer, "success", True):
+            raise refused(answer, where)
+        return answer

@@ -1,0 +1,236 @@
+"""The page: a canvas for the field, panels that the server describes, and what a person asks."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from nicegui import Client, ui
+from nicegui.element import Element
+
+from hitab_client import Training
+from hitab_core import HitabError
+from hitab_ros.answering import what_went_wrong
+from hitab_studio.actions import REGISTERED_ACTIONS, REPEATED, URGENT, Data
+from hitab_studio.page import Page
+from hitab_studio.studio import Studio
+from hitab_studio.ui_remedies import told
+from hitab_studio.views import PANELS, render
+
+STATIC = Path(__file__).parent / "static"
+REFRESH_SECONDS = 0.15
+REDRAW_SECONDS = 1.0
+"""How long a page may take to show what was done."""
+
+ALSO_EVERY = 2
+"""Refreshes between two drawings of what changes all the time, such as curves."""
+
+REST = 2.0
+"""Times as long as a page took to draw, for each open page, it waits until it draws again what its
+own person has not caused: a class leaves half of the server's time to commands."""
+
+CANVAS = (
+    'role="application" aria-label="The things in the field. < and > choose one, the '
+    'arrow keys move it, comma and period turn it."'
+)
+
+
+def is_urgent(data: Any) -> bool:
+    """Whether a request of a page is to be handled at once."""
+    return isinstance(data, Mapping) and data.get("do") in URGENT
+
+
+class RequestQueue:
+    """The pending requests of a page, in order, without unintended repetitions.
+
+    The second click of a double click is dropped, and so is a request that repeats the last one
+    while that is pending, because the person has seen no answer yet. After another request it is
+    meant: Go, Stop, Go are three commands however fast they come. Repeating actions are never
+    dropped.
+
+    A request marked as unavailable is tried nevertheless while the page may lag behind, such as an
+    undo right after its command.
+
+    Attributes:
+        waiting: the request being handled, and those after it.
+    """
+
+    def __init__(self) -> None:
+        self._queue: asyncio.Queue[Data | None] = asyncio.Queue()
+        self.waiting: list[Data] = []
+        self._shown_at = 0.0
+
+    def add(self, data: Any) -> None:
+        """Add a request of the page."""
+        if not isinstance(data, Mapping):
+            return
+        asked = {key: value for key, value in data.items() if key not in ("again", "nth")}
+        off = asked.pop("off", "")
+        if off and not self.waiting and time.monotonic() > self._shown_at:
+            asked = {"do": "why", "reason": off}
+        pending = bool(self.waiting) and _same(asked, self.waiting[-1])
+        if asked.get("do") not in REPEATED and (data.get("again") or pending):
+            return
+        self.waiting.append(asked)
+        self._queue.put_nowait(asked)
+
+    def close(self) -> None:
+        """Stop after the present request and drop the others: the page has gone."""
+        while not self._queue.empty():
+            self._queue.get_nowait()
+        self._queue.put_nowait(None)
+
+    async def perform(self, page: Page, done: Callable[[], None]) -> None:
+        """Handle one request after the other until the page has gone.
+
+        Args:
+            page: that asks.
+            done: called after each.
+        """
+        while (data := await self._queue.get()) is not None:
+            await perform(page, data)
+            self.waiting.remove(data)
+            self._shown_at = time.monotonic() + REDRAW_SECONDS
+            if not self.waiting:
+                page.unseen.clear()
+            done()
+
+
+def _same(one: Data, other: Data) -> bool:
+    """Whether two requests ask the same, whatever the page showed meanwhile."""
+    return {**one, "seen": 0, "hotkey": ""} == {**other, "seen": 0, "hotkey": ""}
+
+
+async def perform(page: Page, data: Data) -> None:
+    """Handle a request of a page; show errors on it."""
+    wanted = REGISTERED_ACTIONS.get(str(data.get("do")))
+    if wanted is None:
+        page.tell(f"Unknown action {data.get('do')}", "bad")
+        return
+    page.dialog.pop("refused", None)
+    try:
+        await wanted(page, data)
+    except HitabError as error:
+        page.refuse(told(error))
+    except Exception as error:
+        logging.getLogger(__name__).exception("action %s", data.get("do"))
+        page.refuse(f"That did not work: {error}")
+    page.touch()
+
+
+class PagePanel(Element, component="static/panel.js"):
+    """A part of the page with HTML from the server."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.props["html"] = ""
+        self.props["id"] = f"panel-{name}"
+        self.name = name
+
+    def show(self, html: str) -> None:
+        """Show this from now on."""
+        if html != self.props["html"]:
+            self.props["html"] = html
+            self.update()
+
+
+TELL_REFUSAL = (
+    'addEventListener("load", async () => { const it = await fetch("leave", {method: "POST"});'
+    " if (!it.ok) document.body.textContent = await it.text(); });"
+)
+"""Has an address that is refused, such as that of an unknown proxy, say so on the empty page."""
+
+
+class PageView:
+    """A page in a browser: shows its state, and passes on the person's actions."""
+
+    def __init__(self, studio: Studio, page: Page, client: Client) -> None:
+        self._studio = studio
+        self._page = page
+        self._client = client
+        self._seen: tuple[int, int] = (-1, -1)
+        self._training: Training | None = None
+        self._count = 0
+        self._rests_until = 0.0
+        self._requests = RequestQueue()
+        self._heard = 0
+        self._urgent: set[asyncio.Task[None]] = set()
+        self._broken: dict[str, str] = {}
+        self._build()
+
+    def _build(self) -> None:
+        page = self._page
+        ui.add_head_html(
+            f'<script>window.STUDIO_PAGE = "{page.id}";{TELL_REFUSAL}</script>'
+            '<link rel="stylesheet" href="_studio/studio.css">'
+            '<script type="module" src="_studio/studio.js"></script>'
+            '<script type="module" src="_studio/keys.js"></script>'
+            '<script type="module" src="_studio/field.js"></script>'
+        )
+        ui.query(".nicegui-content").classes(remove="nicegui-content")
+        with ui.element("div").props('id="studio"'):
+            self._panels = [PagePanel(name) for name in PANELS if name != "overlay"]
+            # The server's frame around all of this is the page's <main> already.
+            with ui.element("section").props('id="stage" aria-label="The field"'):
+                ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
+                self._panels.append(PagePanel("overlay"))
+                ui.element("div").props('id="field-told" role="status"').classes("unseen")
+        ui.on("studio", lambda event: self._wish(event.args))
+        self._refresh()
+        ui.timer(REFRESH_SECONDS, self._refresh)
+        self._performing = asyncio.create_task(self._perform())
+        self._client.on_delete(self._requests.close)
+        page.leave = self._requests.close
+
+    def _wish(self, data: Any) -> None:
+        """Take a request: it waits for those before it, unless it is urgent.
+
+        The page counts them. One that came before, or after one that was lost, is sent again.
+        """
+        is_next = isinstance(data, Mapping) and data.get("nth") == self._heard + 1
+        self._heard += is_next
+        self._page.send({"t": "heard", "nth": self._heard})
+        if not is_next:
+            return
+        if not is_urgent(data):
+            self._requests.add(data)
+            return
+        task = asyncio.create_task(perform(self._page, data))
+        self._urgent.add(task)
+        task.add_done_callback(self._urgent.discard)
+
+    async def _perform(self) -> None:
+        """Perform the person's actions; one in progress when the page goes is completed."""
+        try:
+            await self._requests.perform(self._page, self._refresh)
+        finally:
+            self._studio.close(self._page)
+
+    def _refresh(self) -> None:
+        page = self._page
+        page.drop_old_messages()
+        self._count += 1
+        seen = (self._studio.version, page.version)
+        training = page.training
+        begun = time.monotonic()
+        if page.version == self._seen[1] and training is self._training:
+            is_same = seen == self._seen and self._count % ALSO_EVERY
+            if is_same or begun < self._rests_until:
+                return
+        self._seen, self._training = seen, training
+        for panel in self._panels:
+            try:
+                panel.show(render(panel.name, page))
+                self._broken.pop(panel.name, None)
+            except Exception as error:  # the other panels and the page continue
+                why = what_went_wrong(error)
+                if self._broken.get(panel.name) != why:
+                    self._broken[panel.name] = why
+                    logging.getLogger(__name__).exception("panel %s", panel.name)
+                    page.tell(f"A part of the page cannot be shown: {why}", "bad")
+        took = time.monotonic() - begun
+        self._rests_until = begun + REST * took * len(self._studio.pages)
