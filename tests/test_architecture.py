@@ -47,18 +47,18 @@ BUDGET = {
     "hitab_bringup": 2250,
     "hitab_class": 200,
     "hitab_cli": 2950,
-    "hitab_client": 4250,
+    "hitab_client": 4200,
     "hitab_commander": 1050,
     "hitab_core": 9300,
     "hitab_export": 900,
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1350,
-    "hitab_studio": 4650,
+    "hitab_ros": 1500,
+    "hitab_studio": 4600,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 28950,
+    "tests": 29100,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from statistics import fmean, stdev
 
 from hitab_msgs.msg import Episode
 from pydantic import ConfigDict, Field
 
+from hitab_client.measures import estimate, values_of
 from hitab_core import quantity
 from hitab_core.library.yaml_models import Record
-
-LENGTH = "seconds"
-"""The measure that every world reports: how long an episode lasted, s."""
 
 
 class Figure(Record):
@@ -44,27 +40,11 @@ class Score(Record):
         return f"{quantity(self.episodes, 'episode')}, seed {self.seed}" if self.episodes else ""
 
 
-def values_of(played: Sequence[Episode]) -> dict[str, list[float]]:
-    """Return the values of each measure in episodes: first their length, then the world's own.
-
-    A value that is not finite is left out.
-    """
-    found: dict[str, list[float]] = {LENGTH: []}
-    for one in played:
-        measured = zip(one.measure_names, one.measures, strict=True)
-        for name, value in ((LENGTH, one.seconds), *measured):
-            if math.isfinite(value):
-                found.setdefault(name, []).append(float(value))
-    return found
-
-
 def score_of(played: Sequence[Episode], seed: int) -> Score:
     """Return the score that episodes with this seed give."""
     figures = {
-        name: Figure(
-            mean=fmean(values),
-            error=stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None,
-        )
+        name: Figure(mean=found.mean, error=found.se)
         for name, values in values_of(played).items()
+        if (found := estimate(values)).mean is not None
     }
     return Score(episodes=len(played), seed=seed, figures=figures)

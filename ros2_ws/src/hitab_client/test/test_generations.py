@@ -11,7 +11,8 @@ import pytest
 from hitab_client.bootstrapping import Bootstrapping, Generation, _keep, read_generations
 from hitab_client.errors import LessonError, SwarmError
 from hitab_client.learned import Learned
-from hitab_client.scores import Figure, Score, score_of, values_of
+from hitab_client.measures import values_of
+from hitab_client.scores import Figure, Score, score_of
 from hitab_core import Example
 
 
