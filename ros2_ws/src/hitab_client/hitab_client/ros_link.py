@@ -16,7 +16,13 @@ from hitab_client.dds_profile import choose_profile
 from hitab_client.errors import SwarmError
 from hitab_client.interruptions import not_interrupted
 from hitab_core import Fix
-from hitab_ros import NO_TYPE_DESCRIPTIONS, GuardedNode, suspensions_noticed
+from hitab_ros import (
+    NO_TYPE_DESCRIPTIONS,
+    GuardedNode,
+    stop_receiving,
+    suspensions_noticed,
+    udp_sockets,
+)
 from hitab_ros.call import Caller
 
 NODE_NAME = "hitab"
@@ -42,6 +48,7 @@ class RosLink(Caller):
     ) -> None:
         choose_profile(os.environ)
         self._context = Context()
+        before = udp_sockets()
         try:
             rclpy.init(
                 args=["--ros-args", "--disable-external-lib-logs"],
@@ -53,6 +60,7 @@ class RosLink(Caller):
             raise SwarmError(f"ROS does not start: {error}", Fix.DOCTOR()) from None
         options = {"context": self._context, "parameter_overrides": [NO_TYPE_DESCRIPTIONS]}
         super().__init__(GuardedNode(name, **options), announce)
+        self._sockets = udp_sockets() - before
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._failure: BaseException | None = None
@@ -70,6 +78,7 @@ class RosLink(Caller):
         """Leave the ROS graph."""
         self._watch.close()
         if self._context.ok():
+            stop_receiving(self._sockets)
             self._executor.remove_node(self.node)
             self.node.destroy_node()
             self._executor.shutdown()

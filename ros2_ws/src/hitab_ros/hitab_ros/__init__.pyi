@@ -16,6 +16,8 @@ from . import testing as testing
 from .alive import give_signs_of_life as give_signs_of_life
 from .alive import give_signs_of_operator as give_signs_of_operator
 from .busy_timeout import BusyTimeout as BusyTimeout
+from .dds_sockets import stop_receiving as stop_receiving
+from .dds_sockets import udp_sockets as udp_sockets
 from .definitions import check_same_message_version as check_same_message_version
 from .definitions import own_hash as own_hash
 from .definitions import own_hashes as own_hashes

@@ -24,6 +24,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from hitab_core import HitabError
 from hitab_ros.busy_timeout import BusyTimeout
+from hitab_ros.dds_sockets import stop_receiving, udp_sockets
 from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 from hitab_ros.guard import Guard
 from hitab_ros.guarded_node import GuardedNode
@@ -107,6 +108,7 @@ def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
     SIGINT and SIGTERM stop the spinning after the current callback, so that no write is cut off.
     """
     given = None if arguments is None else list(arguments)
+    sockets = udp_sockets()
     rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
     spinning = Spinner(EventsExecutor())
     rclpy.get_default_context().on_shutdown(spinning.stop)
@@ -120,6 +122,7 @@ def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
     try:
         yield spinning
     finally:
+        stop_receiving(udp_sockets() - sockets)
         for node in list(spinning.executor.get_nodes()):
             spinning.executor.remove_node(node)
             node.destroy_node()

@@ -1,0 +1,51 @@
+"""The sockets of DDS, which must be silent when a process leaves the ROS graph.
+
+Fast DDS 2.14 destroys a participant only while it handles no discovery message. It waits for that
+with a lock that the handler needs, so that one message at this moment holds up the process for
+ever (https://github.com/eProsima/Fast-DDS/issues/6513; seen in one of 700 departures while others
+made and destroyed publishers). Such a loop is in compiled code and holds Python's lock: neither a
+signal nor another thread ends it. So a process first stops receiving.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+
+HANDLED_S = 0.01
+"""Time to handle what was received already, s."""
+
+
+def udp_sockets() -> set[int]:
+    """Return the descriptors of this process's UDP sockets."""
+    found = set()
+    for number in map(int, os.listdir("/proc/self/fd")):
+        with suppress(OSError), _opened(number) as one:
+            if one.type == socket.SOCK_DGRAM and one.family in (socket.AF_INET, socket.AF_INET6):
+                found.add(number)
+    return found
+
+
+def stop_receiving(sockets: Iterable[int]) -> None:
+    """Receive nothing more by these sockets; others can still be told that this process leaves."""
+    for number in sockets:
+        # The system reports that it is not connected, and shuts it down.
+        with suppress(OSError), _opened(number) as one:
+            one.shutdown(socket.SHUT_RD)
+    time.sleep(HANDLED_S)
+
+
+@contextmanager
+def _opened(number: int) -> Iterator[socket.socket]:
+    """Open a copy of a socket; closing the copy leaves the socket open."""
+    copy = os.dup(number)
+    try:
+        one = socket.socket(fileno=copy)
+    except OSError:
+        os.close(copy)
+        raise
+    with one:
+        yield one
