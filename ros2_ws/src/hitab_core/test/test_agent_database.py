@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import sqlite3
 import subprocess
 import sys
-import zlib
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -248,50 +245,3 @@ def test_a_database_replaced_by_another_is_not_written_to(folder: Path, tmp_path
     os.replace(tmp_path / "other" / "agent.db", folder / "agent.db")
     with pytest.raises(FolderInUseError, match=r"agent.db: was replaced by another file"):
         journal.append({"do": "undo"})
-
-
-# A journal of text, of an earlier version
-
-
-def write_text(path: Path, records: Iterable[dict[str, Any]]) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w") as file:
-        for number, record in enumerate(records, 1):
-            crc = f"{zlib.crc32(json.dumps(record).encode()):08x}"
-            entry = {"journal": 2, "number": number, "crc": crc, "record": record}
-            file.write(json.dumps(entry) + "\n")
-
-
-def test_journals_of_text_are_taken_over_and_stay(tmp_path: Path) -> None:
-    under_way, over = tmp_path / "training.jsonl", tmp_path / "training.1.jsonl"
-    aside = tmp_path / "unsaved" / "other-123" / "training.jsonl"
-    write_text(over, [{"do": "begin"}])
-    write_text(under_way, RECORDS)
-    write_text(aside, [{"do": "begin"}, {"do": "undo"}])
-    (aside.parent / "library").write_text("/my/other\n")
-    with under_way.open("a") as file:
-        file.write('{"journal": 2, "num')  # killed there
-    database = AgentDatabase(tmp_path)
-    assert database.exists
-    with database.transaction() as tables:
-        trainings = tables.execute("SELECT id, waits FROM training ORDER BY id").fetchall()
-        found = {waits: database.records(tables, training) for training, waits in trainings}
-    assert found == {
-        None: [{"do": "begin"}],
-        "": RECORDS,
-        "/my/other": [{"do": "begin"}, {"do": "undo"}],
-    }
-    assert under_way.exists()
-    assert AgentDatabase(tmp_path).waiting() == ["/my/other"]
-
-
-def test_a_damaged_journal_of_text_is_named_by_line(tmp_path: Path) -> None:
-    path = tmp_path / "training.jsonl"
-    for old, new in ((b"0.1}", b"0.2}"), (b'"number": 2', b'"number": 3'), (b"\n{", b"\n[")):
-        write_text(path, RECORDS)
-        path.write_bytes(path.read_bytes().replace(old, new))
-        for _ in range(2):
-            with pytest.raises(LibraryError, match=r"training.jsonl:2: .*move this file away"):
-                records_in(tmp_path)
-    path.unlink()
-    assert records_in(tmp_path) == []

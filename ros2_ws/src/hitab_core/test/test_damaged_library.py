@@ -363,6 +363,27 @@ def test_a_damaged_database_is_named_and_put_aside_and_the_agent_goes_on(
         assert trained.faults == ()
 
 
+def test_a_database_without_tables_yet_is_no_damage(make: Make, tmp_path: Path) -> None:
+    (tmp_path / "ann").mkdir()
+    (tmp_path / "ann" / "agent.db").touch()
+    agent = make()
+    assert agent.faults == ()
+    teach(agent, "New", "Left")
+
+
+def test_a_journal_of_an_earlier_version_is_refused_and_stays(make: Make, tmp_path: Path) -> None:
+    path = tmp_path / "ann" / "training.jsonl"
+    path.parent.mkdir()
+    path.write_text('{"journal": 2}\n')
+    agent = make()
+    assert "training.jsonl: was written by an earlier HiTAB" in agent.faults[0]
+    with pytest.raises(TrainingError, match="discard the training, or move this file away"):
+        teach(agent, "New", "Left")
+    agent.discard()
+    teach(agent, "New", "Left")
+    assert (make().faults, path.exists()) == ((), True)
+
+
 def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_overwritten(
     trained: Agent, make: Make
 ) -> None:
