@@ -123,14 +123,17 @@ def test_a_discarded_training_is_over_and_its_journal_kept(make, tmp_path):
 
 def test_only_an_agent_in_training_has_files_open(make, tmp_path):
     agents = [make(f"agent_{number}") for number in range(3)]
-    before = len(os.listdir("/proc/self/fd"))
     teach_home(agents[0])
     teach_home(agents[1])
-    assert len(os.listdir("/proc/self/fd")) == before + 4
+    assert open_files(tmp_path) == 4
     agents[0].save()
     agents[1].discard()
     make("agent_0").journal.costs()
-    assert len(os.listdir("/proc/self/fd")) == before
+    assert open_files(tmp_path) == 0
+
+
+def open_files(folder):
+    return sum(os.path.realpath(f).startswith(str(folder)) for f in os.scandir("/proc/self/fd"))
 
 
 STARTING = """
