@@ -5,7 +5,7 @@
         run.json                        exists while the swarm is up
         supervisord.conf  supervisord.log  logs/keeper_1.log ...
         libraries/keeper_1/             kept between runs
-        state/keeper_1/                 journals of trainings
+        state/keeper_1/                 trainings, in a database
       running/keepaway-3f9a2c1e -> ../keepaway
       running.lock                      held while a swarm is being added or removed
 

@@ -316,48 +316,44 @@ def test_a_training_that_used_what_is_lost_waits_on_disk_until_it_is_back(
 
 
 @pytest.mark.parametrize("how", ["begin", "discard"])
-def test_a_training_that_cannot_be_resumed_can_be_given_up_and_is_kept(
-    trained: Agent, make: Make, tmp_path: Path, how: str
+@pytest.mark.parametrize("size", [None, 100, 4096, 4097, 8192])
+def test_a_damaged_training_is_named_and_can_be_given_up_and_is_kept(
+    trained: Agent, make: Make, tmp_path: Path, how: str, size: int | None
 ) -> None:
     teach(trained, "New", "High", save=False)
     end(trained)
     path = tmp_path / "ann" / "agent.db"
-    path.write_bytes(path.read_bytes().replace(b"High", b"Hihg"))
+    data = path.read_bytes().replace(b"High", b"Hihg")[:size]
+    path.write_bytes(data)
     agent = make()
     (fault,) = agent.faults
-    assert "agent.db: record 2 of training 5 was damaged or edited; discard the training" in fault
+    assert ("cannot use it" if size else "record 2 of training 5 was damaged or edited") in fault
+    assert "; discard the training, or move this file away to start without it" in fault
     if how == "begin":
         agent.begin(Curriculum("Another", (Use("x"),)), discard=True)
-    else:
-        agent.discard()
-    assert agent.faults == ()
-    end(agent)
-    assert b"Hihg" in path.read_bytes()
+    agent.discard()
+    kept = path.with_name("agent.1.db").read_bytes() if size else path.read_bytes()
+    assert kept == data if size else b"Hihg" in kept
     assert make().faults == ()
 
 
-@pytest.mark.parametrize("how", ["begin", "discard"])
-@pytest.mark.parametrize("size", [100, 4096, 4097, 8192])
-def test_a_damaged_database_is_named_and_put_aside_and_the_agent_goes_on(
-    trained: Agent, make: Make, tmp_path: Path, how: str, size: int
-) -> None:
-    for number in (1, 2):
-        teach(trained, "New", "High", save=False)
-        end(trained)
-        path = tmp_path / "ann" / "agent.db"
-        with path.open("r+b") as file:
-            file.truncate(size)
-        data = path.read_bytes()
-        agent = make()
-        (fault,) = agent.faults
-        assert "agent.db: cannot use it" in fault
-        assert "discard the training, or move this file away to start without it" in fault
-        if how == "begin":
-            agent.begin(Curriculum("Another", (Use("x"),)), discard=True)
-        agent.discard()
-        assert path.with_name(f"agent.{number}.db").read_bytes() == data
-        trained = make()
-        assert trained.faults == ()
+def test_a_database_without_tables_yet_is_no_damage(make: Make, tmp_path: Path) -> None:
+    (tmp_path / "ann").mkdir()
+    (tmp_path / "ann" / "agent.db").touch()
+    assert make().faults == ()
+
+
+def test_a_journal_of_an_earlier_version_is_refused_and_stays(make: Make, tmp_path: Path) -> None:
+    path = tmp_path / "ann" / "training.jsonl"
+    path.parent.mkdir()
+    path.write_text('{"journal": 2}\n')
+    agent = make()
+    assert "training.jsonl: was written by an earlier HiTAB" in agent.faults[0]
+    with pytest.raises(TrainingError, match="discard the training, or move this file away"):
+        teach(agent, "New", "Left")
+    agent.discard()
+    teach(agent, "New", "Left")
+    assert (make().faults, path.exists()) == ((), True)
 
 
 def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_overwritten(

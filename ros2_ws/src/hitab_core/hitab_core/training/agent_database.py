@@ -7,6 +7,7 @@ keeps other processes out, or for one transaction. It needs a local file system,
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import zlib
@@ -23,9 +24,7 @@ if TYPE_CHECKING:  # importing it takes 10 ms, which most processes need not spe
 
 DATABASE_FILE = "agent.db"
 DATABASE_FORMAT = 3
-"""The format version that is written; 1 and 2 were text, in `TEXT_JOURNAL`."""
-
-TEXT_JOURNAL = "training.jsonl"
+"""The format version that is written; 1 and 2 were journals of text."""
 
 _SCHEMA = f"""
 CREATE TABLE training (id INTEGER PRIMARY KEY, waits TEXT);
@@ -36,7 +35,6 @@ PRAGMA user_version = {DATABASE_FORMAT}
 _REMEDIES = {
     "SQLITE_FULL": "make room on the disk",
     "SQLITE_IOERR": "check the disk and try again",
-    "SQLITE_READONLY": "check its permissions, or use another folder",
     "SQLITE_CANTOPEN": "check its permissions, or use another folder",
 }
 MOVE_AWAY = "discard the training, or move this file away to start without it"
@@ -57,12 +55,7 @@ class AgentDatabase:
         """Name the file; nothing is read or written yet."""
         self.path = folder / DATABASE_FILE
         self._open: sqlite3.Connection | None = None
-        self._opened: tuple[int, int] | None = None
-
-    @property
-    def exists(self) -> bool:
-        """Whether there is anything to read."""
-        return self.path.exists() or self.path.with_name(TEXT_JOURNAL).exists()
+        self._opened = 0  # identity of the file
 
     @contextmanager
     def transaction(self, *, keep: bool = False) -> Iterator[sqlite3.Connection]:
@@ -122,17 +115,31 @@ class AgentDatabase:
                 with suppress(FileNotFoundError):
                     os.rename(f"{self.path}{end}", f"{aside}{end}")
 
-    def waiting(self) -> list[str]:
-        """Return the libraries that trainings wait for, even while an agent uses the file."""
-        if not self.path.exists():
-            return []
-        import sqlite3
+    @property
+    def is_closed(self) -> bool:
+        """Whether the file is there and no process has it open, or was killed while it had."""
+        return self.path.exists() and not Path(f"{self.path}-wal").exists()
 
-        # They change only before agents start, so the last closed state of the file is right.
-        uri = f"{self.path.absolute().as_uri()}?immutable=1"
-        with suppress(sqlite3.Error), closing(sqlite3.connect(uri, uri=True)) as tables:
-            return [w for (w,) in tables.execute("SELECT waits FROM training ORDER BY id") if w]
-        return []
+    @contextmanager
+    def as_closed(self) -> Iterator[sqlite3.Connection]:
+        """Read the file as it was last closed, which takes no lock and writes nothing.
+
+        Raises:
+            LibraryError: if it cannot be read.
+        """
+        with _errors(self.path):
+            import sqlite3
+
+            uri = f"{self.path.absolute().as_uri()}?immutable=1"
+            with closing(sqlite3.connect(uri, uri=True)) as tables:
+                self._check_version(tables)
+                yield tables
+
+    def _check_version(self, tables: sqlite3.Connection) -> int:
+        (version,) = tables.execute("PRAGMA user_version").fetchone()
+        if version not in (0, DATABASE_FORMAT):
+            raise LibraryError(f"{self.path}: {newer_format(version, DATABASE_FORMAT)}")
+        return int(version)
 
     def append(
         self, tables: sqlite3.Connection, training: int, number: int, record: Mapping[str, object]
@@ -170,64 +177,38 @@ class AgentDatabase:
         return records
 
     @property
-    def _found(self) -> tuple[int, int] | None:
-        """The identity of the file with this name; None if there is none."""
-        with suppress(FileNotFoundError):
-            found = self.path.stat()
-            return found.st_dev, found.st_ino
-        return None
+    def _found(self) -> int:
+        """The identity of the file with this name; 0 if there is none."""
+        return self.path.stat().st_ino if self.path.exists() else 0
 
     def _connected(self) -> sqlite3.Connection:
         import sqlite3
 
         make_folder(self.path.parent)
+        for path in (self.path.parent, self.path):
+            if path.exists() and not os.access(path, os.W_OK):
+                raise PermissionError(errno.EACCES, "Permission denied")  # SQLite: "I/O error"
         tables = sqlite3.connect(
             self.path, timeout=0.0, isolation_level=None, check_same_thread=False
         )
         try:
             for value in ("locking_mode = EXCLUSIVE", "journal_mode = WAL", "synchronous = FULL"):
                 tables.execute(f"PRAGMA {value}")
-            (version,) = tables.execute("PRAGMA user_version").fetchone()
-            if version == 0:
+            if self._check_version(tables) == 0:
                 tables.execute("BEGIN IMMEDIATE")
                 for statement in _SCHEMA.split(";"):
                     tables.execute(statement)
-                self._take_over_text(tables)
                 tables.execute("COMMIT")
-            elif version != DATABASE_FORMAT:
-                raise LibraryError(f"{self.path}: {newer_format(version, DATABASE_FORMAT)}")
         except BaseException:
             tables.close()
             raise
         return tables
 
-    def _take_over_text(self, tables: sqlite3.Connection) -> None:
-        """Copy the journals of an earlier version, which stay as they are."""
-        folder = self.path.parent
-        for path in sorted((*folder.glob("training*.jsonl"), *folder.glob("unsaved/*/*.jsonl"))):
-            waits = "" if path.name == TEXT_JOURNAL else None
-            if path.parent != folder:
-                waits = path.with_name("library").read_text("utf-8").strip()
-            training = tables.execute(
-                "INSERT INTO training (waits) VALUES (?)", (waits,)
-            ).lastrowid
-            for number, line in enumerate(path.read_bytes().split(b"\n")[:-1], 1):
-                with suppress(ValueError, KeyError, TypeError):
-                    entry = json.loads(line)
-                    sound = entry["journal"], entry["number"], int(entry["crc"], 16)
-                    if sound == (2, number, _crc(json.dumps(entry["record"]))):
-                        self.append(tables, training or 0, number, entry["record"])
-                        continue
-                raise LibraryError(
-                    f"{path}:{number}: is damaged, or older than format 2; move this file away to "
-                    "start without it"
-                )
-
     def _write_afresh(self, removed: sqlite3.Connection) -> None:
         """Write everything again after the file or its folder was removed."""
         import sqlite3
 
-        if self._found is not None:
+        if self._found:
             raise FolderInUseError(f"{self.path}: was replaced by another file; start again")
         make_folder(self.path.parent)
         beside = self.path.with_suffix(".tmp")

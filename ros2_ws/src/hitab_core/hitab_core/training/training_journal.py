@@ -122,7 +122,7 @@ class TrainingJournal:
     def _kept(self, which: str = "") -> list[tuple[int, list[dict[str, Any]]]]:
         """Return trainings on disk and their records; damaged ones are left out."""
         kept = []
-        if self._database is not None and self._database.exists:
+        if self._database is not None and self._database.path.exists():
             with suppress(LibraryError), self._database.transaction() as tables:
                 for (training,) in tables.execute(f"SELECT id FROM training {which}").fetchall():
                     with suppress(LibraryError):
@@ -131,7 +131,12 @@ class TrainingJournal:
 
     def waiting(self) -> list[str]:
         """Return the libraries that trainings wait for; see `wait`."""
-        return [] if self._database is None else self._database.waiting()
+        if self._database is not None and self._database.path.exists():
+            # They change only before agents start, so how the file was last closed is right.
+            with suppress(LibraryError), self._database.as_closed() as tables:
+                rows = tables.execute("SELECT waits FROM training WHERE waits > '' ORDER BY id")
+                return [library for (library,) in rows]
+        return []
 
     def wait(self, library: str, instead_of: str = "") -> None:
         """Have a training wait for its library, while the agent uses another.
@@ -143,7 +148,7 @@ class TrainingJournal:
         Raises:
             LibraryError: if that cannot be written.
         """
-        if self._database is not None and self._database.exists:
+        if self._database is not None and self._database.path.exists():
             with self._database.transaction() as tables:
                 tables.execute(
                     "UPDATE training SET waits = ? WHERE waits = ?", (library, instead_of)
@@ -198,13 +203,23 @@ class TrainingJournal:
         """
         self.damage = ""
         database = self._database
-        if database is None or not database.exists:
+        if database is None:
+            return None
+        text = database.path.with_name("training.jsonl")
+        if not database.path.exists():
+            if text.exists():
+                self.damage = (
+                    f"{text}: was written by an earlier HiTAB; save it with that, or {MOVE_AWAY}"
+                )
             return None
         session = None
         try:
+            if database.is_closed:  # most agents have no training under way, which is soon seen
+                with database.as_closed() as tables:
+                    if self._read(tables) is None:
+                        return None
             with database.transaction(keep=True) as tables:
-                self._read_people(tables)
-                (training,) = tables.execute(f"SELECT {_CURRENT}").fetchone()
+                training = self._read(tables)
                 if training is not None:
                     records = database.records(tables, training)
                     session = self._session(records, context, has_saved)
@@ -222,18 +237,23 @@ class TrainingJournal:
         if session is None:
             self.close()
             return None
-        self._training, self._written = training, len(records)
+        self._training, self._written = training or 0, len(records)
         with suppress(LibraryError):  # only what the training took depends on it
             self.write({"do": RESUMED})
         return session
 
-    def _read_people(self, tables: sqlite3.Connection) -> None:
-        """Read how late each person's commands come; what cannot be used is left out."""
+    def _read(self, tables: sqlite3.Connection) -> int | None:
+        """Return the training to resume, and read what is known of people and can be used."""
+        if tables.execute("PRAGMA schema_version").fetchone() == (0,):
+            return None  # the process was killed before it had made the tables
         for who, text in tables.execute("SELECT name, lateness FROM person"):
             with suppress(ValueError):
                 odds = np.array(json.loads(text), np.float64)
                 if odds.shape == (len(MEDIANS), len(SPREADS)) and (odds >= 0).all() and odds.any():
                     self.people[who] = Lateness(odds / odds.sum())
+        training: int | None
+        (training,) = tables.execute(f"SELECT {_CURRENT}").fetchone()
+        return training
 
     def _session(
         self,

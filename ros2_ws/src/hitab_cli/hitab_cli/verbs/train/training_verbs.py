@@ -198,7 +198,7 @@ def discard(
     """Give up a training and its unsaved examples; the agent is idle afterwards.
 
     On a terminal it asks first if that is more than a few commands. Saved behaviors stay. The
-    examples are kept in the folder of the agent's journals, beside those of earlier trainings.
+    examples are kept in the agent's database, beside those of earlier trainings.
 
     Args:
         yes: Do not ask, however many examples there are.
