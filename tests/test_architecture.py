@@ -54,11 +54,11 @@ BUDGET = {
     "hitab_gamepad": 400,
     "hitab_rcssserver": 1200,
     "hitab_robots": 1350,
-    "hitab_ros": 1500,
+    "hitab_ros": 1550,
     "hitab_studio": 4600,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29100,
+    "tests": 29000,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 
