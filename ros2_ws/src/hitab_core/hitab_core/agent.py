@@ -36,7 +36,8 @@ from hitab_core.remedies import Fix, Remedy
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.observing import Observe
-from hitab_core.running.running_automaton import RunContext, Running
+from hitab_core.running.run_context import RunContext, Running
+from hitab_core.running.running_automaton import performance
 from hitab_core.saving import SavedBehavior, loaded_with, to_be_saved
 from hitab_core.seeding import agent_seed
 from hitab_core.training.curriculum import Curriculum
@@ -288,32 +289,32 @@ class Agent:
         """
         if use is not None:
             self.check_saved(use.name)
-        performance = None if use is None else self._prepared(use)
+        performed = None if use is None else self._prepared(use)
         self.pending_behavior = None
         self._stop()
         if self.session is not None:
             self.session.leave()
         self.top = use
-        self._performance = performance
-        self.mode = Mode.IDLE if performance is None else Mode.PERFORMING
-        if performance is None:
+        self._performance = performed
+        self.mode = Mode.IDLE if performed is None else Mode.PERFORMING
+        if performed is None:
             return
         try:
             with self.context.feature_cache.blind_unless_perceived():
-                performance.start()
+                performed.start()
         except Exception:
             with suppress(Exception):
-                performance.stop()
+                performed.stop()
             self.top, self._performance, self.mode = None, None, Mode.IDLE
             raise
 
     def _prepared(self, use: Use) -> Running:
         """Return the performer of a behavior, cached because orders repeat."""
-        performance = self._performances.get(use)
-        if performance is None:
+        performed = self._performances.get(use)
+        if performed is None:
             self.repertoire.check_performable(use)
-            performance = self._performances[use] = self.context.perform(use)
-        return performance
+            performed = self._performances[use] = performance(self.context, use)
+        return performed
 
     def _stop(self) -> None:
         self.monitor.forget()
@@ -626,7 +627,7 @@ class Agent:
         if use is None:
             return _State(loaded, context, None, None)
         loaded.repertoire.check_performable(use)
-        return _State(loaded, context, use, context.perform(use))
+        return _State(loaded, context, use, performance(context, use))
 
     def _swap(
         self, state: _State, library: BehaviorLibrary, *, ends_training: bool = False

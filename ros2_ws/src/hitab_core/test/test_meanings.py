@@ -9,8 +9,8 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Targe
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.repertoire import Repertoire
+from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
-from hitab_core.running.running_automaton import RunContext
 from hitab_core.training.training_session import Curriculum, TrainingSession
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
@@ -96,7 +96,7 @@ class Agent:
         )
 
     def perform(self, text):
-        running = self.context.perform(Use.parse(text))
+        running = performance(self.context, Use.parse(text))
         running.start()
         return running
 
@@ -256,7 +256,8 @@ def test_each_feature_is_read_at_most_once_per_tick():
     body = Recorder()
     feature_cache = FeatureCache(body, domain)
     repertoire = Repertoire(domain, {"Low": low, "High": high})
-    running = RunContext(repertoire, body, feature_cache, random.random).perform(Use("High"))
+    context = RunContext(repertoire, body, feature_cache, random.random)
+    running = performance(context, Use("High"))
     running.start()
     running.tick()
     assert len(reads) == 1
@@ -503,9 +504,8 @@ def test_a_trained_automaton_takes_the_place_of_a_hand_written_one_beside_the_ot
     trained = automaton("Servo", ["C"], {START: lambda x: "C"})
     body = Recorder()
     repertoire = Repertoire(hand, {"Servo": trained})
-    running = RunContext(repertoire, body, FeatureCache(body, hand), random.random).perform(
-        Use("Play")
-    )
+    context = RunContext(repertoire, body, FeatureCache(body, hand), random.random)
+    running = performance(context, Use("Play"))
     running.start()
     running.tick()
     running.tick()

@@ -11,7 +11,7 @@ from typing import Any
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_of, example_record
-from hitab_core.running.running_automaton import RunContext
+from hitab_core.running.run_context import RunContext
 from hitab_core.training.cost import RESUMED, TrainingCost, has_steps, training_cost
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.example_journal import ExampleJournal, archive, records_in

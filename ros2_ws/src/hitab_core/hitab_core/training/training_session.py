@@ -26,7 +26,8 @@ from hitab_core.example_codec import example_record
 from hitab_core.learning.transition_learning import relearned
 from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
-from hitab_core.running.running_automaton import RunContext, RunningAutomaton
+from hitab_core.running.run_context import RunContext
+from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.training.curriculum import Curriculum, check_curriculum
 from hitab_core.training.example_log import ExampleLog
 from hitab_core.training.exchange import exchange
@@ -180,7 +181,7 @@ class TrainingSession:
             return
         try:
             if not self.context.repertoire.stands_still(Use.parse(self.running.active)):
-                self.running.check_required()
+                self.running.vector.check_required()
             self.running.pulse()
         except Exception as error:
             if self.running.active != START:
@@ -384,7 +385,7 @@ class TrainingSession:
         running.go_to(label)
         running.set_numbers(numbers)
         if not again:
-            running.entered_at(due.time)
+            running.vector.entered = due.time
         return taught
 
     def _write(self, record: Mapping[str, Any]) -> None:
