@@ -18,11 +18,12 @@ from typing import Protocol
 
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
 
-from hitab_core import Agent, BehaviorLibrary, Repertoire, Use
+from hitab_core import Agent, BehaviorLibrary, Given, Repertoire, TrainingSession, Use
+from hitab_core.assistant import Question
+from hitab_core.assistant.question import QuestionKind
 from hitab_core.default_example import marked
 from hitab_core.example import Example
-from hitab_core.training import Curriculum, Question, TrainingSession, example_log
-from hitab_core.training.question import QuestionKind
+from hitab_core.training import Curriculum, example_log
 from hitab_world import Placement
 from keepaway_world.domain import DOMAIN
 from keepaway_world.parameters import PAPER, KeepawayParameters
@@ -212,7 +213,7 @@ class InProcessPupil:
 
     def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper; see `Pupil.command`."""
-        taught = self._pupil.command(Use.parse(state), pace=pace)
+        taught = self._pupil.command(Use.parse(state), Given(pace=pace))
         self.given += len(taught)
         return taught
 

@@ -30,7 +30,9 @@ CORE_FLOORS = (
     ("running",),
     ("drawing", "library"),
     ("training",),
-    ("caution", "saving"),
+    ("assistant", "mode", "saving"),
+    ("training_session",),
+    ("agent_library",),
     ("agent",),
     ("labeling", "learning_agent", "orders", "plain"),
 )
@@ -56,7 +58,7 @@ BUDGET = {
     "hitab_studio": 4750,
     "hitab_world": 1900,
     "keepaway_world": 1350,
-    "tests": 29000,
+    "tests": 29180,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

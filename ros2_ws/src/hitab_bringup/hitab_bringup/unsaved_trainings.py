@@ -19,6 +19,7 @@ from hitab_msgs.msg import AgentStatus
 
 from hitab_client.cli_remedies import with_commands
 from hitab_core import Fix, natural, quantity
+from hitab_core.assistant import unsaved_cost
 from hitab_core.training import JOURNAL_FILE, TrainingJournal
 
 UNSAVED_STATUS = "unsaved"
@@ -100,7 +101,7 @@ def left_to_resume(folder: Path) -> list[str]:
     for journal in sorted(
         folder.glob(f"state/*/{JOURNAL_FILE}"), key=lambda path: natural(str(path))
     ):
-        unsaved = TrainingJournal(journal.parent, "").unsaved()
+        unsaved = unsaved_cost(TrainingJournal(journal.parent, ""))
         if unsaved is not None and unsaved.examples:
             sentences.append(
                 f'{journal.parent.name} has an unsaved training of "{unsaved.automaton}" '

@@ -11,7 +11,8 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.repertoire import Repertoire
 from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
-from hitab_core.training.training_session import Curriculum, TrainingSession
+from hitab_core.training import Curriculum, Trainer
+from hitab_core.training.events import Given
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -101,7 +102,7 @@ class Agent:
         return running
 
     def train(self, name="T", features=("x",), **more):
-        return TrainingSession(self.context, Curriculum(name, uses(*features), **more))
+        return Trainer(self.context, Curriculum(name, uses(*features), **more))
 
     def see(self, **values):
         self.body.sense(values, [])
@@ -315,7 +316,7 @@ def test_a_command_records_an_example_and_a_default_example_with_the_same_featur
     agent = Agent()
     session = agent.train(features=("x", "y"))
     agent.see(x=3.0, y=4.0)
-    session.command(Use("A"), cycle=7)
+    session.command(Use("A"), Given(cycle=7))
     first, default = session.examples
     assert (first.state, first.features, first.next_state) == (START, (3.0, 4.0), "A")
     assert (default.state, default.features, default.next_state) == ("A", (3.0, 4.0), "A")

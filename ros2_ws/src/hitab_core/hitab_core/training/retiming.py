@@ -9,8 +9,8 @@ from hitab_core.automaton import as_entered
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.training.example_log import ExampleLog, these
-from hitab_core.training.percept_history import PerceptHistory
-from hitab_core.training.recent_percepts import STEP_SECONDS, PerceptRecord, nearest
+from hitab_core.training.percept_history import STEP_SECONDS, PerceptHistory
+from hitab_core.training.percepts import PerceptRecord, nearest
 from hitab_core.training.undo import Edit
 from hitab_core.use import Use
 
@@ -80,7 +80,7 @@ def _then(
     kept: PerceptHistory, command: int, example: int, ago: float
 ) -> tuple[float, PerceptRecord]:
     """Return when a command was given, and the moment so long before."""
-    window = kept.window(command)
+    window = kept.kept_around(command)
     if window is None:
         raise TrainingError(
             f"example {example} was recorded in an earlier training, so what was before it is "

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
-from hitab_core.example_codec import example_of, example_record
-from hitab_core.running.run_context import RunContext
-from hitab_core.training.cost import RESUMED, TrainingCost, has_steps, training_cost
+from hitab_core.example_codec import example_record
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.example_journal import ExampleJournal, archive, records_in
-from hitab_core.training.lateness import Lateness
-from hitab_core.training.training_session import TrainingSession
+from hitab_core.training.example_journal import ExampleJournal, archive
 from hitab_core.use import Use
 
 JOURNAL_FILE = "training.jsonl"
+
+RESUMED = "resume"
+"""Journal entry for the moment at which another process resumes a training."""
+
+Record = Mapping[str, Any]
+
+T = TypeVar("T")
 
 
 class TrainingJournal:
@@ -28,6 +31,7 @@ class TrainingJournal:
     Without a folder it keeps nothing.
 
     Attributes:
+        path: of the file; None if it keeps nothing.
         damage: why the training on disk cannot be resumed, and the way out; empty if none is
             there, or it was resumed.
     """
@@ -39,7 +43,7 @@ class TrainingJournal:
             folder: of the journal; None to keep no journal.
             domain: name of the agent's domain.
         """
-        self._path = None if folder is None else folder / JOURNAL_FILE
+        self.path = None if folder is None else folder / JOURNAL_FILE
         self.damage = ""
         self._domain = domain
         self._file: ExampleJournal | None = None
@@ -57,10 +61,10 @@ class TrainingJournal:
         Raises:
             LibraryError: if it cannot be written; then the one before is still there.
         """
-        if self._path is None:
+        if self.path is None:
             return
         file = ExampleJournal.begin(
-            self._path,
+            self.path,
             {
                 "do": "begin",
                 "domain": self._domain,
@@ -82,30 +86,10 @@ class TrainingJournal:
         if self._file is not None:
             self._file.append({**record, "at": time.time()})
 
-    def costs(self) -> list[TrainingCost]:
-        """Return what the trainings on disk cost, oldest first.
-
-        Those of which nothing is known, in which nothing was done, or whose journals are damaged,
-        are left out.
-        """
-        if self._path is None:
-            return []
-        paths = self._path.parent.glob(f"{self._path.stem}*{self._path.suffix}")
-        # Only the training that this process has open goes on.
-        going_on = self._path if self._file is not None else None
-        costs = (
-            _cost_in(path, time.time() if path == going_on else None, begun=False)
-            for path in paths
-        )
-        return sorted(filter(None, costs), key=lambda cost: cost.began)
-
-    def unsaved(self) -> TrainingCost | None:
-        """Return what the training under way has cost so far, whichever process it is in.
-
-        None: there is none, it is saved already, or its journal is damaged.
-        """
-        cost = _cost_in(self._path) if self._path is not None else None
-        return cost if cost is not None and not cost.finished else None
+    @property
+    def is_open(self) -> bool:
+        """Whether this process keeps a training in it."""
+        return self._file is not None
 
     def discard(self) -> None:
         """Archive the journal of a training that is given up.
@@ -116,8 +100,8 @@ class TrainingJournal:
         if self._file is not None:
             self._file.archive()
             self._file = None
-        elif self._path is not None and self.damage:
-            archive(self._path)
+        elif self.path is not None and self.damage:
+            archive(self.path)
         self.damage = ""
 
     def archive(self) -> None:
@@ -135,24 +119,20 @@ class TrainingJournal:
             self._file = None
 
     def resume(
-        self,
-        context: RunContext,
-        has_saved: Callable[[str, str], bool],
-        people: dict[str, Lateness],
-    ) -> TrainingSession | None:
+        self, replay: Callable[[Sequence[Record]], T], has_saved: Callable[[str, str], bool]
+    ) -> T | None:
         """Return the interrupted training; None if there is none, or `damage` says why not.
 
         Args:
-            context: of the agent.
+            replay: makes it again from its records.
             has_saved: whether the library has a behavior of this name and checksum.
-            people: see `TrainingSession`.
 
         Raises:
             FolderInUseError: if another process uses it.
         """
         self.damage = ""
         try:
-            return self._resumed(context, has_saved, people)
+            return self._resumed(replay, has_saved)
         except FolderInUseError:
             raise
         except LibraryError as error:
@@ -160,20 +140,17 @@ class TrainingJournal:
             return None
 
     def _resumed(
-        self,
-        context: RunContext,
-        has_saved: Callable[[str, str], bool],
-        people: dict[str, Lateness],
-    ) -> TrainingSession | None:
-        path = self._path
+        self, replay: Callable[[Sequence[Record]], T], has_saved: Callable[[str, str], bool]
+    ) -> T | None:
+        path = self.path
         if path is None or not path.exists():
             return None
         file = ExampleJournal.open(path)
-        records = file.records
-        if not records:
+        records = [record for record in file.records if record.get("do") != RESUMED]
+        if not file.records:
             file.discard()
             return None
-        last = next((r for r in reversed(records) if r.get("do") != RESUMED), records[-1])
+        last = records[-1] if records else {}
         if last.get("do") == "save" and has_saved(
             str(last.get("automaton")), str(last.get("checksum"))
         ):
@@ -182,8 +159,13 @@ class TrainingJournal:
             self.archive()
             return None
         try:
-            session = self._replayed(records, context, people)
-        except (HitabError, KeyError, TypeError, ValueError) as error:
+            domain = records[0]["domain"]
+            if domain != self._domain:
+                raise TrainingError(
+                    f'it is of domain "{domain}", and the agent has "{self._domain}"'
+                )
+            training = replay(records)
+        except (HitabError, LookupError, TypeError, ValueError) as error:
             file.close()
             raise LibraryError(
                 f"{path}: the interrupted training cannot be resumed: {error}; "
@@ -192,42 +174,4 @@ class TrainingJournal:
         self._file = file
         with suppress(LibraryError):  # only what the training took depends on it
             self.write({"do": RESUMED})
-        return session
-
-    def _replayed(
-        self,
-        records: Iterable[Mapping[str, Any]],
-        context: RunContext,
-        people: dict[str, Lateness],
-    ) -> TrainingSession:
-        begin, *rest = (record for record in records if record.get("do") != RESUMED)
-        if begin["domain"] != self._domain:
-            raise TrainingError(
-                f'it is of domain "{begin["domain"]}", and the agent has "{self._domain}"'
-            )
-        curriculum = Curriculum.from_record(begin["curriculum"])
-        session = TrainingSession(
-            context,
-            curriculum,
-            map(example_of, begin["examples"]),
-            self.write,
-            tuple(map(Use.parse, begin["readable"])),
-            people,
-        )
-        session.replay(rest)
-        return session
-
-
-def _cost_in(path: Path, now: float | None = None, *, begun: bool = True) -> TrainingCost | None:
-    """Return what a training cost; None if there is none, nothing is known, or it is damaged.
-
-    Args:
-        path: of the journal.
-        now: the time, if the training goes on.
-        begun: whether one that was only begun counts.
-    """
-    records = records_in(path)
-    with suppress(HitabError, KeyError, TypeError, ValueError):
-        if records and (begun or has_steps(records)):
-            return training_cost(records, now)
-    return None
+        return training

@@ -5,18 +5,21 @@ Source: the paper, table 1, counts the examples and the minutes of each behavior
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
+from hitab_core.errors import HitabError
 from hitab_core.example_codec import example_of
+from hitab_core.training.example_journal import records_in
 from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.training_journal import RESUMED, TrainingJournal
 from hitab_core.training.undo import Edit
-
-RESUMED = "resume"
-"""Journal entry for the moment at which another process resumes a training."""
 
 PAUSE_SECONDS = 300.0
 """A person who did nothing for longer was away; that time is not counted."""
@@ -52,6 +55,48 @@ class TrainingCost:
     structures: int
     proposals: int
     finished: bool
+
+
+def training_costs(journal: TrainingJournal) -> list[TrainingCost]:
+    """Return what the trainings on disk cost, oldest first.
+
+    Those of which nothing is known, in which nothing was done, or whose journals are damaged,
+    are left out.
+    """
+    path = journal.path
+    if path is None:
+        return []
+    # Only the training that this process has open goes on.
+    going_on = path if journal.is_open else None
+    costs = (
+        _cost_in(one, time.time() if one == going_on else None, begun=False)
+        for one in path.parent.glob(f"{path.stem}*{path.suffix}")
+    )
+    return sorted(filter(None, costs), key=lambda cost: cost.began)
+
+
+def unsaved_cost(journal: TrainingJournal) -> TrainingCost | None:
+    """Return what the training under way has cost so far, whichever process it is in.
+
+    None: there is none, it is saved already, or its journal is damaged.
+    """
+    cost = _cost_in(journal.path) if journal.path is not None else None
+    return cost if cost is not None and not cost.finished else None
+
+
+def _cost_in(path: Path, now: float | None = None, *, begun: bool = True) -> TrainingCost | None:
+    """Return what a training cost; None if there is none, nothing is known, or it is damaged.
+
+    Args:
+        path: of the journal.
+        now: the time, if the training goes on.
+        begun: whether one that was only begun counts.
+    """
+    records = records_in(path)
+    with suppress(HitabError, KeyError, TypeError, ValueError):
+        if records and (begun or has_steps(records)):
+            return training_cost(records, now)
+    return None
 
 
 def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None) -> TrainingCost:

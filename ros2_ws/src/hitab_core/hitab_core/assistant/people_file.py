@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+from hitab_core.assistant.lateness import MEDIANS, SPREADS, Lateness
 from hitab_core.library.durable_files import write_durably
-from hitab_core.training.lateness import MEDIANS, SPREADS, Lateness
 
 PEOPLE_FILE = "lateness.json"
 PEOPLE_FORMAT = 1

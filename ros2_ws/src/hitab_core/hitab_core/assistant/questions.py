@@ -8,7 +8,8 @@ asks it again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,24 +19,22 @@ from hitab_core.advice.changed import Changed, changed
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.unshown import Unshown, unshown
 from hitab_core.arrays import Booleans
-from hitab_core.automaton import FLAGS, START
+from hitab_core.assistant import question_texts
+from hitab_core.assistant.question import Choice, Question, QuestionContext, QuestionKind, added
+from hitab_core.assistant.situation_sample import SituationSample
+from hitab_core.automaton import FLAGS, OWN_FEATURES, START
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.learning import TREE
 from hitab_core.learning.classifier_spec import ClassifierSpec
-from hitab_core.training import question_texts
-from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.question import (
-    Choice,
-    Question,
-    QuestionContext,
-    QuestionKind,
-    added,
-)
-from hitab_core.training.situation_sample import SituationSample
+from hitab_core.training.percepts import PerceptRecord
+from hitab_core.training.trainer import Trainer
 from hitab_core.training.undo import Edit
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
+
+TIMERS = tuple(use for use in OWN_FEATURES if use.name not in FLAGS)
+"""Timers are excluded: their reset is not an event in the world."""
 
 CORRECTED = 2
 """Number of other commands that a correction outweighs evenly."""
@@ -48,21 +47,25 @@ class Questions:
     """The questions of one training, numbered as they come up.
 
     Args:
-        log: of the examples of the training.
-        situations: that were met in it.
-        material: returns what they are found from; called if anything has changed.
+        trainer: of the training.
 
     Attributes:
         answered: what was answered, in words, oldest first.
     """
 
-    def __init__(
-        self, log: ExampleLog, situations: SituationSample, material: Callable[[], QuestionContext]
-    ) -> None:
+    def __init__(self, trainer: Trainer) -> None:
         self.answered: list[str] = []
-        self._log = log
-        self._situations = situations
-        self._material = material
+        self._trainer = trainer
+        self._log = trainer.log
+        self._asks = False
+        self._situations = SituationSample()
+        domain, features = trainer.context.repertoire.domain, trainer.curriculum.features
+        readable = trainer.history.readable
+        self._discrete = [
+            readable.index(use)
+            for use in features
+            if use not in TIMERS and not domain.scale_of(use).kind.is_measured
+        ]
         self._numbers: dict[tuple[Any, ...], int] = {}
         self._dismissed: set[tuple[str, ...]] = set()
         self._about: tuple[Example, ...] | None = None
@@ -70,6 +73,33 @@ class Questions:
         self._known: list[Question] = []
         self._told: dict[int, Question] = {}  # with what their answers change
         self._searched: Hashable = None
+
+    def subscribe(self) -> None:
+        """See situations and examples from now on."""
+        self._asks = True
+        events = self._trainer.events
+        events.perceived.subscribe(self._meet)
+        events.begun.subscribe(self._begin)
+        events.changed.subscribe(self._see_change)
+
+    def _meet(self, moment: PerceptRecord) -> None:
+        values = (moment.readings[i] for i in self._discrete)
+        kind = (moment.state, *(None if math.isnan(value) else value for value in values))
+        self._situations.add(kind, moment)
+
+    def _begin(self, moment: PerceptRecord | None) -> None:
+        if moment is not None:
+            self._situations.forget_from(moment.time)
+            self._meet(moment)
+
+    def _see_change(self, record: Mapping[str, Any]) -> None:
+        if record["do"] == "dismiss":
+            self._dismissed.add(tuple(record["key"]))
+
+    @property
+    def news(self) -> tuple[int, int]:
+        """Counter that changes when situations of a new kind, or many more, have been met."""
+        return self._situations.news
 
     def known(self) -> list[Question]:
         """Return what is asked now, without looking for what takes long to find.
@@ -87,7 +117,7 @@ class Questions:
     def _look_at_examples(self) -> None:
         """Look for those that are found at once, if the examples have changed."""
         log = self._log
-        if self._about is not log.examples:
+        if self._asks and self._about is not log.examples:
             self._about, self._searched, self._told = log.examples, None, {}
             self._known = self._contradicting = self._contradictions(log.contradictory())
 
@@ -110,6 +140,8 @@ class Questions:
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
+        if not self._asks:
+            return
         self._look_at_examples()
         examples, news = self._about, self._situations.news
         if self._searched != news:
@@ -165,9 +197,19 @@ class Questions:
             )
         raise TrainingError(f"no question {number} {has(there)}")
 
-    def dismiss(self, key: Iterable[str]) -> None:
-        """Do not ask a question again, given `Question.words`."""
-        self._dismissed.add(tuple(key))
+    def _material(self) -> QuestionContext:
+        trainer, features = self._trainer, self._trainer.curriculum.features
+        domain, states = trainer.context.repertoire.domain, tuple(trainer.states)
+        return QuestionContext(
+            trainer.examples,
+            tuple(map(domain.scale_of, features)),
+            tuple(map(str, features)),
+            tuple(domain.feature(use.name).unit for use in features),
+            trainer.curriculum.classifier,
+            states,
+            tuple(map(str, trainer.curriculum.states)) or states,
+            tuple((m.state, trainer.history.in_moment(m, features)) for m in self._situations),
+        )
 
     def _question(
         self,
