@@ -6,11 +6,10 @@ then made on disk, and last in the agent.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from hitab_core.assistant.people_file import read_people, write_people
 from hitab_core.domain import Domain
@@ -318,12 +317,10 @@ class AgentLibrary:
         raise NotImplementedError
 
     def _resumed(self) -> TrainingSession | None:
-        def replay(records: Sequence[Mapping[str, Any]]) -> TrainingSession:
-            return TrainingSession.replayed(
-                records, self.context, self.journal.write, self.people, self._without
-            )
-
-        return self.journal.resume(replay, self.library.has_saved)
+        with_what = self.context, self.journal.write, self.people, self._without
+        return self.journal.resume(
+            lambda records: TrainingSession.replayed(records, *with_what), self.library.has_saved
+        )
 
     def _prepared(self, use: Use) -> Running:
         """Return the performer of a behavior, cached because orders repeat."""

@@ -165,19 +165,16 @@ class TrainingSession(Trainer):
             people,
             without,
         )
-        training._replay(rest)
-        return training
-
-    def _replay(self, records: Iterable[Mapping[str, Any]]) -> None:
-        for record in records:
-            self.make(record, self.prepared(record))
+        for record in rest:
+            training.make(record, training.prepared(record))
             if "request" in record:
-                known = self.requests if record["do"] == "command" else self.edits
+                known = training.requests if record["do"] == "command" else training.edits
                 known.append(Request.from_record(record))
-        for percept in self.history.kept():
-            self.events.perceived(percept)
-        self.check_on(self.context.repertoire)
-        self.rebuild(self.context)
+        for percept in training.history.kept():
+            training.events.perceived(percept)
+        training.check_on(context.repertoire)
+        training.rebuild(context)
+        return training
 
     def check_on(self, repertoire: Repertoire) -> None:
         """Check that the training could continue with another repertoire.
@@ -295,7 +292,7 @@ class TrainingSession(Trainer):
             VocabularyError: if there is no such feature.
         """
         self._check_features(features)
-        edit = exchange(self.log, self.curriculum, features, self.history.readable)
+        edit = exchange(self, features)
         return self._learned(self.log.after(edit), "shown", edit.features)
 
     def _check_features(self, features: Sequence[Use]) -> None:
@@ -327,9 +324,7 @@ class TrainingSession(Trainer):
         """Return the edit that a record describes; see `Trainer.prepared`."""
         match record["do"]:
             case "retime":
-                numbers, ago = record["numbers"], float(record["ago"])
-                return retiming(self.log, self.history, numbers, ago, self.curriculum.features)
+                return retiming(self, record["numbers"], float(record["ago"]))
             case "features":
-                features = tuple(map(Use.parse, record["features"]))
-                return exchange(self.log, self.curriculum, features, self.history.readable)
+                return exchange(self, tuple(map(Use.parse, record["features"])))
         return self.log.prepared(record)

@@ -203,11 +203,11 @@ def test_a_command_sees_a_flag_for_the_timers() -> None:
         player.tick()
     running = player.running
     player.context.clock.now += 1.0
-    assert running.peek_features() == [0.0], "it is up"
+    assert running.vector.peek(running.child) == [0.0], "it is up"
     running.take_down_flags()
     player.context.clock.now += 1.0
     player.context.feature_cache.forget()
-    assert running.peek_features() == [1.0]
+    assert running.vector.peek(running.child) == [1.0]
 
 
 # Words ------------------------------------------------------------------------------------------

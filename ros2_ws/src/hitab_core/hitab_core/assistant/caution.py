@@ -124,10 +124,8 @@ class CautionMonitor:
         self.unsure = self._doubts(running, context, trained)
         if not self.unsure:
             self._release()
-            self.number_range.max_distance, self.number_range.reason = (
-                self.caution.distance or math.inf,
-                "",
-            )
+            self.number_range.max_distance = self.caution.distance or math.inf
+            self.number_range.reason = ""
             try:
                 tick()
             finally:

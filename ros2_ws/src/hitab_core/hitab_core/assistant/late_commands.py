@@ -91,26 +91,21 @@ class LateCommands:
         newest = log.next_command
         self._paces[newest] = pace
         (self._corrects.add if correction else self._corrects.discard)(newest)
-        windows = {newest: window}
         found = {newest: self._late(newest, window, command.label, known)}
         for e in log.examples:
             mine = self._who.get(e.command) == who and e.ago in self._estimated[e.command]
             around = history.kept_around(e.command)
             if mine and not e.is_default and around is not None:
-                windows[e.command] = around
                 at = (e.state, e.cycle)
                 found[e.command] = self._late(e.command, around, e.next_state, known, at)
         late = {number: one for number, one in found.items() if one is not None}
         before = self._before.get(who, Lateness())
         scales = list(map(self._trainer.context.repertoire.domain.scale_of, features))
         places, self.people[who] = settled([one for one, _ in late.values()], scales, before)
-        dues: dict[int, tuple[float, PerceptRecord]] = {}
-        for (number, (_, among)), place in zip(late.items(), places, strict=True):
-            if history.shows(among[place], features):
-                dues[number] = (windows[number][0], among[place])
-        if newest in dues:
-            _, due = dues.pop(newest)
-        earlier = moved(log, history, dues, features)
+        meant = {n: among[i] for (n, (_, among)), i in zip(late.items(), places, strict=True)}
+        dues = {n: moment for n, moment in meant.items() if history.shows(moment, features)}
+        due = dues.pop(newest, due)
+        earlier = moved(self._trainer, dues)
         record = {"moments": [m.to_record() for m in window[1]], "pace": pace, **correction}
         record |= {"settled": [example_record(e) for e in earlier], "who": who}
         return Proposal(due, earlier, record)

@@ -20,7 +20,7 @@ from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.unshown import Unshown, unshown
 from hitab_core.arrays import Booleans
 from hitab_core.assistant import question_texts
-from hitab_core.assistant.question import Choice, Question, QuestionContext, QuestionKind, added
+from hitab_core.assistant.question import Choice, Question, QuestionKind, added
 from hitab_core.assistant.situation_sample import SituationSample
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START
 from hitab_core.errors import TrainingError
@@ -41,6 +41,34 @@ CORRECTED = 2
 
 TOLD = 3
 """Of so many questions at a time, it is found what their answers change."""
+
+
+class _Material:
+    """What questions are found from.
+
+    Attributes:
+        examples: of the training.
+        classifier: that learns from them.
+        labels: of the states, without Start.
+        goals: labels of what may be right: the chosen states, or those of the states.
+        met: the features' values in a sample of what was met, each with the state of that time.
+    """
+
+    def __init__(self, trainer: Trainer, situations: SituationSample) -> None:
+        chosen, domain = trainer.curriculum, trainer.context.repertoire.domain
+        features, in_moment = chosen.features, trainer.history.in_moment
+        self.examples = trainer.examples
+        self.classifier = chosen.classifier
+        self.labels = tuple(trainer.states)
+        self.goals = tuple(map(str, chosen.states)) or self.labels
+        self.met = [(m.state, in_moment(m, features)) for m in situations]
+        units = tuple(domain.feature(use.name).unit for use in features)
+        scales, names = tuple(map(domain.scale_of, features)), tuple(map(str, features))
+        self._about = scales, names, units, chosen.classifier
+
+    def evidence(self, state: str, examples: Sequence[Example] | None = None) -> Evidence:
+        """Return what the transition function of a state is learned from."""
+        return Evidence.of(state, self.examples if examples is None else examples, *self._about)
 
 
 class Questions:
@@ -145,7 +173,7 @@ class Questions:
         self._look_at_examples()
         examples, news = self._about, self._situations.news
         if self._searched != news:
-            given = self._material()
+            given = _Material(self._trainer, self._situations)
             found: list[tuple[float, Question]] = []
             for ranked in self._found(given):
                 if ranked is not None:
@@ -161,7 +189,7 @@ class Questions:
             self._searched = news
         untold = [q for q in self._asked()[:TOLD] if q.number not in self._told]
         if untold:
-            given = self._material()
+            given = _Material(self._trainer, self._situations)
             if ClassifierSpec.parse(given.classifier).name != TREE:
                 return
             evidence = {state: given.evidence(state) for state in (START, *given.labels)}
@@ -197,20 +225,6 @@ class Questions:
             )
         raise TrainingError(f"no question {number} {has(there)}")
 
-    def _material(self) -> QuestionContext:
-        trainer, features = self._trainer, self._trainer.curriculum.features
-        domain, states = trainer.context.repertoire.domain, tuple(trainer.states)
-        return QuestionContext(
-            trainer.examples,
-            tuple(map(domain.scale_of, features)),
-            tuple(map(str, features)),
-            tuple(domain.feature(use.name).unit for use in features),
-            trainer.curriculum.classifier,
-            states,
-            tuple(map(str, trainer.curriculum.states)) or states,
-            tuple((m.state, trainer.history.in_moment(m, features)) for m in self._situations),
-        )
-
     def _question(
         self,
         kind: QuestionKind,
@@ -230,21 +244,21 @@ class Questions:
         self,
         choice: Choice,
         question: Question,
-        given: QuestionContext,
+        given: _Material,
         evidence: Mapping[str, Evidence],
     ) -> Iterator[list[Changed]]:
         """Yield which decisions an answer changes, of those that were met, state by state."""
         edit = self._log.prepared(choice.record or {"do": ""}) or Edit()
-        after = replace(given, examples=self._log.after(edit))
+        examples = self._log.after(edit)
         states = (question.state, *(e.state for e in (*edit.gone, *edit.came)))
         for state in dict.fromkeys(states):
             met = [values for there, values in given.met if there == state]
             asked = [question.situation] if state == question.state else []
-            yield changed(evidence[state], after.evidence(state), [*asked, *met])
+            yield changed(evidence[state], given.evidence(state, examples), [*asked, *met])
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(self, given: QuestionContext) -> Iterator[tuple[float, Question] | None]:
+    def _found(self, given: _Material) -> Iterator[tuple[float, Question] | None]:
         """Yield those that take long to find, with what their answers tell; None in between."""
         for state in (START, *given.labels):
             if state in FLAGS:
@@ -290,7 +304,7 @@ class Questions:
 
 
 def _about(
-    state: str, given: QuestionContext
+    state: str, given: _Material
 ) -> tuple[list[tuple[float, ...]], tuple[str, ...], Booleans]:
     """Return the situations met in a state, its possible answers, and the assumed entries."""
     met = [values for there, values in given.met if there == state]

@@ -91,39 +91,6 @@ class RunningAutomaton:
         self._numbers = GivenNumbers(context.number_range)
         self.set_transitions(automaton.transitions, automaton.numbers)
 
-    def add_state(self, state: Use) -> None:
-        """Add a state, as training does when a behavior is first commanded."""
-        label = str(state)
-        if label in self._index:
-            return
-        child: Running | None = None
-        if state.name not in FLAGS:
-            child = performance(self.context, state.bound(self.bindings), self)
-        self._index[label] = len(self._labels)
-        self._labels.append(label)
-        self._children.append(child)
-        self._decide.append(None)
-
-    def set_transitions(
-        self,
-        transitions: Mapping[str, TransitionFunction],
-        numbers: Mapping[str, NumberFunction] | None = None,
-    ) -> None:
-        """Use these functions from now on; keep the active state."""
-        self._numbers.functions = dict(numbers or {})
-        self._functions = dict(transitions)
-        self._decide = [None] * len(self._labels)
-        for label, function in transitions.items():
-            self._decide[self._index[label]] = function.compile(
-                self.vector.slots, self._index, most_probable=self.context.most_probable
-            )
-
-    def set_features(self, features: Sequence[Use]) -> None:
-        """Use other features; transition functions must follow."""
-        self.automaton = replace(self.automaton, features=tuple(features), transitions={})
-        self.vector.choose(features)
-        self.set_transitions({})
-
     @property
     def active(self) -> str:
         """The label of the active state."""
@@ -165,60 +132,22 @@ class RunningAutomaton:
         Raises:
             FeatureValueError: if a required feature has no value, in whatever state.
         """
-        active = self._active
+        active = self._active  # S_t
         child = self._children[active]
         if child is None:
             active = self._active = 0  # Start and flag states are left at once
         vector = self.vector
         if vector.has_own:
-            vector.query(child)
+            vector.query(child)  # flags and timers; other features are read when they are tested
         decide = self._decide[active]
-        if decide is not None:
-            chosen = decide(vector.values, vector.read_one, self.context.draw)
+        if decide is not None:  # else there is no example of leaving it
+            chosen = decide(vector.values, vector.read_one, self.context.draw)  # S_t+1
             if chosen != active:
                 child = self._enter(chosen)
         if self._numbers.functions:
             self._numbers.give(self.label, self.active, child, vector.read)
         if child is not None:
             child.tick()
-
-    def pulse(self) -> None:
-        """Perform one timestep of the active state without a query: a demonstrator decides."""
-        child = self._children[self._active]
-        if child is not None:
-            child.tick()
-        else:
-            self._active = 0  # a flag was raised; the flag state is left at once
-
-    def go_to(self, label: str) -> None:
-        """Change to a state on a demonstrator's command; do not restart the active state."""
-        index = self._index[label]
-        if index != self._active:
-            self._enter(index, commanded=True)
-
-    def set_numbers(self, numbers: tuple[float, ...]) -> None:
-        """Perform the active state with these numbers, if its behavior takes any."""
-        child = self.child
-        if isinstance(child, RunningWithNumbers):
-            child.give(numbers)
-
-    def take_down_flags(self) -> None:
-        """Lower the flags of the active state, since a demonstrator's command is the query."""
-        child = self.child
-        if child is not None and child.raised:
-            self.vector.take_down(child.raised)
-
-    def peek_features(self) -> list[float]:
-        """Return f_t, the current values of all features, NaN if one is missing; leave flags up.
-
-        Raises:
-            FeatureValueError: if a required feature has no value.
-        """
-        return self.vector.peek(self.child)
-
-    def look(self, feature: Use) -> float:
-        """Return the current value of a feature in its own terms, or NaN; change nothing."""
-        return self.vector.look(feature, self.child)
 
     def _enter(self, index: int, *, commanded: bool = False) -> Running | None:
         """Stop the active state's behavior and start that of another state."""
@@ -239,3 +168,65 @@ class RunningAutomaton:
         elif index:
             self.raised.add(self._labels[index])
         return child
+
+    def pulse(self) -> None:
+        """Perform one timestep of the active state without a query: a demonstrator decides."""
+        child = self._children[self._active]
+        if child is not None:
+            child.tick()
+        else:
+            self._active = 0  # a flag was raised; the flag state is left at once
+
+    def go_to(self, label: str) -> None:
+        """Change to a state on a demonstrator's command; do not restart the active state."""
+        index = self._index[label]
+        if index != self._active:
+            self._enter(index, commanded=True)
+
+    def add_state(self, state: Use) -> None:
+        """Add a state, as training does when a behavior is first commanded."""
+        label = str(state)
+        if label in self._index:
+            return
+        child: Running | None = None
+        if state.name not in FLAGS:
+            child = performance(self.context, state.bound(self.bindings), self)
+        self._index[label] = len(self._labels)
+        self._labels.append(label)
+        self._children.append(child)
+        self._decide.append(None)
+
+    def set_transitions(
+        self,
+        transitions: Mapping[str, TransitionFunction],
+        numbers: Mapping[str, NumberFunction] | None = None,
+    ) -> None:
+        """Use these functions from now on; keep the active state."""
+        self._numbers.functions = dict(numbers or {})
+        self._functions = dict(transitions)
+        self._decide = [None] * len(self._labels)
+        for label, function in transitions.items():
+            self._decide[self._index[label]] = function.compile(
+                self.vector.slots, self._index, most_probable=self.context.most_probable
+            )
+
+    def set_features(self, features: Sequence[Use]) -> None:
+        """Use other features; transition functions must follow."""
+        self.automaton = replace(self.automaton, features=tuple(features), transitions={})
+        self.vector.choose(features)
+        self.set_transitions({})
+
+    def set_numbers(self, numbers: tuple[float, ...]) -> None:
+        """Perform the active state with these numbers, if its behavior takes any."""
+        child = self.child
+        if isinstance(child, RunningWithNumbers):
+            child.give(numbers)
+
+    def take_down_flags(self) -> None:
+        """Lower the flags of the active state, since a demonstrator's command is the query."""
+        if self.child is not None:
+            self.vector.take_down(self.child.raised)
+
+    def look(self, feature: Use) -> float:
+        """Return the current value of a feature in its own terms, or NaN; change nothing."""
+        return self.vector.look(feature, self.child)

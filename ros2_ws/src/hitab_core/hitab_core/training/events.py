@@ -59,6 +59,11 @@ class Given:
         """Who gives it; empty if unknown."""
         return "" if self.request is None else self.request.demonstrator
 
+    @property
+    def record(self) -> dict[str, Any]:
+        """What the journal keeps of it."""
+        return {} if self.request is None else {"request": list(self.request)}
+
     def check(self) -> None:
         """Check that a world can have this pace.
 

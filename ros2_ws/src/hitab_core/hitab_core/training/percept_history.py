@@ -180,7 +180,7 @@ class PerceptHistory:
             if due.time < self.time:
                 return due
         # The present one, with the values that the next decision would use.
-        values = running.peek_features()
+        values = running.vector.peek(running.child)
         readings = list(self._read(running))
         for feature, value in zip(features, values, strict=True):
             readings[self._column[feature]] = value

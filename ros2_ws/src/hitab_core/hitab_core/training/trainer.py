@@ -15,10 +15,13 @@
     the log                all examples, with undo and redo
         |
         v
-    the agent              running.go_to(S_t+1)
-        .
-        .   test()         each state's examples become its transition function, which decides
-        .   take_over()    the demonstrator decides again
+    the agent              running.go_to(S_t+1), performed until the next command
+        |
+        v
+    test()                 the examples of each state become its transition function
+        |
+        v
+    take_over()            the demonstrator decides again, from the state that is active
 
 Source: the paper, section 3, "Training with HiTAB".
 """
@@ -43,10 +46,14 @@ from hitab_core.training.curriculum import Curriculum, check_curriculum, check_s
 from hitab_core.training.events import NOW, CommandGiven, Given, Proposal, TrainingEvents
 from hitab_core.training.example_log import ExampleLog, states_in
 from hitab_core.training.percept_history import PerceptHistory
+from hitab_core.training.percepts import PerceptRecord
 from hitab_core.training.undo import Direction, Edit
 from hitab_core.use import Use
 
-Journal = Callable[[Mapping[str, Any]], None]
+Record = Mapping[str, Any]
+"""A step of a training, as its journal keeps it."""
+
+Journal = Callable[[Record], None]
 """Writes a record to disk before it returns."""
 
 
@@ -57,12 +64,15 @@ class Trainer:
     testing mode the learned transition functions decide. Switching between the two keeps the
     active state and its behavior.
 
+    A behavior may take numbers, such as a speed. Then each command gives them, and what was
+    learned gives those of the nearest examples.
+
     Attributes:
         context: of the agent.
         curriculum: what is trained, with the features that were chosen.
         running: the automaton, being performed.
         history: of percepts.
-        log: of examples.
+        log: of examples, with what can be undone and redone.
         testing: whether what was learned decides.
         note: what the demonstrator should know of this, until an example is recorded.
         events: that assistants may subscribe to.
@@ -96,9 +106,8 @@ class Trainer:
         self.history = PerceptHistory(domain, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
         self.testing = self._tested = self._taken_over = self._left = False
-        self.note = ""
+        self.note, self._journal = "", journal
         self.events = TrainingEvents()
-        self._journal = journal
         self.running = self._perform()
 
     def _perform(self) -> RunningAutomaton:
@@ -118,40 +127,6 @@ class Trainer:
     def states(self) -> list[str]:
         """Labels of the states in the examples, in order of appearance, without Start."""
         return states_in(self.log.examples)
-
-    # -- the agent perceives and acts -------------------------------------------------------
-
-    def perceive(self, cycle: int, time: float, *, jumped: bool = False) -> None:
-        """Keep what the agent perceives now, before it acts on that; see `PerceptHistory.keep`."""
-        self.events.perceived(self.history.keep(self.running, cycle, time, jumped=jumped))
-
-    def tick(self) -> None:
-        """Perform one timestep.
-
-        Raises:
-            FeatureValueError: if a required feature has no value.
-        """
-        if self.testing:
-            self.running.tick()
-            self.events.decided(self.running.active)
-        else:
-            self.running.pulse()
-
-    def restart(self) -> None:
-        """Stop the active state and return to Start, as at the beginning of an episode."""
-        self.running.stop()
-        self.running.start()
-        self.note = ""
-        self._left = False
-        self.events.episode()
-        self.events.begun(self.history.restart(START))
-
-    def leave(self) -> None:
-        """Stop, since the agent performs something else; come back with `restart`."""
-        self.events.interrupted(self.running.active)
-        self.running.stop()
-        self._left = True
-        self.history.begin()
 
     # -- training mode ----------------------------------------------------------------------
 
@@ -175,33 +150,42 @@ class Trainer:
         self._check_in_control()
         state, numbers = self.context.repertoire.commanded(state)
         check_state(state, self.curriculum, self.context.repertoire)
-        label, log, features = str(state), self.log, self.curriculum.features
-        meant = self._meant(label, given)
-        due = meant.due  # the moment of S_t and f_t
-        values, late = self.history.values(due, features), max(0.0, self.history.time - due.time)
-        kind = ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED
-        more = log.next_number, log.next_command, due.cycle, late, due.readings, numbers
-        taught = [Example(due.state, values, label, kind, *more)]
-        goes_on = due.state == label
-        if not goes_on and not self.context.repertoire.is_one_shot(state):
-            taught.append(default_example(taught[0], as_entered(features, values)))
-        records = list(map(example_record, taught))
-        record = {"do": "command", "examples": records, **self.history.around(due), **meant.record}
-        if given.request is not None:
-            record["request"] = list(given.request)
-        self._do(record, log.addition(taught, meant.settled))
-        self.history.enter(label, due)
-        self.running.take_down_flags()
-        self.running.add_state(state)
-        self.running.go_to(label)
-        self.running.set_numbers(numbers)
-        if not goes_on:
-            self.running.vector.entered = due.time
+        meant = self._meant(str(state), given)
+        taught = self._examples(state, numbers, meant.due)
+        record: Record = {"do": "command", "examples": list(map(example_record, taught))}
+        record = {**record, **self.history.around(meant.due), **meant.record, **given.record}
+        self._do(record, self.log.addition(taught, meant.settled))
+        self._go_to(state, numbers, meant.due)
         self.note, self._taken_over = "", False
         return taught
 
+    def _examples(
+        self, state: Use, numbers: tuple[float, ...], moment: PerceptRecord
+    ) -> list[Example]:
+        """Return the example of a command in a moment, and the default example, if it has one."""
+        features, log = self.curriculum.features, self.log
+        s_t, f_t, s_next = moment.state, self.history.values(moment, features), str(state)
+        kind = ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED
+        ago = max(0.0, self.history.time - moment.time)
+        more = log.next_number, log.next_command, moment.cycle, ago, moment.readings, numbers
+        example = Example(s_t, f_t, s_next, kind, *more)
+        if s_next == s_t or self.context.repertoire.is_one_shot(state):
+            return [example]
+        return [example, default_example(example, as_entered(features, f_t))]
+
+    def _go_to(self, state: Use, numbers: tuple[float, ...], moment: PerceptRecord) -> None:
+        """Begin to perform a commanded state, as if since the moment in which it was due."""
+        label, running = str(state), self.running
+        self.history.enter(label, moment)
+        running.take_down_flags()
+        running.add_state(state)
+        running.go_to(label)
+        running.set_numbers(numbers)
+        if label != moment.state:
+            running.vector.entered = moment.time
+
     def _meant(self, label: str, given: Given) -> Proposal:
-        """Return the moment for which a command was meant: that of now, or an earlier one."""
+        """Return the moment for which a command was meant: the present or an earlier one."""
         given.check()
         running, features = self.running, self.curriculum.features
         stated = partial(self.history.due, running, features, given.cycle, given.ago, given.seen)
@@ -266,6 +250,39 @@ class Trainer:
         domain, readable = self.context.repertoire.domain, self.history.readable
         return relearned(replace(blank, readable=readable), domain, given.classifier)
 
+    # -- the agent perceives and acts -------------------------------------------------------
+
+    def perceive(self, cycle: int, time: float, *, jumped: bool = False) -> None:
+        """Keep what the agent perceives now, before it acts on that; see `PerceptHistory.keep`."""
+        self.events.perceived(self.history.keep(self.running, cycle, time, jumped=jumped))
+
+    def tick(self) -> None:
+        """Perform one timestep.
+
+        Raises:
+            FeatureValueError: if a required feature has no value.
+        """
+        if self.testing:
+            self.running.tick()
+            self.events.decided(self.running.active)
+        else:
+            self.running.pulse()
+
+    def restart(self) -> None:
+        """Stop the active state and return to Start, as at the beginning of an episode."""
+        self.running.stop()
+        self.running.start()
+        self.note, self._left = "", False
+        self.events.episode()
+        self.events.begun(self.history.restart(START))
+
+    def leave(self) -> None:
+        """Stop, since the agent performs something else; come back with `restart`."""
+        self.events.interrupted(self.running.active)
+        self.running.stop()
+        self._left = True
+        self.history.begin()
+
     # -- undo, redo and what else changes examples --------------------------------------------
 
     def undo(self) -> None:
@@ -284,7 +301,7 @@ class Trainer:
         """
         self.edit({"do": "redo"})
 
-    def edit(self, record: Mapping[str, Any]) -> None:
+    def edit(self, record: Record) -> None:
         """Change examples as a record of the journal says; in testing mode, learn from them.
 
         Raises:
@@ -293,9 +310,9 @@ class Trainer:
         edit = self.prepared(record)
         assert edit is not None
         learned = None
-        if self.testing:  # learn first, since that may be refused
+        if self.testing:  # before the step is made, since learning may be refused
             learned = self._learned(self.log.after(edit), "tested after this", edit.features)
-        for label in (*states_in(edit.came), edit.entered or START):
+        for label in (*states_in(edit.came), edit.entered or START):  # they may be gone by now
             self.running.add_state(Use.parse(label))
         self._do(record, edit)
         if learned is not None:
@@ -313,7 +330,7 @@ class Trainer:
         if edit.direction is Direction.UNDO:
             self.history.reenter(str(edit.left), entered)
 
-    def prepared(self, record: Mapping[str, Any]) -> Edit | None:
+    def prepared(self, record: Record) -> Edit | None:
         """Return the edit that a record describes, or None if it changes no examples.
 
         Raises:
@@ -321,12 +338,12 @@ class Trainer:
         """
         return self.log.prepared(record)
 
-    def _do(self, record: Mapping[str, Any], edit: Edit | None = None) -> None:
+    def _do(self, record: Record, edit: Edit | None = None) -> None:
         """Make a step: on disk first, since what was acknowledged must survive a crash."""
         self._journal({"time": self.history.time, **record})
         self.make(record, edit)
 
-    def make(self, record: Mapping[str, Any], edit: Edit | None) -> None:
+    def make(self, record: Record, edit: Edit | None) -> None:
         """Make a step that is on disk."""
         if edit is not None:
             self.log.make(edit)

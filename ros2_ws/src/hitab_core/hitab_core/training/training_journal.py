@@ -131,8 +131,10 @@ class TrainingJournal:
             FolderInUseError: if another process uses it.
         """
         self.damage = ""
+        if self.path is None or not self.path.exists():
+            return None
         try:
-            return self._resumed(replay, has_saved)
+            return self._resumed(ExampleJournal.open(self.path), replay, has_saved)
         except FolderInUseError:
             raise
         except LibraryError as error:
@@ -140,20 +142,18 @@ class TrainingJournal:
             return None
 
     def _resumed(
-        self, replay: Callable[[Sequence[Record]], T], has_saved: Callable[[str, str], bool]
+        self,
+        file: ExampleJournal,
+        replay: Callable[[Sequence[Record]], T],
+        has_saved: Callable[[str, str], bool],
     ) -> T | None:
-        path = self.path
-        if path is None or not path.exists():
-            return None
-        file = ExampleJournal.open(path)
         records = [record for record in file.records if record.get("do") != RESUMED]
         if not file.records:
             file.discard()
             return None
         last = records[-1] if records else {}
-        if last.get("do") == "save" and has_saved(
-            str(last.get("automaton")), str(last.get("checksum"))
-        ):
+        saved = str(last.get("automaton")), str(last.get("checksum"))
+        if last.get("do") == "save" and has_saved(*saved):
             # The process ended after saving the behavior and before archiving the journal.
             self._file = file
             self.archive()
@@ -168,7 +168,7 @@ class TrainingJournal:
         except (HitabError, LookupError, TypeError, ValueError) as error:
             file.close()
             raise LibraryError(
-                f"{path}: the interrupted training cannot be resumed: {error}; "
+                f"{self.path}: the interrupted training cannot be resumed: {error}; "
                 "fix that, or move this file away to start without that training"
             ) from error
         self._file = file
