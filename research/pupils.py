@@ -10,7 +10,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -142,6 +142,7 @@ class InProcessPupil:
         supersede: let commands outrank the default examples that they contradict.
         sides: let a command among default examples hold for a side of the circle.
         ahead: let trees look one step ahead.
+        without: assistants to leave out, by name.
         world: makes the world of its parameters and seed.
         library: a folder with what the team has learned before; it stays as it is.
     """
@@ -156,6 +157,7 @@ class InProcessPupil:
         supersede: bool = True,
         sides: bool = True,
         ahead: bool = True,
+        without: Collection[str] = (),
     ) -> None:
         self.given = 0
         self._held_before = Counter[str]()
@@ -170,7 +172,8 @@ class InProcessPupil:
         self._library = BehaviorLibrary(self._folder.name, DOMAIN)
         self.cycle_seconds = self._world.cycle_seconds
         self._agents = {
-            name: Agent(name, DOMAIN, self._library, seed=seed) for name in self._world.agents
+            name: Agent(name, DOMAIN, self._library, seed=seed, without=without)
+            for name in self._world.agents
         }
         self._pupil, *self._mates = self._agents.values()
         self._visible = [Use.parse(name) for name in VISIBLE]

@@ -65,6 +65,7 @@ from .seeding import world_seed as world_seed
 from .source_file import load_file as load_file
 from .training.events import Given as Given
 from .training.events import Request as Request
+from .training_session import ASSISTANTS as ASSISTANTS
 from .training_session import TrainingSession as TrainingSession
 from .transition_function import HandWritten as HandWritten
 from .transition_function import TransitionFunction as TransitionFunction

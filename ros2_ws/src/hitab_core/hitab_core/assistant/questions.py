@@ -282,17 +282,10 @@ class Questions:
                 effect = f"deletes {numbered('example', gone)}"
                 choices.append(Choice(label, effect, {"do": "delete", "numbers": gone}))
             numbers = tuple(example.number for example in group)
-            found.append(
-                self._question(
-                    QuestionKind.CONTRADICTION,
-                    (numbers,),
-                    question_texts.commanded(group),
-                    group[0].state,
-                    tuple(choices),
-                    numbers,
-                    group[0].features,
-                )
-            )
+            text, state, place = question_texts.commanded(group), group[0].state, group[0].features
+            answers = tuple(choices), numbers, place
+            kind = QuestionKind.CONTRADICTION
+            found.append(self._question(kind, (numbers,), text, state, *answers))
         return sorted(found, key=lambda question: -max(question.examples))
 
     def _of_unshown(self, found: Unshown, evidence: Evidence) -> Question:
@@ -320,15 +313,12 @@ def _commands(
     state: str, situation: Sequence[float], labels: Sequence[str], *, bisects: bool = False
 ) -> tuple[Choice, ...]:
     """Return the answers that say what to do in a situation, one for each different label."""
-    return tuple(
-        Choice(
-            label,
-            question_texts.answered(state, label),
-            added(state, situation, label, bisects=bisects),
-        )
-        for label in dict.fromkeys(labels)
-        if label != START
-    )
+    choices = []
+    for label in dict.fromkeys(labels):
+        if label != START:
+            record = added(state, situation, label, bisects=bisects)
+            choices.append(Choice(label, question_texts.answered(state, label), record))
+    return tuple(choices)
 
 
 def _weighed(group: Sequence[Example]) -> list[str]:

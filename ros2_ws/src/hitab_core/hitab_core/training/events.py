@@ -125,8 +125,11 @@ class Event(Generic[P, T]):
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T | None:
         """Tell all subscribers; return the first answer, if there is one."""
-        answers = [hear(*args, **kwargs) for hear in self._hear]
-        return next((answer for answer in answers if answer is not None), None)
+        first: T | None = None
+        for hear in self._hear:
+            answer = hear(*args, **kwargs)
+            first = answer if first is None else first
+        return first
 
 
 @dataclass(frozen=True)
