@@ -11,6 +11,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import repeat
 from typing import Any
 
 from hitab_core.automaton import as_entered
@@ -82,7 +83,7 @@ class PerceptHistory:
 
     def _read(self, running: RunningAutomaton) -> tuple[float, ...]:
         """Return the readings of now; NaN for what cannot be read."""
-        values = map(running.look, self.readable)
+        values = map(running.vector.look, self.readable, repeat(running.child))
         return tuple(value if math.isfinite(value) else math.nan for value in values)
 
     def keep(
