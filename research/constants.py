@@ -81,15 +81,13 @@ def _of(people: Setting | None, module: str, names: str) -> list[Constant]:
 CONSTANTS = [
     *_of(None, "learning.gain_ratio", "TIE"),
     *_of(None, "learning.tree_growth", "LEAST_FRACTION AHEAD_MAX"),
-    *_of(NOVICES, "training.lateness", "SOONEST LATEST SPREADS OTHERWISE P_IMMEDIATE SHORTEST"),
-    *_of(NOVICES, "training.lateness", "THRESHOLDS_MAX"),
-    *_of(NOVICES, "training.percept_history", "BLAMED_SECONDS"),
-    *_of(NOVICES, "training.situation_sample", "SITUATIONS_MAX"),
+    *_of(NOVICES, "assistant.lateness", "SOONEST LATEST SPREADS OTHERWISE P_IMMEDIATE SHORTEST"),
+    *_of(NOVICES, "assistant.lateness", "THRESHOLDS_MAX"),
+    *_of(NOVICES, "assistant.late_commands", "BLAMED_SECONDS"),
+    *_of(NOVICES, "assistant.situation_sample", "SITUATIONS_MAX"),
     *_of(NOVICES, "advice.unshown", "ASSUMED TOUCHING NO_EXAMPLE_DISTANCE GAIN_MIN"),
-    *_of(ENGINEERS, "training.questions", "CORRECTED"),
-    *_of(
-        NOVICES, "training.recent_percepts", "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"
-    ),
+    *_of(ENGINEERS, "assistant.questions", "CORRECTED"),
+    *_of(NOVICES, "training.percepts", "KEPT_SECONDS WINDOW_SECONDS WINDOW_MAX STEP_SECONDS"),
 ]
 
 

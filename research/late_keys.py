@@ -35,8 +35,8 @@ from teachers import PAPER_S, hold_times, intention_of, own_hold_time, playing
 from topic_pupil import PUPIL, TopicPupil
 
 from hitab_core import START, Automaton, Example, HitabError, Repertoire, Use
+from hitab_core.assistant.question import QuestionKind
 from hitab_core.running import FeatureCache, RunningAutomaton
-from hitab_core.training.question import QuestionKind
 from hitab_world import Placement
 from hitab_world.inprocess import AutomatonPlayer, cycle, perform
 from keepaway_world.domain import DOMAIN

@@ -10,7 +10,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -18,11 +18,12 @@ from typing import Protocol
 
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
 
-from hitab_core import Agent, BehaviorLibrary, Repertoire, Use
+from hitab_core import Agent, BehaviorLibrary, Given, Repertoire, TrainingSession, Use
+from hitab_core.assistant import Question
+from hitab_core.assistant.question import QuestionKind
 from hitab_core.default_example import marked
 from hitab_core.example import Example
-from hitab_core.training import Curriculum, Question, TrainingSession, example_log
-from hitab_core.training.question import QuestionKind
+from hitab_core.training import Curriculum, example_log
 from hitab_world import Placement
 from keepaway_world.domain import DOMAIN
 from keepaway_world.parameters import PAPER, KeepawayParameters
@@ -141,6 +142,7 @@ class InProcessPupil:
         supersede: let commands outrank the default examples that they contradict.
         sides: let a command among default examples hold for a side of the circle.
         ahead: let trees look one step ahead.
+        without: assistants to leave out, by name.
         world: makes the world of its parameters and seed.
         library: a folder with what the team has learned before; it stays as it is.
     """
@@ -155,6 +157,7 @@ class InProcessPupil:
         supersede: bool = True,
         sides: bool = True,
         ahead: bool = True,
+        without: Collection[str] = (),
     ) -> None:
         self.given = 0
         self._held_before = Counter[str]()
@@ -169,7 +172,8 @@ class InProcessPupil:
         self._library = BehaviorLibrary(self._folder.name, DOMAIN)
         self.cycle_seconds = self._world.cycle_seconds
         self._agents = {
-            name: Agent(name, DOMAIN, self._library, seed=seed) for name in self._world.agents
+            name: Agent(name, DOMAIN, self._library, seed=seed, without=without)
+            for name in self._world.agents
         }
         self._pupil, *self._mates = self._agents.values()
         self._visible = [Use.parse(name) for name in VISIBLE]
@@ -212,7 +216,7 @@ class InProcessPupil:
 
     def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper; see `Pupil.command`."""
-        taught = self._pupil.command(Use.parse(state), pace=pace)
+        taught = self._pupil.command(Use.parse(state), Given(pace=pace))
         self.given += len(taught)
         return taught
 

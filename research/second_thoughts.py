@@ -16,8 +16,8 @@ from intentions import OFF, Plan, Seen
 from pupils import Pupil
 
 from hitab_core import START, HitabError
+from hitab_core.assistant import Question
 from hitab_core.example import Example, ExampleKind
-from hitab_core.training import Question
 
 LONGEST = 1.5
 """Nobody looks for the right moment longer ago than this, s."""

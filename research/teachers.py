@@ -36,7 +36,7 @@ from pupils import InProcessPupil
 from simulated_people import Person
 from topic_pupil import TopicPupil
 
-from hitab_core import Automaton, HitabError, Repertoire, has
+from hitab_core import ASSISTANTS, Automaton, HitabError, Repertoire, has
 from hitab_world.inprocess import perform, play
 from keepaway_world.domain import DOMAIN
 from keepaway_world.world import KeepawayWorld
@@ -168,6 +168,7 @@ def pupil_of(number: int, setting: Setting) -> InProcessPupil | TopicPupil:
         supersede="supersede" in setting.aids,
         sides="sides" in setting.aids,
         ahead="ahead" in setting.aids,
+        without={*AIDS} & {*ASSISTANTS} - setting.aids,
     )
 
 

@@ -23,8 +23,8 @@ from report import tell
 
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
+from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
-from hitab_core.running.running_automaton import RunContext
 from hitab_core.use import Use
 from hitab_world.inprocess import cycle, perform
 from keepaway_world.body import KeeperBody
@@ -178,9 +178,8 @@ def main(
 
     body = KeeperBody("keeper_1")
     feature_cache = FeatureCache(body, DOMAIN)
-    running = RunContext(repertoire, body, feature_cache, random.Random(1).random).perform(
-        Use("Keepaway")
-    )
+    context = RunContext(repertoire, body, feature_cache, random.Random(1).random)
+    running = performance(context, Use("Keepaway"))
     running.start()
 
     def tick_automaton() -> None:

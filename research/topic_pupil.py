@@ -23,8 +23,8 @@ from hitab_bringup.libraries.opened_library import open_library
 from hitab_bringup.processes.bringing_up import temporary_swarm
 from hitab_client import SwarmError
 from hitab_core import START, Example, Repertoire, some
-from hitab_core.training import Question
-from hitab_core.training.question import Choice, QuestionKind
+from hitab_core.assistant import Question
+from hitab_core.assistant.question import Choice, QuestionKind
 from hitab_ros import names, qos
 from hitab_world import Placement
 

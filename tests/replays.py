@@ -9,7 +9,13 @@ from random import Random
 from typing import Any
 
 from hitab_core import Automaton, Domain, Repertoire, Target, Use
-from hitab_core.running import Change, FeatureCache, RunContext, RunningAutomaton
+from hitab_core.running import (
+    Change,
+    FeatureCache,
+    RunContext,
+    RunningAutomaton,
+    performance,
+)
 from hitab_export.hierarchy_form import INTERNAL, Hierarchy, TestForm
 
 Percept = Mapping[str, float]
@@ -79,7 +85,7 @@ def replayed(
         taken.add((path_of(running, change), change.source, change.destination))
 
     context = RunContext(repertoire, body, feature_cache, draw, observe=observe)
-    running = context.perform(use)
+    running = performance(context, use)
     assert isinstance(running, RunningAutomaton)
     seen: list[Seen] = []
     for percept, now, begins in steps:

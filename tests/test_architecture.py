@@ -31,7 +31,9 @@ CORE_FLOORS = (
     ("running",),
     ("drawing", "library"),
     ("training",),
-    ("caution", "saving"),
+    ("assistant", "mode", "saving"),
+    ("training_session",),
+    ("agent_library",),
     ("agent",),
     ("labeling", "learning_agent", "orders", "plain"),
 )
@@ -58,7 +60,7 @@ BUDGET = {
     "hitab_studio": 4600,
     "hitab_world": 1800,
     "keepaway_world": 1350,
-    "tests": 29000,
+    "tests": 29180,
 }
 """Maximum lines of code by package, and of all tests: lower it when code goes."""
 

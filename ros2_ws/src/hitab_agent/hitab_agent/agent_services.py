@@ -23,13 +23,15 @@ from hitab_core import (
     Mode,
     Request,
     TrainingError,
+    TrainingSession,
     Use,
     has,
     quantity,
     unknown,
 )
+from hitab_core.assistant import training_costs
 from hitab_core.library import BEHAVIOR_SUFFIX, broken_expectations
-from hitab_core.training import Curriculum, TrainingSession
+from hitab_core.training import Curriculum
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Answered, Serve, answering
 from hitab_ros.conversions import (
@@ -226,7 +228,7 @@ class AgentServices:
         name = request.automaton or agent.training
         if not name:
             raise self._no_training(Fix.EXAMPLES_OF)
-        known = agent.journal.costs()
+        known = training_costs(agent.journal)
         costs = [cost for cost in known if cost.automaton == name]
         if not costs and name == agent.training:
             raise TrainingError(

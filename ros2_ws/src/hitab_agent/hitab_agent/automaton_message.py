@@ -7,7 +7,8 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_core import Automaton, Domain, HitabError, TransitionTree, Use
+from hitab_core import Automaton, Domain, HitabError, TrainingSession, TransitionTree, Use
+from hitab_core.assistant import Question
 from hitab_core.learning import (
     TREE,
     Arc,
@@ -19,7 +20,6 @@ from hitab_core.learning import (
     learn_transitions,
     nodes,
 )
-from hitab_core.training import Question, TrainingSession
 from hitab_ros.conversions import example_message, feature_message, number_messages
 
 
@@ -66,7 +66,7 @@ def training_message(session: TrainingSession, domain: Domain) -> msg.Automaton:
         _learned(session, domain),
         curriculum.parameters,
         examples,
-        readable=session.perception.readable,
+        readable=session.history.readable,
     )
     chosen = list(map(str, curriculum.states))
     message = automaton_message(

@@ -7,7 +7,7 @@ import time
 from hitab_msgs import msg
 
 from hitab_agent.agent_base import AgentBase
-from hitab_core import Fix, Request, TrainingError, some
+from hitab_core import Fix, Given, Request, TrainingError, some
 from hitab_ros import RecentRequests, names, qos
 from hitab_ros.checks import check
 from hitab_ros.conversions import use_of
@@ -62,14 +62,9 @@ class CommandReceiver:
                     # The example would record something that the robot did not do.
                     raise TrainingError(stop.why, Fix.ARM(robot=agent.name))
                 request = Request(status.demonstrator, command.sequence)
-                taught = agent.command(
-                    use,
-                    ago=command.ago,
-                    seen=command.seen,
-                    pace=command.pace,
-                    unrecorded=command.unrecorded,
-                    request=request if request.number else None,
-                )
+                asked_by = request if request.number else None
+                given = Given(0, command.ago, command.seen, command.pace, asked_by)
+                taught = agent.command(use, given, unrecorded=command.unrecorded)
                 status.left = taught[0].state if taught else ""
         except Exception as error:
             refusal = (error,)

@@ -15,7 +15,6 @@ from hitab_core import (
     BasicBehavior,
     TrainingError,
     Use,
-    to_be_saved,
 )
 from hitab_core.library import difference
 from hitab_core.running import live_features
@@ -75,8 +74,8 @@ class InspectionServices:
                 session.with_features(chosen), domain, classifier=classifier
             )
         elif request.trim:
-            automaton, answer.trimmed = to_be_saved(
-                session, bindings=bindings_of(request), keep_unused=request.keep_unused
+            automaton, answer.trimmed = session.trimmed(
+                bindings=bindings_of(request), keep_unused=request.keep_unused
             )
             answer.automaton = automaton_message(automaton, domain, classifier=classifier)
         else:

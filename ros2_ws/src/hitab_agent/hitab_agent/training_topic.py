@@ -10,8 +10,8 @@ from hitab_msgs import msg
 
 from hitab_agent.automaton_message import question_message, training_message
 from hitab_agent.scheduler import Job, JobQueue, Scheduler
-from hitab_core import Agent
-from hitab_core.training import TrainingSession
+from hitab_core import Agent, TrainingSession
+from hitab_core.assistant import unsaved_cost
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.conversions import cost_message, remark_messages
@@ -107,7 +107,7 @@ class TrainingTopic:
     def _message(self, session: TrainingSession) -> msg.Training:
         asked, history = session.questions, session.log.history
         searched = self._searched == self.revision
-        if searched and (cost := self._agent.journal.unsaved()) is not None:
+        if searched and (cost := unsaved_cost(self._agent.journal)) is not None:
             self._cost = cost_message(cost)
         return msg.Training(
             agent=self._agent.name,
@@ -152,5 +152,5 @@ def _fingerprint(session: TrainingSession | None) -> tuple[Any, ...]:
     if session is None:
         return (None,)
     known = [question.number for question in session.questions.known()]
-    more = len(session.questions.answered), session.perception.situations.news, session.remarks()
+    more = len(session.questions.answered), session.questions.news, session.remarks()
     return session.examples, session, session.curriculum, known, more

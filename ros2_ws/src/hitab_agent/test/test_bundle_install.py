@@ -14,14 +14,15 @@ from hitab_msgs import msg, srv
 from hitab_agent.agent_node import AgentNode
 from hitab_agent.host_resources import HostResources
 from hitab_agent.scheduler import JobQueue
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
 from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library import bundle, change, loaded_library
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle
 from hitab_core.library.durable_files import locked
-from hitab_core.training.training_session import Curriculum
+from hitab_core.mode import Mode
+from hitab_core.training import Curriculum
 from hitab_core.use import Use
 from hitab_ros import names, qos
 

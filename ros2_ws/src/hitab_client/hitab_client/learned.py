@@ -23,9 +23,9 @@ from hitab_core import (
     Use,
     with_numbers,
 )
+from hitab_core.assistant import TrainingCost
 from hitab_core.learning import Arc, Categories, Fork, Leaf, Node, Test, Threshold
 from hitab_core.regression import Neighbors, learn_numbers
-from hitab_core.training import TrainingCost
 from hitab_ros.conversions import cost_of, example_of, numbers_of_behaviors, remarks_of
 
 NO_TREES: Mapping[str, TransitionTree] = MappingProxyType({})

@@ -38,7 +38,7 @@ from hitab_ros.conversions import cost_of, remedies_of
 if TYPE_CHECKING:
     from hitab_client.learned import Learned, Training
     from hitab_client.world_client import WorldClient
-    from hitab_core.training import TrainingCost
+    from hitab_core.assistant import TrainingCost
 
 ACKNOWLEDGE_SECONDS = 10.0
 RESEND_SECONDS = 0.5

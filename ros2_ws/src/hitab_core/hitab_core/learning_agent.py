@@ -11,14 +11,16 @@ from typing import Any, Self
 
 import numpy as np
 
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, HitabError, TrainingError
 from hitab_core.example import Example
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.mode import Mode
 from hitab_core.training.curriculum import Curriculum
+from hitab_core.training.events import Given
 from hitab_core.use import Use
 from hitab_core.wording import quantity
 
@@ -179,7 +181,7 @@ class LearningAgent:
             use = Use.parse(name)
             if agent.mode is not Mode.TRAINING and agent.session is not None:
                 agent.take_over()
-            agent.command(use, ago=ago)
+            agent.command(use, Given(ago=ago))
         elif agent.mode is Mode.IDLE or (agent.mode is Mode.TRAINING and not self.examples):
             self._size = len(percept)
             raise TrainingError(

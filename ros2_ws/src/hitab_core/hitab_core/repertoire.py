@@ -65,6 +65,11 @@ class Repertoire:
         """Return the names of all behaviors, sorted."""
         return sorted(self._parameters)
 
+    def description_of(self, name: str) -> str:
+        """Return the description of a trained behavior; empty if there is none of this name."""
+        known = self.automata.get(name)
+        return known.description if known is not None and known.examples else ""
+
     def get(self, name: str) -> BasicBehavior | Automaton:
         """Return the behavior called ``name``.
 

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from hitab_core.automaton import Automaton
 from hitab_core.errors import VocabularyError
-from hitab_core.learning.trimming import check_bound, rebind, trim
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.change import LibraryChange
 from hitab_core.library.loaded_library import LoadedLibrary
-from hitab_core.training.training_session import TrainingSession
 
 
 class SavedBehavior(NamedTuple):
@@ -31,35 +27,6 @@ class SavedBehavior(NamedTuple):
     path: Path
     notes: list[str]
     replaced: str
-
-
-def to_be_saved(
-    session: TrainingSession,
-    name: str = "",
-    bindings: Mapping[str, str] | None = None,
-    description: str = "",
-    *,
-    keep_unused: bool = False,
-) -> tuple[Automaton, list[str]]:
-    """Return what saving would add to the library and would trim; see `Agent.save`.
-
-    Raises:
-        TrainingError: if no example leaves Start.
-        VocabularyError: if something would remain unbound.
-    """
-    repertoire, classifier = session.context.repertoire, session.curriculum.classifier
-    learned = session.automaton("saved")
-    name = name or learned.name
-    replaced = repertoire.automata.get(name)
-    if not description and replaced is not None and replaced.examples:  # not written by hand
-        description = replaced.description
-    learned = replace(learned, name=name, description=description)
-    if bindings:
-        learned = rebind(learned, bindings, repertoire, classifier=classifier)
-    if keep_unused:
-        check_bound(learned, repertoire.domain)
-        return learned, []
-    return trim(learned, repertoire, classifier=classifier)
 
 
 def loaded_with(

@@ -19,7 +19,7 @@ from hitab_core import (
     calls_of,
     feedback_feature,
 )
-from hitab_core.running import FeatureCache, RunContext
+from hitab_core.running import FeatureCache, RunContext, performance
 
 
 class Body:
@@ -82,7 +82,7 @@ def body() -> Body:
 
 def performing(body: Any) -> Any:
     context = RunContext(Repertoire(DOMAIN), body, FeatureCache(body, DOMAIN), lambda: 0.0)
-    return context.perform(Use("GoTo", ("there",)))
+    return performance(context, Use("GoTo", ("there",)))
 
 
 def test_the_first_pulse_sends_the_goal_and_leaving_cancels_it(body):

@@ -14,13 +14,14 @@ import pytest
 from bodies import Body, pulsed
 from faulty_disk import files_end_at
 
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
 from hitab_core.domain import Domain, Feature
 from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.mode import Mode
 from hitab_core.remedies import Fix
-from hitab_core.training.training_session import Curriculum
+from hitab_core.training import Curriculum
 from hitab_core.use import Use
 
 

@@ -22,8 +22,7 @@ from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.check import misfits
-from hitab_core.saving import to_be_saved
-from hitab_core.training.training_session import Curriculum
+from hitab_core.training import Curriculum
 from hitab_core.use import Use
 
 DOMAIN = Domain.of(
@@ -158,7 +157,7 @@ def test_one_save_learns_from_the_same_examples_once(tmp_path: Path, fits: list[
     agent = Agent("ann", DOMAIN, library, tmp_path)
     taught(agent, 0.125)
     agent.test()
-    to_be_saved(agent.session)
+    agent.session.trimmed(keep_unused=False)
     agent.save()
     agent.reload()
     assert fits

@@ -8,16 +8,17 @@ from pathlib import Path
 import pytest
 from bodies import Body, pulsed
 
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
 from hitab_core.automaton import Automaton
 from hitab_core.domain import Domain, Feature
 from hitab_core.errors import LibraryError, LostBehaviorError, TrainingError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle, plan_bundle
+from hitab_core.mode import Mode
 from hitab_core.orders.order import ALL_OTHERS, Order
 from hitab_core.orders.subordinate import Subordinate
 from hitab_core.remedies import Fix
-from hitab_core.training.training_session import Curriculum
+from hitab_core.training import Curriculum
 from hitab_core.use import Use
 
 Make = Callable[..., Agent]

@@ -9,11 +9,12 @@ from typing import Any
 import pytest
 from bodies import UnseeingBody
 
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.library.behavior_library import BehaviorLibrary
-from hitab_core.training.training_session import Curriculum
+from hitab_core.mode import Mode
+from hitab_core.training import Curriculum
 from hitab_core.use import Use
 
 

@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from hitab_core import Agent, BehaviorLibrary, TrainingError, Use, plain_domain
+from hitab_core import Agent, BehaviorLibrary, Given, TrainingError, Use, plain_domain
 from hitab_core.example import Example
 from hitab_core.training import Curriculum
 
@@ -51,7 +51,7 @@ class Course:
         for _ in range(round(delay * pace / STEP)):
             distance -= speed * STEP
             self.sense(distance)
-        return self.agent.command(Use("Turn"), pace=pace)[0]
+        return self.agent.command(Use("Turn"), Given(pace=pace))[0]
 
     @property
     def turns(self) -> list[Example]:
@@ -170,7 +170,7 @@ def test_a_pace_that_no_world_has_is_refused(tmp_path: Path, pace: float) -> Non
     course = Course(tmp_path)
     course.sense(5.0)
     with pytest.raises(TrainingError, match="pace"):
-        course.agent.command(Use("Go"), pace=pace)
+        course.agent.command(Use("Go"), Given(pace=pace))
 
 
 def test_a_wrong_beginning_is_corrected_where_it_was_decided(tmp_path: Path) -> None:
@@ -183,6 +183,6 @@ def test_a_wrong_beginning_is_corrected_where_it_was_decided(tmp_path: Path) -> 
         course.sense(9.0)
     assert course.agent.active_path == ["Go"]
     course.agent.take_over()
-    taught = course.agent.command(Use("Turn"), pace=1.0)[0]
+    taught = course.agent.command(Use("Turn"), Given(pace=1.0))[0]
     assert (taught.state, taught.next_state) == ("Start", "Turn")
     assert course.agent.active_path == ["Turn"]

@@ -9,9 +9,10 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Targe
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.repertoire import Repertoire
+from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
-from hitab_core.running.running_automaton import RunContext
-from hitab_core.training.training_session import Curriculum, TrainingSession
+from hitab_core.training import Curriculum, Trainer
+from hitab_core.training.events import Given
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -96,12 +97,12 @@ class Agent:
         )
 
     def perform(self, text):
-        running = self.context.perform(Use.parse(text))
+        running = performance(self.context, Use.parse(text))
         running.start()
         return running
 
     def train(self, name="T", features=("x",), **more):
-        return TrainingSession(self.context, Curriculum(name, uses(*features), **more))
+        return Trainer(self.context, Curriculum(name, uses(*features), **more))
 
     def see(self, **values):
         self.body.sense(values, [])
@@ -256,7 +257,8 @@ def test_each_feature_is_read_at_most_once_per_tick():
     body = Recorder()
     feature_cache = FeatureCache(body, domain)
     repertoire = Repertoire(domain, {"Low": low, "High": high})
-    running = RunContext(repertoire, body, feature_cache, random.random).perform(Use("High"))
+    context = RunContext(repertoire, body, feature_cache, random.random)
+    running = performance(context, Use("High"))
     running.start()
     running.tick()
     assert len(reads) == 1
@@ -314,7 +316,7 @@ def test_a_command_records_an_example_and_a_default_example_with_the_same_featur
     agent = Agent()
     session = agent.train(features=("x", "y"))
     agent.see(x=3.0, y=4.0)
-    session.command(Use("A"), cycle=7)
+    session.command(Use("A"), Given(cycle=7))
     first, default = session.examples
     assert (first.state, first.features, first.next_state) == (START, (3.0, 4.0), "A")
     assert (default.state, default.features, default.next_state) == ("A", (3.0, 4.0), "A")
@@ -503,9 +505,8 @@ def test_a_trained_automaton_takes_the_place_of_a_hand_written_one_beside_the_ot
     trained = automaton("Servo", ["C"], {START: lambda x: "C"})
     body = Recorder()
     repertoire = Repertoire(hand, {"Servo": trained})
-    running = RunContext(repertoire, body, FeatureCache(body, hand), random.random).perform(
-        Use("Play")
-    )
+    context = RunContext(repertoire, body, FeatureCache(body, hand), random.random)
+    running = performance(context, Use("Play"))
     running.start()
     running.tick()
     running.tick()

@@ -23,8 +23,8 @@ from hitab_core.learning.tree_growth import LEAST_FRACTION
 from hitab_core.learning.tree_nodes import Fork, Leaf, Threshold, nodes
 from hitab_core.learning.tree_pruning import pessimistic_errors
 from hitab_core.repertoire import Repertoire
+from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
-from hitab_core.running.running_automaton import RunContext
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
 
@@ -322,7 +322,7 @@ class Player:
         context = RunContext(
             Repertoire(domain, {"T": automaton}), self.body, self.feature_cache, self.random.random
         )
-        self.running: Any = context.perform(Use("T"))
+        self.running: Any = performance(context, Use("T"))
         self.running.start()
 
     def tick(self, *values: Any) -> str:

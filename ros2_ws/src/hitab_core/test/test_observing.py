@@ -18,10 +18,10 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.learning.transition_learning import learner
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.repertoire import Repertoire
+from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.live_features import live_features
 from hitab_core.running.observing import Change, guest
-from hitab_core.running.running_automaton import RunContext
 from hitab_core.transition_function import HandWritten, TransitionFunction
 from hitab_core.use import Use
 
@@ -132,7 +132,7 @@ class Player:
             most_probable,
             observe,
         )
-        self.running = self.context.perform(Use("Outer"))
+        self.running = performance(self.context, Use("Outer"))
         self.running.start()
 
     def tick(self, values: Sequence[float]) -> None:

@@ -18,8 +18,9 @@ from hitab_core import (
     Use,
     plain_domain,
 )
+from hitab_core.assistant import Question, training_costs
 from hitab_core.example import Example, ExampleKind, contradictions
-from hitab_core.training import Curriculum, Question, recent_percepts
+from hitab_core.training import Curriculum, percepts
 
 CART = plain_domain(
     "cart",
@@ -88,7 +89,9 @@ def test_commands_that_contradict_each_other_are_asked_about_at_once(cart: Drive
     assert [choice.name for choice in question.choices] == ["Stop", "Left"]
     cart.session.answer(question.number, "Stop")
     assert [e.number for e in cart.session.examples] == [1, 2, 5, 6, 7, 8], "with its default one"
-    assert [(cost.proposals, cost.finished) for cost in cart.agent.journal.costs()] == [(1, False)]
+    assert [(cost.proposals, cost.finished) for cost in training_costs(cart.agent.journal)] == [
+        (1, False)
+    ]
     assert "contradiction" not in cart.kinds()
     cart.session.undo()
     assert "contradiction" in cart.kinds(), "undo asks again"
@@ -216,7 +219,7 @@ def test_a_feature_that_is_not_read_cannot_be_chosen_before_the_first_example(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of a domain with very many features, those of two parameters are read only if chosen."""
-    monkeypatch.setattr(recent_percepts, "READABLE_MAX", 0)
+    monkeypatch.setattr(percepts, "READABLE_MAX", 0)
     domain = Domain.of(
         "pair",
         "1",

@@ -20,7 +20,8 @@ from hitab_core import (
 )
 from hitab_core.example import Example
 from hitab_core.training import Curriculum
-from hitab_core.training.recent_percepts import PerceptRecord, nearest
+from hitab_core.training.events import Given
+from hitab_core.training.percepts import PerceptRecord, nearest
 
 CART = plain_domain("cart", {"Left": [-1.0], "Right": [1.0]}, ["Position", "Speed"])
 STEP = 0.1
@@ -48,7 +49,7 @@ class Driven:
             self.agent.tick()
 
     def command(self, label: str, ago: float = 0.0, seen: int = 0) -> Example:
-        return self.agent.command(Use(label), ago=ago, seen=seen)[0]
+        return self.agent.command(Use(label), Given(ago=ago, seen=seen))[0]
 
     def examples(self) -> list[tuple[int, str, float, str, str]]:
         assert self.agent.session is not None

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hitab_core.training.recent_percepts import PerceptRecord
-from hitab_core.training.situation_sample import SITUATIONS_MAX, SituationSample
+from hitab_core.assistant.situation_sample import SITUATIONS_MAX, SituationSample
+from hitab_core.training.percepts import PerceptRecord
 
 
 def test_a_sample_of_situations_is_bounded_and_keeps_what_is_rare() -> None:

@@ -5,12 +5,13 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.mode import Mode
 from hitab_core.orders.order import ALL_OTHERS, Order
 from hitab_core.orders.subordinate import Subordinate
-from hitab_core.training.training_session import Curriculum
+from hitab_core.training import Curriculum
 from hitab_core.use import Use
 
 

@@ -15,9 +15,9 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, Target
 from hitab_core.errors import VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
+from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.live_features import live_features
-from hitab_core.running.running_automaton import RunContext
 from hitab_core.training import Curriculum
 from hitab_core.transition_function import HandWritten
 from hitab_core.use import Use
@@ -46,7 +46,7 @@ class Player:
         self.context = RunContext(
             repertoire, self.body, FeatureCache(self.body, domain), random.Random(1).random
         )
-        self.running: Any = self.context.perform(Use(automata[-1].name))
+        self.running: Any = performance(self.context, Use(automata[-1].name))
         self.running.start()
 
     def tick(self, seconds: float = STEP, x: float = 0.0) -> list[str]:
@@ -203,11 +203,11 @@ def test_a_command_sees_a_flag_for_the_timers() -> None:
         player.tick()
     running = player.running
     player.context.clock.now += 1.0
-    assert running.peek_features() == [0.0], "it is up"
+    assert running.vector.peek(running.child) == [0.0], "it is up"
     running.take_down_flags()
     player.context.clock.now += 1.0
     player.context.feature_cache.forget()
-    assert running.peek_features() == [1.0]
+    assert running.vector.peek(running.child) == [1.0]
 
 
 # Words ------------------------------------------------------------------------------------------

@@ -8,9 +8,10 @@ from pathlib import Path
 import pytest
 
 from hitab_core.agent import Agent
+from hitab_core.assistant import training_costs, unsaved_cost
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.plain import plain_domain
-from hitab_core.training.training_session import Curriculum
+from hitab_core.training import Curriculum
 from hitab_core.use import Use
 
 DOMAIN = plain_domain("line", ["Left", "Right"], ["x"])
@@ -41,7 +42,7 @@ class Day:
         self.agent.sense([0.0], [])
 
     def minutes(self) -> list[float]:
-        return [round(c.wall_seconds / MINUTE, 1) for c in self.agent.journal.costs()]
+        return [round(c.wall_seconds / MINUTE, 1) for c in training_costs(self.agent.journal)]
 
 
 @pytest.fixture
@@ -89,12 +90,12 @@ def test_the_time_while_the_process_is_down_does_not_count(day: Day) -> None:
 def test_a_training_is_unsaved_from_its_beginning_until_it_is_saved_or_given_up(
     day: Day,
 ) -> None:
-    assert day.agent.journal.unsaved() is None
+    assert unsaved_cost(day.agent.journal) is None
     for ends in (day.agent.save, day.agent.discard):
         day.begin()
         day.agent.command(Use("Left"))
-        unsaved = day.agent.journal.unsaved()
+        unsaved = unsaved_cost(day.agent.journal)
         assert unsaved is not None
         assert unsaved.automaton == "Chase"
         ends()
-        assert day.agent.journal.unsaved() is None
+        assert unsaved_cost(day.agent.journal) is None

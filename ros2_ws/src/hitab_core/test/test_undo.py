@@ -13,13 +13,15 @@ from bodies import Body, noting
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
+from hitab_core.assistant import training_costs
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
+from hitab_core.mode import Mode
 from hitab_core.running.observing import Change
-from hitab_core.training.training_session import Curriculum
+from hitab_core.training import Curriculum
 from hitab_core.use import Use
 
 LASTING = ("Left", "Right", "Stay")
@@ -464,7 +466,7 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             resuming = len(looks)
             assert trained.session.examples == examples
             looks.clear()
-            assert trained.agent.journal.costs()[0].commands == commands + 1
+            assert training_costs(trained.agent.journal)[0].commands == commands + 1
             telling = len(looks)
             trained.agent.journal.close()
             return command, resuming / commands, telling / commands

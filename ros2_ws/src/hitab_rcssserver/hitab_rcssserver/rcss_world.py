@@ -21,8 +21,8 @@ from hitab_rcssserver.field import parameters_of
 from hitab_rcssserver.game import ReportedGame, Turn
 from hitab_rcssserver.link import Link
 from hitab_rcssserver.messages import BEFORE_KICK_OFF, PLAYING, command_of, say
+from hitab_rcssserver.offline_trainer import OfflineTrainer
 from hitab_rcssserver.server_settings import SEE, ServerSettings
-from hitab_rcssserver.trainer import Trainer
 from hitab_world import (
     LOOK,
     RESTART,
@@ -93,7 +93,7 @@ class RcssWorld(EpisodicWorld):
         self._given_parameters, self._rules = parameters, rules
         self._patience = patience
         self._link: Link | None = None
-        self._trainer: Trainer | None = None
+        self._trainer: OfflineTrainer | None = None
         self._next_try = 0.0
         self._forget()
         self.agents = self._game.agents
@@ -334,7 +334,7 @@ class RcssWorld(EpisodicWorld):
             )
             self._forget()
             if self.server.trainer_port:
-                self._trainer = Trainer(self.server)
+                self._trainer = OfflineTrainer(self.server)
             self.waiting = sentences.BEFORE_PLAY.format(self.server.where)
         except ServerError as error:
             self._leave(

@@ -22,8 +22,8 @@ from hitab_core import (
     Scale,
     Use,
 )
+from hitab_core.assistant import TrainingCost
 from hitab_core.orders import Order, Report
-from hitab_core.training import TrainingCost
 
 Data = TypeVar("Data")
 

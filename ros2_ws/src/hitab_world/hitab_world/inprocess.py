@@ -21,7 +21,7 @@ from random import Random
 from typing import Any, Protocol
 
 from hitab_core import Repertoire, Use, agent_seed
-from hitab_core.running import FeatureCache, RunContext
+from hitab_core.running import FeatureCache, RunContext, performance
 from hitab_world.world import EpisodeResult, World
 
 Policy = Callable[[Any], None]
@@ -80,7 +80,7 @@ class AutomatonPlayer:
         self._random = Random()
         self._feature_cache = FeatureCache(self.body, repertoire.domain)
         context = RunContext(repertoire, self.body, self._feature_cache, self._random.random)
-        self.running = context.perform(use)
+        self.running = performance(context, use)
         self._clock = context.clock
         self._time = time
 

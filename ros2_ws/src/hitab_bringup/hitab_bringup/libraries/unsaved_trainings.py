@@ -15,6 +15,7 @@ from hitab_msgs.msg import AgentStatus
 
 from hitab_client.cli_remedies import with_commands
 from hitab_core import Fix, natural, quantity
+from hitab_core.assistant import unsaved_cost
 from hitab_core.training import TrainingJournal
 
 TOLD_MAX = 5
@@ -86,7 +87,7 @@ def left_to_resume(folder: Path) -> list[str]:
     """
     sentences = []
     for state in sorted(folder.glob("state/*"), key=lambda path: natural(path.name)):
-        unsaved = TrainingJournal(state).unsaved()
+        unsaved = unsaved_cost(TrainingJournal(state))
         if unsaved is not None and unsaved.examples:
             sentences.append(
                 f'{state.name} has an unsaved training of "{unsaved.automaton}" '

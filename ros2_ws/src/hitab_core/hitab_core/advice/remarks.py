@@ -8,7 +8,7 @@ once per entry. States are seen as they are entered, so a flag or a timer that i
 no loop. Situations that were merely perceived are left out: where two boundaries overlap, changing
 to and fro may well be what moves the robot on.
 
-What a test shows is in `hitab_core.training.trial_statistics`.
+What a test shows is in `hitab_core.assistant.trial_statistics`.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ Ties (differences below `gain_ratio.TIE`, so that they are the same on all machi
   circle by the distance upwards from the node's first example, so never by where zero is;
 - between features in favour of boolean and categorical ones, since a measured value nearly
   always differs a little between two examples, then in favour of the lower index; the former can
-  be switched off (``boolean_first``), and `hitab_core.advice.alternatives` asks about such ties.
+  be switched off (``boolean_first``).
 
 One look ahead: a boolean or categorical feature comes before a measured one if the tree has no
 more leaves for that. Below a boundary that comes first, what was shown with the ball would be done

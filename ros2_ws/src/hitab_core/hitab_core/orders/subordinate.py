@@ -7,8 +7,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
-from hitab_core.agent import Agent, Mode
+from hitab_core.agent import Agent
 from hitab_core.errors import HitabError, LostBehaviorError
+from hitab_core.mode import Mode
 from hitab_core.orders.order import Order, Report
 from hitab_core.running.feature_cache import resolved, value_or_nan
 from hitab_core.use import Use

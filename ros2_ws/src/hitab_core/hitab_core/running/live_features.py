@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 from hitab_core.automaton import OWN_FEATURES
 from hitab_core.running.feature_cache import value_or_nan
-from hitab_core.running.running_automaton import RunContext, Running, RunningAutomaton
+from hitab_core.running.run_context import RunContext, Running
+from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.use import Use
 
 Reading = tuple[str, str, float]

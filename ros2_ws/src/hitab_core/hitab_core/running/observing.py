@@ -10,12 +10,13 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ParamSpec
+from typing import ParamSpec, TypeVar
 
 from hitab_core.transition_function import Explanation, TransitionFunction
 from hitab_core.use import Use
 
 P = ParamSpec("P")
+T = TypeVar("T")
 
 _LOG = logging.getLogger(__name__)
 
@@ -60,8 +61,8 @@ Observe = Callable[[Change], None]
 """Called at each change of state, after the decision and before the new state is started."""
 
 
-def guest(observe: Callable[P, None]) -> Callable[P, None]:
-    """Return an observer that calls ``observe`` and never raises.
+def guest(observe: Callable[P, T]) -> Callable[P, T | None]:
+    """Return an observer that calls ``observe`` and never raises; then it returns None.
 
     An exception of an observer is logged, but not the same one twice in a row.
     """
@@ -69,14 +70,15 @@ def guest(observe: Callable[P, None]) -> Callable[P, None]:
         return observe
     last = ""
 
-    def look(*args: P.args, **kwargs: P.kwargs) -> None:
+    def look(*args: P.args, **kwargs: P.kwargs) -> T | None:
         nonlocal last
         try:
-            observe(*args, **kwargs)
+            return observe(*args, **kwargs)
         except Exception as error:
             if (why := repr(error)) != last:
                 last = why
                 _LOG.warning("an observer failed; the agent continues: %s", why, exc_info=error)
+            return None
 
     look.is_guest = True  # type: ignore[attr-defined]
     return look

@@ -1,4 +1,4 @@
-"""Training: a session, its examples, and the journal that survives the process."""
+"""Training: the trainer, its examples, and the journal that survives the process."""
 
 import lazy_loader
 

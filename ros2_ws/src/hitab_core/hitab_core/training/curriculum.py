@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hitab_core.automaton import Automaton
-from hitab_core.errors import VocabularyError
+from hitab_core.automaton import FLAGS, Automaton
+from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.learning.transition_learning import learner
 from hitab_core.repertoire import Repertoire
 from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use
-from hitab_core.vocabulary import check_known, did_you_mean, unknown
+from hitab_core.vocabulary import check_known, did_you_mean, has, unknown
 from hitab_core.wording import quantity
 
 
@@ -123,3 +123,28 @@ def _check_arguments(use: Use, known: Collection[str]) -> None:
                 f"{unknown('target', argument, known, where)}; if it is a parameter, give the "
                 f"target that it stands for in training, as `-p {argument}=TARGET` does"
             )
+
+
+def check_state(state: Use, curriculum: Curriculum, repertoire: Repertoire) -> None:
+    """Check that a behavior can be a state of the automaton in training.
+
+    Raises:
+        TrainingError: if it is not among the states that were chosen.
+        VocabularyError: if there is no such behavior or target, or it uses the automaton.
+    """
+    name = curriculum.name
+    if state.name == name:
+        raise VocabularyError(
+            f'recursive automaton: "{name}" is what is being trained; a behavior cannot use itself'
+        )
+    repertoire.check_state(state, curriculum.parameters)
+    if state.name not in FLAGS and name in repertoire.needed_by(state.name):
+        raise VocabularyError(
+            f'recursive automaton: "{state.name}" uses "{name}", which is being trained'
+        )
+    chosen = curriculum.states
+    if chosen and state not in chosen:
+        raise TrainingError(
+            f'"{state}" is not among the states chosen for "{name}" {has(chosen, state)}; begin '
+            "again with this state, or without a choice of states"
+        )

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from hitab_core.automaton import START
 from hitab_core.default_example import marked
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, Place
@@ -65,7 +66,7 @@ class ExampleLog:
 
         Args:
             taught: the examples.
-            settled: earlier examples as the command shows them (`hitab_core.training.lateness`).
+            settled: earlier examples as the command shows them (`hitab_core.assistant.lateness`).
         """
         if not taught:
             return Edit()
@@ -245,3 +246,9 @@ class ExampleLog:
 def these(numbers: Iterable[int]) -> str:
     """Name examples by their numbers, unless they are many."""
     return numbered("example", numbers, NUMBERS_MAX)
+
+
+def states_in(examples: Iterable[Example]) -> list[str]:
+    """Return the states in examples, in order of appearance, without Start."""
+    both = (label for e in examples for label in (e.state, e.next_state))
+    return [label for label in dict.fromkeys(both) if label != START]

@@ -13,8 +13,7 @@ from dataclasses import replace
 from hitab_core.automaton import CLEARED
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
-from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.trainer import Trainer
 from hitab_core.training.undo import Edit
 from hitab_core.use import Use
 from hitab_core.vocabulary import has
@@ -70,15 +69,13 @@ def exchanged(
     return after
 
 
-def exchange(
-    log: ExampleLog, curriculum: Curriculum, features: Sequence[Use], readable: Sequence[Use]
-) -> Edit:
+def exchange(trainer: Trainer, features: Sequence[Use]) -> Edit:
     """Prepare to learn from other features; see `exchanged`."""
-    before = curriculum.features
-    after = exchanged(log.examples, before, features, readable, curriculum.name)
+    before, name = trainer.curriculum.features, trainer.curriculum.name
+    after = exchanged(trainer.examples, before, features, trainer.history.readable, name)
     names = tuple(map(str, features))
     return replace(
-        log.replacement(after, f"features {', '.join(names) or 'none'}"),
+        trainer.log.replacement(after, f"features {', '.join(names) or 'none'}"),
         features=names,
         features_before=tuple(map(str, before)),
     )

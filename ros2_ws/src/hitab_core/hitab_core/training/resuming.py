@@ -13,7 +13,7 @@ from hitab_core.example import Example
 from hitab_core.repertoire import Repertoire
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.exchange import exchanged, realigned
-from hitab_core.training.recent_percepts import readable
+from hitab_core.training.percepts import readable
 from hitab_core.use import Use
 
 

@@ -2,85 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from hitab_core.automaton import as_entered
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
-from hitab_core.training.example_log import ExampleLog, these
-from hitab_core.training.percept_history import PerceptHistory
-from hitab_core.training.recent_percepts import STEP_SECONDS, PerceptRecord, nearest
+from hitab_core.training.example_log import these
+from hitab_core.training.percept_history import STEP_SECONDS
+from hitab_core.training.percepts import PerceptRecord, nearest
+from hitab_core.training.trainer import Trainer
 from hitab_core.training.undo import Edit
-from hitab_core.use import Use
 
 
-def retiming(
-    log: ExampleLog,
-    kept: PerceptHistory,
-    numbers: Iterable[int],
-    ago: float,
-    features: Sequence[Use],
-) -> Edit:
+def retiming(trainer: Trainer, numbers: Iterable[int], ago: float) -> Edit:
     """Prepare to have commands been due at another time.
 
     Args:
-        log: of the examples.
-        kept: what was perceived around each command.
+        trainer: of the examples.
         numbers: of examples; each stands for its command.
         ago: how long before the command it was due, s.
-        features: of the automaton in training.
 
     Raises:
         TrainingError: if one of the numbers is unknown, or what was then is not kept.
         FeatureValueError: as `PerceptHistory.values`.
     """
-    commands = log.commands_of(numbers)
-    dues = {command: _then(kept, command, n, ago) for command, n in commands.items()}
+    commands = trainer.log.commands_of(numbers)
+    dues = {command: _then(trainer, command, n, ago) for command, n in commands.items()}
     words = f"{these(commands.values())} due {ago:g} s before its command"
-    return log.replacement(moved(log, kept, dues, features), words)
+    return trainer.log.replacement(moved(trainer, dues), words)
 
 
-def moved(
-    log: ExampleLog,
-    kept: PerceptHistory,
-    dues: Mapping[int, tuple[float, PerceptRecord]],
-    features: Sequence[Use],
-) -> list[Example]:
+def moved(trainer: Trainer, dues: Mapping[int, PerceptRecord]) -> list[Example]:
     """Return the examples of commands as they are if these were due in other moments.
 
     Args:
-        log: of the examples.
-        kept: what was perceived around each command.
-        dues: when each command was given, s, and the moment in which it was due.
-        features: of the automaton in training.
+        trainer: of the examples.
+        dues: the moment in which each command was due.
 
     Raises:
         FeatureValueError: as `PerceptHistory.values`.
     """
-    found = []
-    for e in log.examples:
-        if e.command in dues:
-            given, due = dues[e.command]
-            values = kept.values(due, features)
-            found.append(
-                replace(
-                    e,
-                    state=e.state if e.is_default else due.state,
-                    features=as_entered(features, values) if e.is_default else values,
-                    cycle=due.cycle,
-                    ago=max(0.0, given - due.time),
-                    readings=due.readings,
-                )
-            )
+    found, features = [], trainer.curriculum.features
+    for e in trainer.examples:
+        window = trainer.history.kept_around(e.command)
+        if e.command in dues and window is not None:
+            due = dues[e.command]
+            values = trainer.history.values(due, features)
+            if e.is_default:
+                changed = replace(e, features=as_entered(features, values))
+            else:
+                changed = replace(e, features=values, state=due.state)
+            late = max(0.0, window[0] - due.time)
+            found.append(replace(changed, cycle=due.cycle, ago=late, readings=due.readings))
     return found
 
 
-def _then(
-    kept: PerceptHistory, command: int, example: int, ago: float
-) -> tuple[float, PerceptRecord]:
-    """Return when a command was given, and the moment so long before."""
-    window = kept.window(command)
+def _then(trainer: Trainer, command: int, example: int, ago: float) -> PerceptRecord:
+    """Return the moment so long before a command."""
+    window = trainer.history.kept_around(command)
     if window is None:
         raise TrainingError(
             f"example {example} was recorded in an earlier training, so what was before it is "
@@ -104,4 +84,4 @@ def _then(
             f"before example {example} is kept; give a number from 0 to {longest:.2g}, or "
             "delete the example and demonstrate it again"
         )
-    return time, nearest(moments, time - ago)
+    return nearest(moments, time - ago)

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
-from hitab_core.example_codec import example_of, example_record
-from hitab_core.running.running_automaton import RunContext
+from hitab_core.example_codec import example_record
 from hitab_core.training.agent_database import MOVE_AWAY, AgentDatabase
-from hitab_core.training.cost import RESUMED, TrainingCost, has_steps, training_cost
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.training.lateness import MEDIANS, SPREADS, Lateness
-from hitab_core.training.training_session import TrainingSession
 from hitab_core.use import Use
 
 if TYPE_CHECKING:
     import sqlite3
+
+RESUMED = "resume"
+"""Journal entry for the moment at which another process resumes a training."""
+
+Record = Mapping[str, Any]
+
+T = TypeVar("T")
 
 _CURRENT = "(SELECT max(id) FROM training WHERE waits = '')"
 _END = f"UPDATE training SET waits = NULL WHERE id = {_CURRENT}"
@@ -35,7 +35,8 @@ class TrainingJournal:
     Without a folder it keeps nothing.
 
     Attributes:
-        people: how late the commands of each person come, as far as it is known.
+        people: texts about demonstrators, by name; on disk once a training ends.
+        under_way: number of the training that this process keeps in it; 0 if none.
         damage: why the training on disk cannot be resumed, and the way out; empty if none is
             there, or it was resumed.
     """
@@ -48,10 +49,10 @@ class TrainingJournal:
             domain: name of the agent's domain, to begin or resume trainings.
         """
         self._database = None if folder is None else AgentDatabase(folder)
-        self.people: dict[str, Lateness] = {}
+        self.people: dict[str, str] = {}
+        self.under_way = self._written = 0  # with how many records
         self.damage = ""
         self._domain = domain
-        self._training = self._written = 0  # the one under way here, and how many records it has
 
     def begin(
         self, curriculum: Curriculum, examples: Iterable[Example], readable: Iterable[Use]
@@ -83,7 +84,7 @@ class TrainingJournal:
             training = tables.execute("INSERT INTO training (waits) VALUES ('')").lastrowid
             assert training is not None
             self._database.append(tables, training, 1, first)
-        self._training, self._written, self.damage = training, 1, ""
+        self.under_way, self._written, self.damage = training, 1, ""
 
     def write(self, record: Mapping[str, object]) -> None:
         """Write what was done; it is on disk when this returns.
@@ -91,36 +92,21 @@ class TrainingJournal:
         Raises:
             LibraryError: if it cannot be written.
         """
-        if self._database is not None and self._training:
+        if self._database is not None and self.under_way:
             record = {**record, "at": time.time()}
             with self._database.transaction(keep=True) as tables:
-                self._database.append(tables, self._training, self._written + 1, record)
+                self._database.append(tables, self.under_way, self._written + 1, record)
             self._written += 1
 
-    def costs(self) -> list[TrainingCost]:
-        """Return what the trainings on disk cost, oldest first.
+    def kept(self) -> list[tuple[int, list[dict[str, Any]]]]:
+        """Return the trainings on disk, each with its records; damaged ones are left out."""
+        return self._kept("")
 
-        Those of which nothing is known, in which nothing was done, or whose records are damaged,
-        are left out.
-        """
-        # Only the training that this process has under way goes on.
-        costs = (
-            _cost(records, time.time() if training == self._training else None)
-            for training, records in self._kept()
-            if has_steps(records)
-        )
-        return sorted(filter(None, costs), key=lambda cost: cost.began)
+    def to_resume(self) -> list[dict[str, Any]]:
+        """Return the records of the training that the next start resumes; none if damaged."""
+        return next((records for _, records in self._kept(f"WHERE id = {_CURRENT}")), [])
 
-    def unsaved(self) -> TrainingCost | None:
-        """Return what the training that the next start resumes has cost so far.
-
-        None: there is none, it is saved already, or it is damaged.
-        """
-        costs = [_cost(records) for _, records in self._kept(f"WHERE id = {_CURRENT}")]
-        return next((cost for cost in costs if cost is not None and not cost.finished), None)
-
-    def _kept(self, which: str = "") -> list[tuple[int, list[dict[str, Any]]]]:
-        """Return trainings on disk and their records; damaged ones are left out."""
+    def _kept(self, which: str) -> list[tuple[int, list[dict[str, Any]]]]:
         kept = []
         if self._database is not None and self._database.path.exists():
             with suppress(LibraryError), self._database.transaction() as tables:
@@ -160,7 +146,7 @@ class TrainingJournal:
         Raises:
             LibraryError: if that cannot be written.
         """
-        if self._database is not None and (self._training or self.damage):
+        if self._database is not None and (self.under_way or self.damage):
             if self.damage:
                 self._database.put_aside_if_damaged()
             self._end(self._database)
@@ -168,34 +154,30 @@ class TrainingJournal:
 
     def archive(self) -> None:
         """End a saved training; if that fails, the next start does it."""
-        if self._database is not None and self._training:
+        if self._database is not None and self.under_way:
             with suppress(LibraryError):
                 self._end(self._database)
         self.close()
 
     def _end(self, database: AgentDatabase) -> None:
-        known = [
-            (who, json.dumps(lateness.odds.round(6).tolist()))
-            for who, lateness in self.people.items()
-        ]
         with database.transaction() as tables:
             tables.execute(_END)
-            tables.executemany("REPLACE INTO person VALUES (?, ?)", known)
+            tables.executemany("REPLACE INTO person VALUES (?, ?)", self.people.items())
         self.close()
 
     def close(self) -> None:
         """Close the database; a training under way stays there."""
-        self._training = 0
+        self.under_way = 0
         if self._database is not None:
             self._database.close()
 
     def resume(
-        self, context: RunContext, has_saved: Callable[[str, str], bool]
-    ) -> TrainingSession | None:
+        self, replay: Callable[[Sequence[Record]], T], has_saved: Callable[[str, str], bool]
+    ) -> T | None:
         """Return the interrupted training; None if there is none, or `damage` says why not.
 
         Args:
-            context: of the agent.
+            replay: makes it again from its records.
             has_saved: whether the library has a behavior of this name and checksum.
 
         Raises:
@@ -212,7 +194,7 @@ class TrainingJournal:
                     f"{text}: was written by an earlier HiTAB; save it with that, or {MOVE_AWAY}"
                 )
             return None
-        session = None
+        resumed = None
         try:
             if database.is_closed:  # most agents have no training under way, which is soon seen
                 with database.as_closed() as tables:
@@ -222,48 +204,44 @@ class TrainingJournal:
                 training = self._read(tables)
                 if training is not None:
                     records = database.records(tables, training)
-                    session = self._session(records, context, has_saved)
-                    if session is None:
+                    resumed = self._replayed(records, replay, has_saved)
+                    if resumed is None:
                         tables.execute(_END)
         except FolderInUseError:
             raise
         except LibraryError as error:
             self.damage = str(error)
-        except (HitabError, KeyError, TypeError, ValueError) as error:
+        except (HitabError, LookupError, TypeError, ValueError) as error:
             self.damage = (
                 f"{database.path}: the interrupted training cannot be resumed: {error}; fix that, "
                 f"or {MOVE_AWAY}"
             )
-        if session is None:
+        if resumed is None:
             self.close()
             return None
-        self._training, self._written = training or 0, len(records)
+        self.under_way, self._written = training or 0, len(records)
         with suppress(LibraryError):  # only what the training took depends on it
             self.write({"do": RESUMED})
-        return session
+        return resumed
 
     def _read(self, tables: sqlite3.Connection) -> int | None:
-        """Return the training to resume, and read what is known of people and can be used."""
+        """Return the training to resume, and read what is known of people."""
         if tables.execute("PRAGMA schema_version").fetchone() == (0,):
             return None  # the process was killed before it had made the tables
-        for who, text in tables.execute("SELECT name, lateness FROM person"):
-            with suppress(ValueError):
-                odds = np.array(json.loads(text), np.float64)
-                if odds.shape == (len(MEDIANS), len(SPREADS)) and (odds >= 0).all() and odds.any():
-                    self.people[who] = Lateness(odds / odds.sum())
+        self.people.update(tables.execute("SELECT name, lateness FROM person"))
         training: int | None
         (training,) = tables.execute(f"SELECT {_CURRENT}").fetchone()
         return training
 
-    def _session(
+    def _replayed(
         self,
-        records: Sequence[Mapping[str, Any]],
-        context: RunContext,
+        records: Sequence[Record],
+        replay: Callable[[Sequence[Record]], T],
         has_saved: Callable[[str, str], bool],
-    ) -> TrainingSession | None:
+    ) -> T | None:
         """Return the training that its records describe; None if it was saved."""
-        begin, *rest = (record for record in records if record.get("do") != RESUMED)
-        last = rest[-1] if rest else begin
+        records = [record for record in records if record.get("do") != RESUMED]
+        begin, last = records[0], records[-1]
         if last["do"] == "save" and has_saved(str(last["automaton"]), str(last["checksum"])):
             # The process was killed after saving the behavior and before ending the training.
             return None
@@ -271,25 +249,4 @@ class TrainingJournal:
             raise TrainingError(
                 f'it is of domain "{begin["domain"]}", and the agent has "{self._domain}"'
             )
-        session = TrainingSession(
-            context,
-            Curriculum.from_record(begin["curriculum"]),
-            map(example_of, begin["examples"]),
-            self.write,
-            tuple(map(Use.parse, begin["readable"])),
-            self.people,
-        )
-        session.replay(rest)
-        return session
-
-
-def _cost(records: Sequence[Mapping[str, Any]], now: float | None = None) -> TrainingCost | None:
-    """Return what a training cost; None if nothing is known.
-
-    Args:
-        records: of the training.
-        now: the time, if the training goes on.
-    """
-    with suppress(HitabError, KeyError, TypeError, ValueError):
-        return training_cost(records, now)
-    return None
+        return replay(records)

@@ -17,7 +17,7 @@ from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_core import RADIANS, ExampleKind, HitabError, quantity, shown_unit, shown_value
 
 if TYPE_CHECKING:
-    from hitab_core.training import TrainingCost
+    from hitab_core.assistant import TrainingCost
 
 MINUTES_FROM_S = 120.0
 """Times from this one on are shown in minutes."""

@@ -1,4 +1,4 @@
-"""A question of an agent to its demonstrator, its answers, and what questions are found from."""
+"""A question of an agent to its demonstrator, and its answers."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from hitab_core.advice.evidence import Evidence, answer_kind
-from hitab_core.domain import Scale
+from hitab_core.advice.evidence import answer_kind
 from hitab_core.errors import TrainingError
-from hitab_core.example import Example
 from hitab_core.vocabulary import has
 
 
@@ -66,35 +64,6 @@ class Question:
     def words(self) -> tuple[str, ...]:
         """The key as plain data, for the journal."""
         return tuple(map(str, self.key))
-
-
-@dataclass(frozen=True)
-class QuestionContext:
-    """Inputs of the search for questions.
-
-    Attributes:
-        examples: of the training.
-        scales, names, units: of the features.
-        classifier: that learns from them.
-        labels: of the states, without Start.
-        goals: labels of what may be right: the chosen states, or those of the states.
-        met: the features' values in a sample of what was met, each with the state of that time.
-    """
-
-    examples: tuple[Example, ...]
-    scales: tuple[Scale, ...]
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    classifier: str
-    labels: tuple[str, ...]
-    goals: tuple[str, ...] = ()
-    met: tuple[tuple[str, tuple[float, ...]], ...] = ()
-
-    def evidence(self, state: str) -> Evidence:
-        """Return what the transition function of a state is learned from."""
-        return Evidence.of(
-            state, self.examples, self.scales, self.names, self.units, self.classifier
-        )
 
 
 def added(

@@ -5,18 +5,19 @@ Source: the paper, table 1, counts the examples and the minutes of each behavior
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from itertools import pairwise
 from typing import Any
 
+from hitab_core.errors import HitabError
 from hitab_core.example_codec import example_of
 from hitab_core.training.example_log import ExampleLog
+from hitab_core.training.training_journal import RESUMED, TrainingJournal
 from hitab_core.training.undo import Edit
-
-RESUMED = "resume"
-"""Journal entry for the moment at which another process resumes a training."""
 
 PAUSE_SECONDS = 300.0
 """A person who did nothing for longer was away; that time is not counted."""
@@ -52,6 +53,42 @@ class TrainingCost:
     structures: int
     proposals: int
     finished: bool
+
+
+def training_costs(journal: TrainingJournal) -> list[TrainingCost]:
+    """Return what the trainings on disk cost, oldest first.
+
+    Those of which nothing is known, in which nothing was done, or whose records are damaged,
+    are left out.
+    """
+    # Only the training that this process has under way goes on.
+    costs = (
+        _cost(records, time.time() if training == journal.under_way else None)
+        for training, records in journal.kept()
+        if has_steps(records)
+    )
+    return sorted(filter(None, costs), key=lambda cost: cost.began)
+
+
+def unsaved_cost(journal: TrainingJournal) -> TrainingCost | None:
+    """Return what the training that the next start resumes has cost so far.
+
+    None: there is none, it is saved already, or it is damaged.
+    """
+    cost = _cost(journal.to_resume())
+    return None if cost is None or cost.finished else cost
+
+
+def _cost(records: Sequence[Mapping[str, Any]], now: float | None = None) -> TrainingCost | None:
+    """Return what a training cost; None if nothing is known.
+
+    Args:
+        records: of the training.
+        now: the time, if the training goes on.
+    """
+    with suppress(HitabError, KeyError, TypeError, ValueError):
+        return training_cost(records, now)
+    return None
 
 
 def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None) -> TrainingCost:

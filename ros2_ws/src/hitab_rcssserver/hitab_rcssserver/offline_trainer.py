@@ -20,7 +20,7 @@ from hitab_rcssserver.sighting import Who
 from keepaway_world.arranging import Place
 
 
-class Trainer:
+class OfflineTrainer:
     """A trainer (offline coach) on a server that was started with ``server::coach_w_referee=1``.
 
     Args:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator
 from random import Random
 
-from hitab_core.training.recent_percepts import PerceptRecord
+from hitab_core.training.percepts import PerceptRecord
 
 SITUATIONS_MAX = 400
 """The most moments that are kept; with more, looking for questions takes long."""

@@ -1,4 +1,4 @@
-"""Statistics of an automaton under test, by episodes, and the remarks that follow.
+"""An assistant that counts, by episodes, what an automaton under test does, and remarks on it.
 
 A world tells an agent when an episode begins; robots in no world have no episodes, and get none
 of these remarks. Only whole episodes without a takeover count, of a test of the same
@@ -13,6 +13,7 @@ from hitab_core.advice.remarks import Remark, RemarkKind
 from hitab_core.automaton import FLAGS, START
 from hitab_core.example import Example
 from hitab_core.remedies import Fix
+from hitab_core.training.trainer import Trainer
 
 EPISODES_MIN = 50
 """Minimum number of episodes before a missing event is remarked on.
@@ -23,10 +24,22 @@ in one of fifteen is missing in all of fifty with a probability of 0.03.
 
 
 class TrialStatistics:
-    """Statistics of the tested automaton, by episodes."""
+    """Statistics of the tested automaton, by episodes.
 
-    def __init__(self) -> None:
+    Args:
+        trainer: of the training.
+    """
+
+    def __init__(self, trainer: Trainer) -> None:
+        self._trainer = trainer
         self._forget(())
+
+    def subscribe(self) -> None:
+        """See what is decided from now on."""
+        events = self._trainer.events
+        events.episode.subscribe(self._begin)
+        events.interrupted.subscribe(self._interrupt)
+        events.decided.subscribe(self._see)
 
     def _forget(self, examples: tuple[Example, ...]) -> None:
         self._about = examples
@@ -39,24 +52,21 @@ class TrialStatistics:
         self._seen: set[str] = set()
         self._active = START
 
-    def begin(self, *, whole: bool) -> None:
-        """Begin an episode, after the last one.
-
-        Args:
-            whole: whether the automaton decides in it from the beginning.
-        """
+    def _begin(self) -> None:
+        """Begin an episode, after the last one; if in a test, the automaton decides all of it."""
         if self._whole and self._seen:
             self._episodes += 1
             self._entered.update(self._seen)
             self._found = self._remarks()
-        self._whole, self._seen, self._active = whole, set(), START
+        self._whole, self._seen, self._active = self._trainer.testing, set(), START
 
-    def interrupt(self, active: str) -> None:
+    def _interrupt(self, active: str) -> None:
         """Do not count this episode: a demonstrator intervened while a state was active."""
         self._whole, self._active = False, active
 
-    def see(self, active: str, examples: tuple[Example, ...]) -> None:
+    def _see(self, active: str) -> None:
         """See which state is active after a tick, decided by what was learned from examples."""
+        examples = self._trainer.examples
         if examples is not self._about:
             whole = self._whole and not self._seen
             self._forget(examples)
@@ -67,9 +77,9 @@ class TrialStatistics:
         self._seen.add(active)
         self._ever.add(active)
 
-    def remarks(self, examples: tuple[Example, ...]) -> list[Remark]:
-        """Return the remarks on what was learned from these examples."""
-        return self._found if examples is self._about else []
+    def remarks(self) -> list[Remark]:
+        """Return the remarks on what was learned from the examples as they are."""
+        return self._found if self._trainer.examples is self._about else []
 
     def _remarks(self) -> list[Remark]:
         if self._episodes < EPISODES_MIN:

@@ -18,7 +18,9 @@ from hitab_core.advice.evidence import Evidence
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
 from hitab_core.remedies import Fix
-from hitab_core.running.running_automaton import NumberRange, RunContext, Running, RunningAutomaton
+from hitab_core.running.given_numbers import NumberRange
+from hitab_core.running.run_context import RunContext, Running
+from hitab_core.running.running_automaton import RunningAutomaton
 from hitab_core.transition_function import TransitionFunction
 from hitab_core.vocabulary import unknown
 
@@ -122,10 +124,8 @@ class CautionMonitor:
         self.unsure = self._doubts(running, context, trained)
         if not self.unsure:
             self._release()
-            self.number_range.max_distance, self.number_range.reason = (
-                self.caution.distance or math.inf,
-                "",
-            )
+            self.number_range.max_distance = self.caution.distance or math.inf
+            self.number_range.reason = ""
             try:
                 tick()
             finally:

@@ -8,7 +8,8 @@ asks it again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -18,24 +19,22 @@ from hitab_core.advice.changed import Changed, changed
 from hitab_core.advice.evidence import Evidence
 from hitab_core.advice.unshown import Unshown, unshown
 from hitab_core.arrays import Booleans
-from hitab_core.automaton import FLAGS, START
+from hitab_core.assistant import question_texts
+from hitab_core.assistant.question import Choice, Question, QuestionKind, added
+from hitab_core.assistant.situation_sample import SituationSample
+from hitab_core.automaton import FLAGS, OWN_FEATURES, START
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example, ExampleKind, contradictions
 from hitab_core.learning import TREE
 from hitab_core.learning.classifier_spec import ClassifierSpec
-from hitab_core.training import question_texts
-from hitab_core.training.example_log import ExampleLog
-from hitab_core.training.question import (
-    Choice,
-    Question,
-    QuestionContext,
-    QuestionKind,
-    added,
-)
-from hitab_core.training.situation_sample import SituationSample
+from hitab_core.training.percepts import PerceptRecord
+from hitab_core.training.trainer import Trainer
 from hitab_core.training.undo import Edit
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
+
+TIMERS = tuple(use for use in OWN_FEATURES if use.name not in FLAGS)
+"""Timers are excluded: their reset is not an event in the world."""
 
 CORRECTED = 2
 """Number of other commands that a correction outweighs evenly."""
@@ -44,25 +43,57 @@ TOLD = 3
 """Of so many questions at a time, it is found what their answers change."""
 
 
+class _Material:
+    """What questions are found from.
+
+    Attributes:
+        examples: of the training.
+        classifier: that learns from them.
+        labels: of the states, without Start.
+        goals: labels of what may be right: the chosen states, or those of the states.
+        met: the features' values in a sample of what was met, each with the state of that time.
+    """
+
+    def __init__(self, trainer: Trainer, situations: SituationSample) -> None:
+        chosen, domain = trainer.curriculum, trainer.context.repertoire.domain
+        features, in_moment = chosen.features, trainer.history.in_moment
+        self.examples = trainer.examples
+        self.classifier = chosen.classifier
+        self.labels = tuple(trainer.states)
+        self.goals = tuple(map(str, chosen.states)) or self.labels
+        self.met = [(m.state, in_moment(m, features)) for m in situations]
+        units = tuple(domain.feature(use.name).unit for use in features)
+        scales, names = tuple(map(domain.scale_of, features)), tuple(map(str, features))
+        self._about = scales, names, units, chosen.classifier
+
+    def evidence(self, state: str, examples: Sequence[Example] | None = None) -> Evidence:
+        """Return what the transition function of a state is learned from."""
+        return Evidence.of(state, self.examples if examples is None else examples, *self._about)
+
+
 class Questions:
     """The questions of one training, numbered as they come up.
 
     Args:
-        log: of the examples of the training.
-        situations: that were met in it.
-        material: returns what they are found from; called if anything has changed.
+        trainer: of the training.
 
     Attributes:
         answered: what was answered, in words, oldest first.
     """
 
-    def __init__(
-        self, log: ExampleLog, situations: SituationSample, material: Callable[[], QuestionContext]
-    ) -> None:
+    def __init__(self, trainer: Trainer) -> None:
         self.answered: list[str] = []
-        self._log = log
-        self._situations = situations
-        self._material = material
+        self._trainer = trainer
+        self._log = trainer.log
+        self._asks = False
+        self._situations = SituationSample()
+        domain, features = trainer.context.repertoire.domain, trainer.curriculum.features
+        readable = trainer.history.readable
+        self._discrete = [
+            readable.index(use)
+            for use in features
+            if use not in TIMERS and not domain.scale_of(use).kind.is_measured
+        ]
         self._numbers: dict[tuple[Any, ...], int] = {}
         self._dismissed: set[tuple[str, ...]] = set()
         self._about: tuple[Example, ...] | None = None
@@ -70,6 +101,33 @@ class Questions:
         self._known: list[Question] = []
         self._told: dict[int, Question] = {}  # with what their answers change
         self._searched: Hashable = None
+
+    def subscribe(self) -> None:
+        """See situations and examples from now on."""
+        self._asks = True
+        events = self._trainer.events
+        events.perceived.subscribe(self._meet)
+        events.begun.subscribe(self._begin)
+        events.changed.subscribe(self._see_change)
+
+    def _meet(self, moment: PerceptRecord) -> None:
+        values = (moment.readings[i] for i in self._discrete)
+        kind = (moment.state, *(None if math.isnan(value) else value for value in values))
+        self._situations.add(kind, moment)
+
+    def _begin(self, moment: PerceptRecord | None) -> None:
+        if moment is not None:
+            self._situations.forget_from(moment.time)
+            self._meet(moment)
+
+    def _see_change(self, record: Mapping[str, Any]) -> None:
+        if record["do"] == "dismiss":
+            self._dismissed.add(tuple(record["key"]))
+
+    @property
+    def news(self) -> tuple[int, int]:
+        """Counter that changes when situations of a new kind, or many more, have been met."""
+        return self._situations.news
 
     def known(self) -> list[Question]:
         """Return what is asked now, without looking for what takes long to find.
@@ -87,7 +145,7 @@ class Questions:
     def _look_at_examples(self) -> None:
         """Look for those that are found at once, if the examples have changed."""
         log = self._log
-        if self._about is not log.examples:
+        if self._asks and self._about is not log.examples:
             self._about, self._searched, self._told = log.examples, None, {}
             self._known = self._contradicting = self._contradictions(log.contradictory())
 
@@ -110,10 +168,12 @@ class Questions:
         Raises:
             TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
         """
+        if not self._asks:
+            return
         self._look_at_examples()
         examples, news = self._about, self._situations.news
         if self._searched != news:
-            given = self._material()
+            given = _Material(self._trainer, self._situations)
             found: list[tuple[float, Question]] = []
             for ranked in self._found(given):
                 if ranked is not None:
@@ -129,7 +189,7 @@ class Questions:
             self._searched = news
         untold = [q for q in self._asked()[:TOLD] if q.number not in self._told]
         if untold:
-            given = self._material()
+            given = _Material(self._trainer, self._situations)
             if ClassifierSpec.parse(given.classifier).name != TREE:
                 return
             evidence = {state: given.evidence(state) for state in (START, *given.labels)}
@@ -165,10 +225,6 @@ class Questions:
             )
         raise TrainingError(f"no question {number} {has(there)}")
 
-    def dismiss(self, key: Iterable[str]) -> None:
-        """Do not ask a question again, given `Question.words`."""
-        self._dismissed.add(tuple(key))
-
     def _question(
         self,
         kind: QuestionKind,
@@ -188,21 +244,21 @@ class Questions:
         self,
         choice: Choice,
         question: Question,
-        given: QuestionContext,
+        given: _Material,
         evidence: Mapping[str, Evidence],
     ) -> Iterator[list[Changed]]:
         """Yield which decisions an answer changes, of those that were met, state by state."""
         edit = self._log.prepared(choice.record or {"do": ""}) or Edit()
-        after = replace(given, examples=self._log.after(edit))
+        examples = self._log.after(edit)
         states = (question.state, *(e.state for e in (*edit.gone, *edit.came)))
         for state in dict.fromkeys(states):
             met = [values for there, values in given.met if there == state]
             asked = [question.situation] if state == question.state else []
-            yield changed(evidence[state], after.evidence(state), [*asked, *met])
+            yield changed(evidence[state], given.evidence(state, examples), [*asked, *met])
 
     # -- finding ----------------------------------------------------------------------------
 
-    def _found(self, given: QuestionContext) -> Iterator[tuple[float, Question] | None]:
+    def _found(self, given: _Material) -> Iterator[tuple[float, Question] | None]:
         """Yield those that take long to find, with what their answers tell; None in between."""
         for state in (START, *given.labels):
             if state in FLAGS:
@@ -226,17 +282,10 @@ class Questions:
                 effect = f"deletes {numbered('example', gone)}"
                 choices.append(Choice(label, effect, {"do": "delete", "numbers": gone}))
             numbers = tuple(example.number for example in group)
-            found.append(
-                self._question(
-                    QuestionKind.CONTRADICTION,
-                    (numbers,),
-                    question_texts.commanded(group),
-                    group[0].state,
-                    tuple(choices),
-                    numbers,
-                    group[0].features,
-                )
-            )
+            text, state, place = question_texts.commanded(group), group[0].state, group[0].features
+            answers = tuple(choices), numbers, place
+            kind = QuestionKind.CONTRADICTION
+            found.append(self._question(kind, (numbers,), text, state, *answers))
         return sorted(found, key=lambda question: -max(question.examples))
 
     def _of_unshown(self, found: Unshown, evidence: Evidence) -> Question:
@@ -248,7 +297,7 @@ class Questions:
 
 
 def _about(
-    state: str, given: QuestionContext
+    state: str, given: _Material
 ) -> tuple[list[tuple[float, ...]], tuple[str, ...], Booleans]:
     """Return the situations met in a state, its possible answers, and the assumed entries."""
     met = [values for there, values in given.met if there == state]
@@ -264,15 +313,12 @@ def _commands(
     state: str, situation: Sequence[float], labels: Sequence[str], *, bisects: bool = False
 ) -> tuple[Choice, ...]:
     """Return the answers that say what to do in a situation, one for each different label."""
-    return tuple(
-        Choice(
-            label,
-            question_texts.answered(state, label),
-            added(state, situation, label, bisects=bisects),
-        )
-        for label in dict.fromkeys(labels)
-        if label != START
-    )
+    choices = []
+    for label in dict.fromkeys(labels):
+        if label != START:
+            record = added(state, situation, label, bisects=bisects)
+            choices.append(Choice(label, question_texts.answered(state, label), record))
+    return tuple(choices)
 
 
 def _weighed(group: Sequence[Example]) -> list[str]:

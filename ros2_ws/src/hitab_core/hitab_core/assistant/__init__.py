@@ -1,0 +1,5 @@
+"""What helps a person to train: each module subscribes to a training and can be left out."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,156 @@
+"""What happens in a training, for assistants to subscribe to.
+
+An assistant sees percepts, commands and changes. It may propose when a command was due, and is
+otherwise a guest: its exceptions do not propagate (`hitab_core.running.observing.guest`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, NamedTuple, ParamSpec, TypeVar
+
+from hitab_core.errors import TrainingError
+from hitab_core.example import Example
+from hitab_core.running.observing import guest
+from hitab_core.training.percepts import PerceptRecord
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+PACE_MAX = 1000.0
+"""No person watches a world that is faster."""
+
+
+class Request(NamedTuple):
+    """A numbered command or edit, which may come again if its acknowledgement was lost."""
+
+    demonstrator: str
+    number: int
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Request:
+        """Return that which a record of the journal carries out."""
+        demonstrator, number = record["request"]
+        return cls(str(demonstrator), int(number))
+
+
+@dataclass(frozen=True)
+class Given:
+    """How a command is given.
+
+    Attributes:
+        cycle: of the world, stored with the examples.
+        ago: how long before what the demonstrator saw the command was due, s of simulated time.
+        seen: the world's cycle that the demonstrator saw; 0 for the last one.
+        pace: simulated seconds that pass for the demonstrator in a second; 0 if the situation
+            has waited. Without ``ago``, an assistant may estimate how late the command comes.
+        request: who gives it and with which number, to recognize it when it comes again.
+    """
+
+    cycle: int = 0
+    ago: float = 0.0
+    seen: int = 0
+    pace: float = 0.0
+    request: Request | None = None
+
+    @property
+    def who(self) -> str:
+        """Who gives it; empty if unknown."""
+        return "" if self.request is None else self.request.demonstrator
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """What the journal keeps of it."""
+        return {} if self.request is None else {"request": list(self.request)}
+
+    def check(self) -> None:
+        """Check that a world can have this pace.
+
+        Raises:
+            TrainingError: if not.
+        """
+        if not 0.0 <= self.pace <= PACE_MAX:
+            raise TrainingError(
+                f"the pace of the world cannot be {self.pace:g} simulated seconds in a second; "
+                f"give a number from 0 (it waits) to {PACE_MAX:g}"
+            )
+
+
+NOW = Given()
+"""A command that is meant for now, by nobody in particular."""
+
+
+@dataclass(frozen=True)
+class CommandGiven:
+    """A command that is about to be recorded.
+
+    Attributes:
+        label: of the state that it goes to.
+        given: how it is given.
+        taken_over_in: label of the state in which the person took over to give it; empty if the
+            automaton had not decided.
+        stated: returns the moment that it was meant for, as far as the person says.
+    """
+
+    label: str
+    given: Given
+    taken_over_in: str
+    stated: Callable[[], PerceptRecord]
+
+
+class Proposal(NamedTuple):
+    """When a command was due, as an assistant sees it.
+
+    Attributes:
+        due: the moment.
+        settled: earlier examples, as this command shows them.
+        record: for the journal, so that a replay needs no assistant.
+    """
+
+    due: PerceptRecord
+    settled: Sequence[Example] = ()
+    record: Mapping[str, Any] = {}
+
+
+class Event(Generic[P, T]):
+    """Something that happens in a training."""
+
+    def __init__(self) -> None:
+        self._hear: list[Callable[P, T | None]] = []
+
+    def subscribe(self, hear: Callable[P, T | None]) -> None:
+        """Call a function whenever it happens."""
+        self._hear.append(guest(hear))
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T | None:
+        """Tell all subscribers; return the first answer, if there is one."""
+        first: T | None = None
+        for hear in self._hear:
+            answer = hear(*args, **kwargs)
+            first = answer if first is None else first
+        return first
+
+
+@dataclass(frozen=True)
+class TrainingEvents:
+    """The events of one training.
+
+    Attributes:
+        perceived: a percept.
+        begun: the percept in which a state is entered that does not follow from those before;
+            None if there was none.
+        commanded: a command, before it is recorded; the answer says when it was due.
+        changed: a step of the training, as the journal keeps it; those of a resumed one, too.
+        decided: the label of the state that is active after a tick of what was learned.
+        episode: another episode begins.
+        interrupted: the label of the state in which the person or something else intervened.
+    """
+
+    perceived: Event[[PerceptRecord], None] = field(default_factory=Event)
+    begun: Event[[PerceptRecord | None], None] = field(default_factory=Event)
+    commanded: Event[[CommandGiven], Proposal] = field(default_factory=Event)
+    changed: Event[[Mapping[str, Any]], None] = field(default_factory=Event)
+    decided: Event[[str], None] = field(default_factory=Event)
+    episode: Event[[], None] = field(default_factory=Event)
+    interrupted: Event[[str], None] = field(default_factory=Event)

@@ -1,0 +1,91 @@
+"""Percepts of an agent in training: readings of everything readable, and the active state."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from hitab_core.automaton import FLAGS, OWN_FEATURES, START
+from hitab_core.domain import Domain
+from hitab_core.example_codec import value_records, values_of
+from hitab_core.use import Use
+
+READABLE_MAX = 500
+"""With more readings, features of two and more parameters are left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class PerceptRecord:
+    """One percept of an agent in training.
+
+    Attributes:
+        cycle: of the world.
+        time: simulated time, s.
+        state: label of the state that was active, or, once a command was due before, would have
+            been active had it come in time.
+        readings: see `readable`.
+    """
+
+    cycle: int
+    time: float
+    state: str
+    readings: tuple[float, ...]
+
+    def to_record(self) -> dict[str, Any]:
+        """Return it as plain data for the journal."""
+        return {
+            "cycle": self.cycle,
+            "time": self.time,
+            "state": self.state,
+            "readings": value_records(self.readings),
+        }
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> PerceptRecord:
+        """Read what `to_record` wrote."""
+        return cls(
+            int(record["cycle"]),
+            float(record["time"]),
+            str(record["state"]),
+            values_of(record["readings"]),
+        )
+
+
+def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Use, ...]:
+    """Return what can be read in every moment: the domain's features, flags and timers.
+
+    Features of the domain are read for all targets and parameters.
+
+    Args:
+        domain: of the agent.
+        parameters: of the automaton in training.
+    """
+    things = [*sorted(domain.targets), *parameters]
+    features = sorted(domain.features.values(), key=lambda feature: feature.name)
+    if sum(len(things) ** len(f.parameters) for f in features) > READABLE_MAX:
+        features = [feature for feature in features if len(feature.parameters) < 2]
+    uses = [
+        Use(feature.name, arguments)
+        for feature in features
+        for arguments in product(things, repeat=len(feature.parameters))
+    ]
+    return (*uses, *OWN_FEATURES)
+
+
+def nearest(moments: Sequence[PerceptRecord], time: float) -> PerceptRecord:
+    """Return the one of some moments that is nearest to a time; the later one of two as near.
+
+    One moment too early costs more than one too late: nothing may have happened yet.
+    """
+    after = bisect_left(moments, time, key=lambda moment: moment.time)
+    around = moments[max(after - 1, 0) : after + 1]
+    # Times are sums of steps that no number holds exactly.
+    return min(reversed(around), key=lambda moment: round(abs(moment.time - time), 6))
+
+
+def state_of(active: str) -> str:
+    """Return the state that a command leaves: a flag state is left at once."""
+    return START if active in FLAGS else active

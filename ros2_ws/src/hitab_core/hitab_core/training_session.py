@@ -1,0 +1,330 @@
+"""A training as an agent has it: the trainer, its assistants, and edits of the examples."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Self
+
+from hitab_core.advice.remarks import Remark
+from hitab_core.assistant.late_commands import LateCommands
+from hitab_core.assistant.lateness import Lateness
+from hitab_core.assistant.loops import Loops
+from hitab_core.assistant.question import Question, choice_of
+from hitab_core.assistant.questions import Questions
+from hitab_core.assistant.trial_statistics import TrialStatistics
+from hitab_core.automaton import START, Automaton
+from hitab_core.errors import FeatureValueError, LibraryError, TrainingError
+from hitab_core.example import Example
+from hitab_core.example_codec import example_of
+from hitab_core.remedies import Fix
+from hitab_core.repertoire import Repertoire
+from hitab_core.running.run_context import RunContext
+from hitab_core.training.curriculum import Curriculum, check_curriculum, check_state
+from hitab_core.training.events import NOW, Given, Request
+from hitab_core.training.exchange import exchange
+from hitab_core.training.retiming import retiming
+from hitab_core.training.trainer import Journal, Trainer
+from hitab_core.training.undo import Edit
+from hitab_core.use import Use
+from hitab_core.wording import some
+
+COMMANDS_MAX = 1000
+"""Maximum number of commands that are recognized when they come again."""
+
+ASSISTANTS = ("reaction", "questions", "loops", "episodes")
+"""Names of the assistants: they estimate when late commands were due, ask about the examples, find
+loops in what was learned, and remark on what a test of many episodes showed."""
+
+
+class TrainingSession(Trainer):
+    """A training with assistants and edits, which comes back after a crash.
+
+    A robot must always be able to be stopped: a behavior that stands still is performed even if
+    its command cannot be recorded. While a required feature has no value, only what stands still
+    is performed; the agent is otherwise in Start, and stays there until the next command. After a
+    crash the agent is in Start, and everything in the journal can still be undone.
+
+    Attributes:
+        late: estimates when late commands were due.
+        questions: what the agent asks the demonstrator.
+        requests: the latest commands it has obeyed that were numbered, before a crash too.
+        edits: that were numbered, made before a crash.
+    """
+
+    def __init__(
+        self,
+        context: RunContext,
+        curriculum: Curriculum,
+        examples: Iterable[Example] = (),
+        journal: Journal = lambda record: None,
+        names: Sequence[Use] = (),
+        people: dict[str, Lateness] | None = None,
+        without: Collection[str] = (),
+    ) -> None:
+        """Start in training mode, in Start; see `Trainer`.
+
+        Args:
+            people: how late the commands of each demonstrator come; kept up to date.
+            without: assistants to leave out, by name (`ASSISTANTS`).
+        """
+        super().__init__(context, curriculum, examples, journal, names)
+        self.late = LateCommands(self, {} if people is None else people)
+        self.questions = Questions(self)
+        self._loops = Loops(self)
+        self._trial = TrialStatistics(self)
+        subscribe = (a.subscribe for a in (self.late, self.questions, self._loops, self._trial))
+        for name, begin in zip(ASSISTANTS, subscribe, strict=True):
+            if name not in without:
+                begin()
+        self.requests: deque[Request] = deque(maxlen=COMMANDS_MAX)
+        self.edits: deque[Request] = deque(maxlen=COMMANDS_MAX)
+        self._asked_by: Request | None = None
+
+    # -- standing still ---------------------------------------------------------------------
+
+    def tick(self) -> None:
+        """Perform one timestep; see `Trainer.tick`."""
+        if self.testing:
+            super().tick()
+            return
+        try:
+            if not self.context.repertoire.stands_still(Use.parse(self.running.active)):
+                self.running.vector.check_required()
+            super().tick()
+        except Exception as error:
+            if self.running.active != START:
+                self.note = f"stands still until the next command: {error}"
+            self.running.stop()
+            self._taken_over = False
+            raise
+
+    def command(self, state: Use, given: Given = NOW) -> list[Example]:
+        """Perform a behavior now and record the resulting examples; see `Trainer.command`.
+
+        Returns:
+            None of a behavior that stands still if it cannot be recorded; the note says why.
+        """
+        self._check_in_control()
+        plain, _ = self.context.repertoire.commanded(state)
+        try:
+            return super().command(state, given)
+        except (FeatureValueError, TrainingError, LibraryError) as error:
+            if not self.context.repertoire.stands_still(plain):
+                raise
+            return self._enter(plain, f"stands still, but {plain} was not recorded: {error}")
+
+    def bring_into(self, state: Use) -> list[Example]:
+        """Perform a behavior now and record nothing, such as to correct what is done there.
+
+        Raises:
+            TrainingError, VocabularyError: as `command`.
+        """
+        self._check_in_control()
+        state, numbers = self.context.repertoire.commanded(state)
+        check_state(state, self.curriculum, self.context.repertoire)
+        self._enter(state, f"was brought into {state}; no example was recorded")
+        self.running.set_numbers(numbers)
+        return []
+
+    def _enter(self, state: Use, note: str) -> list[Example]:
+        """Perform a behavior of which no example is recorded."""
+        self.note = note
+        self.running.take_down_flags()
+        self.running.add_state(state)
+        self.running.go_to(str(state))
+        self.events.begun(self.history.restart(str(state)))
+        self._taken_over = False
+        return []
+
+    # -- after a crash, and with another library ----------------------------------------------
+
+    @classmethod
+    def replayed(
+        cls,
+        records: Sequence[Mapping[str, Any]],
+        context: RunContext,
+        journal: Journal,
+        people: dict[str, Lateness],
+        without: Collection[str],
+    ) -> Self:
+        """Return a training as its journal tells it, in Start.
+
+        Raises:
+            VocabularyError: if an example uses a behavior that no longer exists.
+            HitabError, KeyError, TypeError, ValueError: if the records are no journal.
+        """
+        begin, *rest = records
+        training = cls(
+            context,
+            Curriculum.from_record(begin["curriculum"]),
+            map(example_of, begin["examples"]),
+            journal,
+            tuple(map(Use.parse, begin["readable"])),
+            people,
+            without,
+        )
+        for record in rest:
+            training.make(record, training.prepared(record))
+            if "request" in record:
+                known = training.requests if record["do"] == "command" else training.edits
+                known.append(Request.from_record(record))
+        for percept in training.history.kept():
+            training.events.perceived(percept)
+        training.check_on(context.repertoire)
+        training.rebuild(context)
+        return training
+
+    def check_on(self, repertoire: Repertoire) -> None:
+        """Check that the training could continue with another repertoire.
+
+        Raises:
+            VocabularyError: naming what is missing there.
+        """
+        check_curriculum(self.curriculum, repertoire)
+        for label in self.states:
+            repertoire.check_state(Use.parse(label), self.curriculum.parameters)
+
+    def rebuild(self, context: RunContext) -> None:
+        """Restart at Start, since behaviors of the repertoire may have changed."""
+        self.context = context
+        self.running = self._perform()
+        if self.testing:
+            automaton = self.automaton()
+            self.running.set_transitions(automaton.transitions, automaton.numbers)
+
+    # -- assistants -------------------------------------------------------------------------
+
+    def search(self) -> Iterator[None]:
+        """Look for questions in steps, see `Questions.search`, and for loops."""
+        yield from self.questions.search()
+        self.remarks(look=True)
+
+    def remarks(self, *, look: bool = False) -> list[Remark]:
+        """Return signs that what was learned does not play.
+
+        Args:
+            look: for loops, too, if the examples have changed since this was done.
+        """
+        return [*self._loops.remarks(look=look), *self._trial.remarks()]
+
+    def answer(self, number: int, choice: str = "", *, dismiss: bool = False) -> Question:
+        """Answer a question; undo takes the answer back.
+
+        Args:
+            number: of the question.
+            choice: the name of one of its choices; empty for the proposed one.
+            dismiss: change nothing, and do not ask this again.
+
+        Raises:
+            TrainingError: if the question is not open, or has no such choice.
+        """
+        question = self.questions.get(number)
+        chosen = choice_of(question, choice)
+        if dismiss or chosen.record is None:
+            self._do({"do": "dismiss", "key": list(question.words)})
+            return question
+        self.edit({**chosen.record, "proposed": chosen is question.choices[0]})
+        self.questions.answered.append(f"{question.text} {chosen.name}")
+        return question
+
+    # -- edits ------------------------------------------------------------------------------
+
+    def begins(self, request: Request) -> bool:
+        """Note whose edit comes next; return False if it was made already, before a crash too."""
+        self._asked_by = request if request.number else None
+        return request not in self.edits
+
+    def delete(self, numbers: Iterable[int]) -> None:
+        """Delete examples by number.
+
+        Raises:
+            TrainingError: if one of the numbers is unknown.
+        """
+        self.edit({"do": "delete", "numbers": sorted(set(numbers))})
+
+    def relabel(self, numbers: Iterable[int], next_state: Use) -> None:
+        """Change the next state of examples, and of what their commands recorded by default.
+
+        Raises:
+            TrainingError: if one of the numbers is unknown.
+            VocabularyError: if there is no such behavior, or a number of its own is wrong.
+        """
+        repertoire = self.context.repertoire
+        check_state(next_state, self.curriculum, repertoire)
+        state, given = repertoire.commanded(next_state)
+        record = {"do": "relabel", "numbers": sorted(set(numbers)), "next_state": str(state)}
+        goes_on = not repertoire.is_one_shot(state)
+        self.edit({**record, "goes_on": goes_on, **({"with": list(given)} if given else {})})
+
+    def retime(self, numbers: Iterable[int], ago: float) -> None:
+        """Have commands been due at another time.
+
+        All examples of a command get the situation of that time; the first of them leaves the
+        state that was active then.
+
+        Args:
+            numbers: of examples; each stands for its command.
+            ago: how long before the command it was due, s of simulated time.
+
+        Raises:
+            TrainingError: if one of the numbers is unknown, or that time is not kept.
+            FeatureValueError: if no feature had a value then, or one was infinite.
+        """
+        self.edit({"do": "retime", "numbers": sorted(set(numbers)), "ago": ago})
+
+    def choose_features(self, features: Sequence[Use]) -> None:
+        """Learn from other features of the same examples.
+
+        Raises:
+            TrainingError: if a feature has no value in any example.
+            VocabularyError: if there is no such feature.
+        """
+        self._check_features(features)
+        self.edit({"do": "features", "features": [str(use) for use in features]})
+
+    def with_features(self, features: Sequence[Use]) -> Automaton:
+        """Return what would be learned from other features of the same examples, untrimmed.
+
+        Raises:
+            TrainingError: if a feature has no value in any example, or no example leaves Start.
+            VocabularyError: if there is no such feature.
+        """
+        self._check_features(features)
+        edit = exchange(self, features)
+        return self._learned(self.log.after(edit), "shown", edit.features)
+
+    def _check_features(self, features: Sequence[Use]) -> None:
+        chosen = replace(self.curriculum, features=tuple(features))
+        check_curriculum(chosen, self.context.repertoire)
+        unread = [use for use in features if use not in self.history.readable]
+        if unread and not self.log.examples:
+            raise TrainingError(
+                f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
+                "with so many features, a training reads some only if they are chosen when it "
+                "begins",
+                Fix.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
+            )
+
+    def edit(self, record: Mapping[str, Any]) -> None:
+        """Change examples as a record of the journal says; see `Trainer.edit`."""
+        asked_by, self._asked_by = self._asked_by, None
+        super().edit(record if asked_by is None else {**record, "request": list(asked_by)})
+
+    def make(self, record: Mapping[str, Any], edit: Edit | None) -> None:
+        """Make a step that is on disk; see `Trainer.make`."""
+        super().make(record, edit)
+        if edit is not None and edit.features is not None:
+            features = tuple(map(Use.parse, edit.features))
+            self.curriculum = replace(self.curriculum, features=features)
+            self.running.set_features(features)
+
+    def prepared(self, record: Mapping[str, Any]) -> Edit | None:
+        """Return the edit that a record describes; see `Trainer.prepared`."""
+        match record["do"]:
+            case "retime":
+                return retiming(self, record["numbers"], float(record["ago"]))
+            case "features":
+                return exchange(self, tuple(map(Use.parse, record["features"])))
+        return self.log.prepared(record)
