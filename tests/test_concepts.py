@@ -6,14 +6,14 @@ from mentions import ROOT
 PACKAGES = ROOT / "ros2_ws/src"
 
 FILES = {
-    "caution": "hitab_core/hitab_core/caution.py",
+    "caution": "hitab_core/hitab_core/assistant/caution.py",
     "default example": "hitab_core/hitab_core/default_example.py",
     "distribution": "hitab_agent/hitab_agent/distribution.py",
     "emergency stop": "hitab_ros/hitab_ros/emergency_stop.py",
     "keys": "hitab_studio/hitab_studio/static/keys.js",
     "lockstep": "hitab_world/hitab_world/lockstep.py",
     "order": "hitab_core/hitab_core/orders/order.py",
-    "lateness": "hitab_core/hitab_core/training/lateness.py",
+    "lateness": "hitab_core/hitab_core/assistant/lateness.py",
     "recording": "hitab_client/hitab_client/recording/recordings.py",
     "retiming": "hitab_core/hitab_core/training/retiming.py",
     "saving": "hitab_core/hitab_core/saving.py",

@@ -15,6 +15,7 @@ from bodies import Body, pulsed
 from faulty_disk import files_end_at
 
 from hitab_core.agent import Agent
+from hitab_core.assistant import training_costs
 from hitab_core.domain import Domain, Feature
 from hitab_core.errors import FeatureValueError, LibraryError, TrainingError, VocabularyError
 from hitab_core.example import ExampleKind
@@ -129,7 +130,7 @@ def test_only_an_agent_in_training_has_files_open(make, tmp_path):
     assert open_files(tmp_path) == 4
     agents[0].save()
     agents[1].discard()
-    make("agent_0").journal.costs()
+    training_costs(make("agent_0").journal)
     assert open_files(tmp_path) == 0
 
 
@@ -141,13 +142,13 @@ STARTING = """
 import pathlib, sys
 from hitab_core.training import TrainingJournal
 journal = TrainingJournal(pathlib.Path(sys.argv[1]) / "ann", "line")
-print(journal.resume(None, None), journal.costs(), journal.unsaved(), "sqlite3" in sys.modules)
+print(journal.resume(None, None), journal.kept(), journal.to_resume(), "sqlite3" in sys.modules)
 """
 
 
 def test_an_agent_that_never_trained_needs_no_database(tmp_path):
     told = subprocess.check_output([sys.executable, "-c", STARTING, str(tmp_path)], text=True)
-    assert told.split() == ["None", "[]", "None", "False"]
+    assert told.split() == ["None", "[]", "[]", "False"]
     assert not any(tmp_path.iterdir())
 
 

@@ -19,7 +19,7 @@ def people_from(texts: Mapping[str, str]) -> dict[str, Lateness]:
     """Return how late each person's commands come; people without a usable text are left out."""
     people: dict[str, Lateness] = {}
     for who, text in texts.items():
-        with suppress(ValueError):
+        with suppress(ValueError, TypeError):
             odds = np.array(json.loads(text), np.float64)
             if odds.shape == (len(MEDIANS), len(SPREADS)) and (odds >= 0.0).all() and odds.any():
                 people[who] = Lateness(odds / odds.sum())
