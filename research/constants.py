@@ -160,8 +160,8 @@ def _shipped() -> Iterator[tuple[str, list[Evidence], tuple[Example, ...]]]:
                 continue  # its domain is made from its description
             domain = load_domain(yaml.safe_load(text)["domain"]["name"])
             automaton = read_behavior(text, path.name, domain).automaton
-            scales = [domain.scale_of(use) for use in automaton.features]
-            names = [str(use) for use in automaton.features]
+            scales = [domain.scale_of(term) for term in automaton.features]
+            names = [str(term) for term in automaton.features]
             yield (
                 f"{path.parent.name}/{path.name}",
                 [

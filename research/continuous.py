@@ -36,7 +36,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 from sklearn.neighbors import KNeighborsRegressor
 from sklearn.neural_network import MLPRegressor
 
-from hitab_core import Agent, Automaton, BasicBehavior, BehaviorLibrary, Domain, Repertoire, Use
+from hitab_core import Agent, Automaton, BasicBehavior, BehaviorLibrary, Domain, Repertoire, Term
 from hitab_core.regression import Neighbors
 from hitab_core.training import Curriculum
 from hitab_world.inprocess import AutomatonPlayer, perform, play
@@ -163,7 +163,7 @@ class Driven:
         self._random, self._error = Random(seed), error
         self._word = f"RunBeside({shown.relative_to}, " if relative else "RunTowards("
         self._relative = _towards(shown.relative_to, 0.0) if relative else None
-        self._hand = AutomatonPlayer(Repertoire(DOMAIN), Use("Keepaway"), "keeper_1")
+        self._hand = AutomatonPlayer(Repertoire(DOMAIN), Term("Keepaway"), "keeper_1")
         self.body = self
         folder = tempfile.TemporaryDirectory()
         self._folder = folder
@@ -196,7 +196,7 @@ class Driven:
         body = self.agent.body
         if self._left and self._since % EVERY == 0:
             self._left -= 1
-            self.agent.command(Use.parse(self._command(body)))
+            self.agent.command(Term.parse(self._command(body)))
         self._since += 1
         self.agent.tick()
         self._acts = body
@@ -258,7 +258,7 @@ def _encoded(rows: np.ndarray, shown: Experiment) -> np.ndarray:
     columns = []
     for i, feature in enumerate(shown.features):
         column = np.nan_to_num(rows[:, i])
-        if DOMAIN.scale_of(Use.parse(feature)).period:
+        if DOMAIN.scale_of(Term.parse(feature)).period:
             columns += [np.sin(column), np.cos(column)]
         else:
             columns.append(column)
@@ -276,14 +276,14 @@ def clone(shown: Experiment, automaton: Automaton, learner: Any) -> Policy:
         warnings.simplefilter("ignore", ConvergenceWarning)
         learner.fit((X - offset) / scale, y)
     still = any(t is None for t in turns)
-    uses = [Use.parse(feature) for feature in shown.features]
+    terms = [Term.parse(feature) for feature in shown.features]
 
     def policy(body: KeeperBody) -> float | None:
         values = [
             DOMAIN.features[u.name].read(
                 body, *(DOMAIN.targets[a].resolve(body) for a in u.arguments)
             )
-            for u in uses
+            for u in terms
         ]
         x, y = learner.predict((_encoded(np.array([values]), shown) - offset) / scale)[0]
         if still and math.hypot(x, y) < 0.5:
@@ -354,7 +354,7 @@ def costs() -> list[dict[str, float]]:
     """Return what learning and one prediction cost, in time of a processor, with four features."""
     found = []
     random = np.random.default_rng(1)
-    scales = [DOMAIN.scale_of(Use.parse(f)) for f in EXPERIMENTS["meet"].features]
+    scales = [DOMAIN.scale_of(Term.parse(f)) for f in EXPERIMENTS["meet"].features]
     for moments in (100, 200, 1000, 10_000):
         X = random.uniform(-3.0, 3.0, (moments, len(scales)))
         numbers = random.uniform(-180.0, 180.0, (moments, 1))

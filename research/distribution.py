@@ -75,8 +75,8 @@ def teach(folder: Path, version: int) -> None:
 
     from hitab_core.agent import Agent
     from hitab_core.library.behavior_library import BehaviorLibrary
+    from hitab_core.term import Term
     from hitab_core.training import Curriculum
-    from hitab_core.use import Use
 
     teacher = Agent("teacher", DOMAIN, BehaviorLibrary(folder, DOMAIN))
     for name, states in (
@@ -85,10 +85,10 @@ def teach(folder: Path, version: int) -> None:
         ("Search", ("Circle", "Pause")),
         ("Expedition", ("Search", "Wait")),
     ):
-        teacher.begin(Curriculum(name, (Use("X"), Use("Y"), Use("Heading"))), discard=True)
+        teacher.begin(Curriculum(name, (Term("X"), Term("Y"), Term("Heading"))), discard=True)
         for number in range(12):
             teacher.sense([(7.0 * number) % 5 + version, float(number), number / 4 - 1.5], [])
-            teacher.command(Use(states[number % 2]))
+            teacher.command(Term(states[number % 2]))
         teacher.save()
 
 

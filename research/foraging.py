@@ -27,7 +27,7 @@ from finished_runs import FinishedRuns, Resume
 from foraging_tasks import SCHOOL
 from school import School
 from scipy.stats import t as student_t
-from tasks import lesson_file, library, scratch, uses
+from tasks import lesson_file, library, scratch, terms
 
 from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
@@ -91,7 +91,7 @@ def foragers() -> dict[str, Automaton]:
     school = School(
         world,
         HierarchyPlayers([Member(name, known) for name in world.agents]),
-        uses("Sees(squad_box) Waited Rested"),
+        terms("Sees(squad_box) Waited Rested"),
     )
     school.play(lesson_file("foraging_radio"))
     return {**automata, **school.learned("forager_1")}
@@ -107,7 +107,7 @@ def waiting(
     name, feature = WAITING[swarm]
     if wait and name in automata:
         automaton = automata[name]
-        column = [str(use) for use in automaton.features].index(feature)
+        column = [str(term) for term in automaton.features].index(feature)
         longest = max(example.features[column] for example in automaton.examples)
         examples = []
         for example in automaton.examples:

@@ -24,7 +24,7 @@ from tasks import (
     play_until_over,
     rule,
     scratch,
-    uses,
+    terms,
     without_defaults,
 )
 
@@ -36,7 +36,7 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, read_kind
-from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Use
+from hitab_core import START, Automaton, Domain, HandWritten, Repertoire, Term
 from hitab_world.inprocess import AutomatonPlayer, Player, play
 
 SCHOOL = ForagingParameters(
@@ -103,19 +103,19 @@ class ForagerTask(Task):
 
     def corrected(self, learn: Learner, budget: int) -> Takeovers:
         """Let foragers play, each for itself; who trained them watches the first one."""
-        words = [use.bound(self.bindings) for use in self.words]
+        words = [term.bound(self.bindings) for term in self.words]
         commanded = {command.behavior for command in self.commands}
-        behaviors = sorted(str(Use.parse(b).bound(self.bindings)) for b in commanded)
+        behaviors = sorted(str(Term.parse(b).bound(self.bindings)) for b in commanded)
         takeovers = Takeovers(learn, behaviors, budget)
         world = ForagingWorld(self._world, TRIED_SEED)
         first = world.agents[0]
         repertoire = Repertoire(replace(DOMAIN, automata=dict(self._robots)))
-        teacher = TwinTeacher(repertoire, Use(self.top), first)
+        teacher = TwinTeacher(repertoire, Term(self.top), first)
         players: dict[str, Player] = {}
         for name in world.agents:
             pupil = takeovers.pupil(self.top, words, teacher if name == first else None)
             domain = replace(DOMAIN, automata={self.top: pupil})
-            players[name] = AutomatonPlayer(Repertoire(domain), Use(self.top), name)
+            players[name] = AutomatonPlayer(Repertoire(domain), Term(self.top), name)
         teacher.watched = players[first].body
         players[first] = Watched(players[first], takeovers, teacher)
         play_until_over(world, players, takeovers, 2 if self.quick else 10, 3000)
@@ -123,8 +123,8 @@ class ForagerTask(Task):
         takeovers.commands = [
             Command(
                 given.readings,
-                str(Use.parse(given.state).bound(names)),
-                str(Use.parse(given.behavior).bound(names)),
+                str(Term.parse(given.state).bound(names)),
+                str(Term.parse(given.behavior).bound(names)),
             )
             for given in takeovers.commands
         ]
@@ -153,7 +153,7 @@ class Foraging(ForagerTask):
     lessons = ("foraging_search", "foraging_goto", "foraging_carry", "foraging_forage")
     school_world = SCHOOL
     bindings = MappingProxyType({"A": "closest_box"})
-    words = uses(
+    words = terms(
         "DirectionTo(closest_obstacle) DirectionTo(A) DirectionTo(home) Sees(A) CanGrip(A) "
         "Holds(A) HoldsABox Waited Rested"
     )
@@ -197,7 +197,7 @@ class Foraging(ForagerTask):
             [Member(name, known) for name in world.agents],
             [Commander("squad", self._kind, own, "", world.agents)],
         )
-        school = School(world, hierarchy, uses("SomeoneHolds LongestWait"))
+        school = School(world, hierarchy, terms("SomeoneHolds LongestWait"))
         school.play(lesson_file("foraging_squad"))
         return school
 
@@ -224,7 +224,7 @@ class Foraging(ForagerTask):
         """Return foragers that follow a policy, under commanders that have learned likewise."""
         carry = policy.automaton("Carry", self.words, ("A",))
         label = "Carry(closest_box)"
-        forage = Automaton("Forage", uses(label), (), {START: HandWritten(lambda: label)})
+        forage = Automaton("Forage", terms(label), (), {START: HandWritten(lambda: label)})
         captain = self._squad_school.learned("squad")
         cost, examples = self._squad_school.costs["SquadForage"]
         return Team(
@@ -324,7 +324,7 @@ class Courier(ForagerTask):
     top = "Courier"
     lessons = ("foraging_goto", "courier")
     school_world = replace(SCHOOL, sight=100.0)
-    words = uses(
+    words = terms(
         "DirectionTo(home) DistanceTo(home) DirectionTo(closest_box) DistanceTo(closest_box) "
         "CanGrip(closest_box)"
     )
@@ -358,7 +358,7 @@ class Courier(ForagerTask):
         for episode in range(first, first + episodes):
             world = ForagingWorld(self._world, seed + episode)
             players = {
-                name: AutomatonPlayer(repertoire, Use("Courier"), name) for name in world.agents
+                name: AutomatonPlayer(repertoire, Term("Courier"), name) for name in world.agents
             }
             rounds, been = 0, set[str]()
 
@@ -390,8 +390,8 @@ def _to_and_fro(near: float) -> Automaton:
     there, back = "GoTo(closest_box)", "GoTo(home)"
     return Automaton(
         "Courier",
-        uses(f"{there} {back}"),
-        uses("DistanceTo(home) CanGrip(closest_box)"),
+        terms(f"{there} {back}"),
+        terms("DistanceTo(home) CanGrip(closest_box)"),
         {
             START: HandWritten(lambda: there),
             there: HandWritten(lambda grip: back if grip else there, (1,)),

@@ -35,7 +35,7 @@ from hitab_client.shipped import shipped
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind_reader import KIND_FILE, read_kind
-from hitab_core import Automaton, BehaviorLibrary, Example, Repertoire, Use
+from hitab_core import Automaton, BehaviorLibrary, Example, Repertoire, Term
 from hitab_core.learning import relearned
 from hitab_core.training.exchange import exchanged
 from hitab_world import EpisodeResult, World
@@ -80,7 +80,7 @@ def fixed(automata: Automata) -> Team:
     def team(world: World) -> tuple[Mapping[str, Any], None]:
         repertoire = Repertoire(DOMAIN, automata)
         pairs = zip(world.agents, ROLES, strict=True)
-        return {n: AutomatonPlayer(repertoire, Use(role), n) for n, role in pairs}, None
+        return {n: AutomatonPlayer(repertoire, Term(role), n) for n, role in pairs}, None
 
     return team
 
@@ -94,9 +94,9 @@ def one_role(automata: Automata) -> Automaton:
     """Return what all commands for the roles teach as one behavior, from all their features."""
     parts = [automata[role] for role in ROLES]
     features = tuple(
-        dict.fromkeys(use for part in parts for use in (*part.chosen, *part.features))
+        dict.fromkeys(term for part in parts for term in (*part.chosen, *part.features))
     )
-    states = tuple(dict.fromkeys(use for part in parts for use in part.states))
+    states = tuple(dict.fromkeys(term for part in parts for term in part.states))
     examples: list[Example] = []
     for part in parts:
         examples += exchanged(part.examples, part.features, features, part.readable, part.name)

@@ -10,7 +10,7 @@ from typing import Any
 
 from half_field_world.body import AttackerBody
 from half_field_world.domain import DOMAIN
-from hitab_core import START, Automaton, HandWritten, Use, agent_seed
+from hitab_core import START, Automaton, HandWritten, Term, agent_seed
 
 FEATURES = (
     "BallIsKickable",
@@ -49,8 +49,8 @@ def attack(
 
 RULE_BASED = Automaton(
     "RuleBased",
-    tuple(map(Use.parse, STATES)),
-    tuple(map(Use.parse, FEATURES)),
+    tuple(map(Term.parse, STATES)),
+    tuple(map(Term.parse, FEATURES)),
     dict.fromkeys((START, *STATES), HandWritten(attack, tuple(range(len(FEATURES))))),
 )
 
@@ -72,7 +72,7 @@ class RandomAttacker:
     def tick(self) -> None:
         """Act."""
         if self._cycle % self.EVERY == 0:
-            self._use = Use.parse(self._random.choice(STATES))
+            self._use = Term.parse(self._random.choice(STATES))
         self._cycle += 1
         targets = [DOMAIN.targets[name].resolve(self.body) for name in self._use.arguments]
         DOMAIN.behaviors[self._use.name].pulse(self.body, *targets)

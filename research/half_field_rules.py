@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from hitab_core import START, Automaton, HandWritten, Use
+from hitab_core import START, Automaton, HandWritten, Term
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,8 @@ def _automaton(
     def of(state: str) -> HandWritten:
         return HandWritten(partial(rule, state), tuple(range(len(features))))
 
-    uses = tuple(map(Use.parse, states)), tuple(map(Use.parse, features))
-    return Automaton(name, *uses, {state: of(state) for state in (START, *states)})
+    terms = tuple(map(Term.parse, states)), tuple(map(Term.parse, features))
+    return Automaton(name, *terms, {state: of(state) for state in (START, *states)})
 
 
 def rules(n: Numbers = DEFAULT, swapped: tuple[str, str] | None = None) -> dict[str, Automaton]:

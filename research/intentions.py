@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from hitab_core import START, Automaton, HandWritten, Use
+from hitab_core import START, Automaton, HandWritten, Term
 
 BALL, OFF = "DistanceTo(ball)", "DirectionTo(ball)"
 TAKER, KICKABLE = "DistanceTo(closest_taker)", "BallIsKickable"
@@ -66,8 +66,8 @@ class Plan:
 
         return Automaton(
             self.name,
-            tuple(map(Use.parse, self.states)),
-            tuple(map(Use.parse, self.features)),
+            tuple(map(Term.parse, self.states)),
+            tuple(map(Term.parse, self.features)),
             {state: transition(state) for state in (START, *self.states)},
         )
 

@@ -34,7 +34,7 @@ from simulated_people import Course
 from teachers import PAPER_S, hold_times, intention_of, own_hold_time, playing
 from topic_pupil import PUPIL, TopicPupil
 
-from hitab_core import START, Automaton, Example, HitabError, Repertoire, Use
+from hitab_core import START, Automaton, Example, HitabError, Repertoire, Term
 from hitab_core.assistant.question import QuestionKind
 from hitab_core.running import FeatureCache, RunningAutomaton
 from hitab_world import Placement
@@ -191,7 +191,7 @@ def catches(automaton: Automaton, seed: int, trials: int = 100) -> float:
     """Return in which part of some situations a keeper stops within reach of the ball."""
     world = KeepawayWorld(seed=seed)
     players = perform(world, Repertoire(DOMAIN, {CHASE.name: automaton}), CHASE.name)
-    player, caught, reach = players[PUPIL], 0, Use.parse(KICKABLE)
+    player, caught, reach = players[PUPIL], 0, Term.parse(KICKABLE)
     assert isinstance(player, AutomatonPlayer)
     running = player.running
     assert isinstance(running, RunningAutomaton)

@@ -34,7 +34,7 @@ from hitab_core import (
     LearningAgent,
     Repertoire,
     Scale,
-    Use,
+    Term,
     automaton_as_text,
     load_domain,
     load_file,
@@ -152,7 +152,7 @@ def random_automaton(random: Random) -> Automaton:
         return HandWritten(lambda value: yes if value > bound else no, (random.randrange(2),))
 
     transitions = {state: transition() for state in (START, *GOALS)}
-    return Automaton(NAME, tuple(map(Use, GOALS)), tuple(map(Use, FEATURES)), transitions)
+    return Automaton(NAME, tuple(map(Term, GOALS)), tuple(map(Term, FEATURES)), transitions)
 
 
 def performing(behavior: str, automaton: Automaton | None = None) -> Play:

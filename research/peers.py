@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hitab_core import START, Automaton, Example, ExampleKind, HandWritten, Scale, Use
+from hitab_core import START, Automaton, Example, ExampleKind, HandWritten, Scale, Term
 from hitab_core.arrays import Floats
 from hitab_core.learning import learn_transitions
 from hitab_core.learning.feature_encoding import encoding_of
@@ -67,10 +67,10 @@ class Policy:
         return max(found, key=lambda label: found[label])
 
     def automaton(
-        self, name: str, features: Sequence[Use], parameters: tuple[str, ...] = ()
+        self, name: str, features: Sequence[Term], parameters: tuple[str, ...] = ()
     ) -> Automaton:
         """Return it as an automaton, which the engine performs like any other."""
-        states = tuple(Use.parse(behavior) for behavior in self.behaviors)
+        states = tuple(Term.parse(behavior) for behavior in self.behaviors)
         return Automaton(name, states, tuple(features), self.transitions, parameters)
 
 

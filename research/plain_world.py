@@ -17,7 +17,7 @@ from rclpy.node import Node
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.use import Use
+from hitab_core.term import Term
 from hitab_world.world import Action, Entity, EpisodeResult, Look, Placement, Sensed, WorldError
 from hitab_world.world_node import run_world
 
@@ -74,8 +74,8 @@ def _tree(feature: Feature, *examples: tuple[float, str]) -> TransitionTree:
 
 PATROL = Automaton(
     "Patrol",
-    (Use("Walk"), Use("Turn")),
-    (Use("Heading"),),
+    (Term("Walk"), Term("Turn")),
+    (Term("Heading"),),
     {
         START: _tree(HEADING, (0.0, "Walk")),
         "Walk": _tree(HEADING, *[(a, "Walk") for a in (0.0, 1.0, 2.0)], (0.5, "Turn")),
@@ -84,8 +84,8 @@ PATROL = Automaton(
 )
 EXPLORE = Automaton(
     "Explore",
-    (Use("Patrol"), Use("Wait")),
-    (Use("X"),),
+    (Term("Patrol"), Term("Wait")),
+    (Term("X"),),
     {
         START: _tree(X, (0.0, "Patrol")),
         "Patrol": _tree(X, (-50.0, "Patrol"), (0.0, "Wait"), (50.0, "Patrol")),

@@ -18,7 +18,7 @@ from typing import Protocol
 
 from intentions import BALL, CLOSER, DONE, KICKABLE, OFF, TAKER, YELLED, Plan
 
-from hitab_core import Agent, BehaviorLibrary, Given, Repertoire, TrainingSession, Use
+from hitab_core import Agent, BehaviorLibrary, Given, Repertoire, Term, TrainingSession
 from hitab_core.assistant import Question
 from hitab_core.assistant.question import QuestionKind
 from hitab_core.default_example import marked
@@ -176,7 +176,7 @@ class InProcessPupil:
             for name in self._world.agents
         }
         self._pupil, *self._mates = self._agents.values()
-        self._visible = [Use.parse(name) for name in VISIBLE]
+        self._visible = [Term.parse(name) for name in VISIBLE]
 
     def close(self) -> None:
         """Delete the team's library."""
@@ -216,7 +216,7 @@ class InProcessPupil:
 
     def command(self, state: str, pace: float = 0.0) -> Sequence[Example]:
         """Command the keeper; see `Pupil.command`."""
-        taught = self._pupil.command(Use.parse(state), Given(pace=pace))
+        taught = self._pupil.command(Term.parse(state), Given(pace=pace))
         self.given += len(taught)
         return taught
 
@@ -287,7 +287,7 @@ class InProcessPupil:
     def perform(self, behavior: str) -> None:
         """Have the teammates perform a behavior; "": nothing."""
         for mate in self._mates:
-            mate.perform(Use.parse(behavior) if behavior else None)
+            mate.perform(Term.parse(behavior) if behavior else None)
 
     def _perceive(self, *, jumped: bool = False, restart: bool = False) -> None:
         world = self._world
@@ -300,7 +300,7 @@ class InProcessPupil:
     def _sight(self, *, ended: bool = False) -> Sight:
         session = self._session
         look = self._pupil.context.feature_cache.look
-        values = {str(use): look(use) for use in self._visible}
+        values = {str(term): look(term) for term in self._visible}
         child = session.running.child
         values[DONE] = float(child is not None and "Done" in child.raised)
         below = dict(pairwise(session.running.active_path))

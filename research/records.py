@@ -34,7 +34,16 @@ from games import size_of
 from hitab_bringup.libraries.opened_library import open_library
 from hitab_client.measures import estimate
 from hitab_client.shipped import shipped
-from hitab_core import START, Automaton, BehaviorLibrary, Domain, HandWritten, Repertoire, Use, has
+from hitab_core import (
+    START,
+    Automaton,
+    BehaviorLibrary,
+    Domain,
+    HandWritten,
+    Repertoire,
+    Term,
+    has,
+)
 from hitab_core.learning.transition_learning import learn_transitions
 from hitab_world.inprocess import perform, play
 from keepaway_world.parameters import SIGHTS, KeepawayParameters, variant
@@ -100,8 +109,8 @@ def rules(domain: Domain, near: float, slack: float, away: str) -> dict[str, Aut
     states = ("MeetBall", "StopBall", PASS)
     play_ball = Automaton(
         "PlayBall",
-        tuple(map(Use.parse, states)),
-        tuple(map(Use.parse, ("BallIsKickable", "TakerToBall", "LaneSlack(clearest_keeper)"))),
+        tuple(map(Term.parse, states)),
+        tuple(map(Term.parse, ("BallIsKickable", "TakerToBall", "LaneSlack(clearest_keeper)"))),
         {
             **dict.fromkeys((START, "MeetBall"), HandWritten(meet, (0,))),
             "StopBall": HandWritten(hold, (0, 1, 2)),
@@ -110,8 +119,8 @@ def rules(domain: Domain, near: float, slack: float, away: str) -> dict[str, Aut
     )
     keepaway = Automaton(
         "Keepaway",
-        (Use(away), Use("PlayBall")),
-        (Use("BallIsAnothers"),),
+        (Term(away), Term("PlayBall")),
+        (Term("BallIsAnothers"),),
         dict.fromkeys((START, away, "PlayBall"), HandWritten(whose, (0,))),
     )
     return {automaton.name: automaton for automaton in (play_ball, keepaway)}
@@ -134,7 +143,7 @@ def swapped(automaton: Automaton, domain: Domain, away: str) -> Automaton:
         )
         for example in automaton.examples
     )
-    states = tuple(Use(away) if s.name == TRAINED_AWAY else s for s in automaton.states)
+    states = tuple(Term(away) if s.name == TRAINED_AWAY else s for s in automaton.states)
     scales = [domain.scale_of(feature) for feature in automaton.features]
     transitions = learn_transitions(examples, scales)
     return replace(automaton, states=states, examples=examples, transitions=transitions)

@@ -31,7 +31,7 @@ from hitab_bringup import players_of
 from hitab_bringup.casting import CastMember
 from hitab_bringup.libraries.opened_library import open_library
 from hitab_client.shipped import shipped
-from hitab_core import Use
+from hitab_core import Term
 from hitab_rcssserver.rcss_world import RcssWorld
 from hitab_rcssserver.server_settings import settings_from_dict
 from hitab_world.inprocess import play
@@ -76,7 +76,7 @@ def main(
         }
     )
     opened = open_library(library or shipped("libraries", "keepaway_fullspeed"))
-    trained = CastMember(trained_team(opened, away), Use("Keepaway"))
+    trained = CastMember(trained_team(opened, away), Term("Keepaway"))
     with tempfile.TemporaryDirectory() as name, ExitStack() as stack:
         folder = Path(name)
         start(

@@ -37,7 +37,7 @@ from hitab_client.lessons.lesson import (
 )
 from hitab_client.world_view import WorldView, speakers
 from hitab_commander.inprocess import HierarchyPlayers
-from hitab_core import START, Agent, Automaton, HitabError, Use
+from hitab_core import START, Agent, Automaton, HitabError, Term
 from hitab_core.running import RunningAutomaton
 from hitab_core.running.feature_cache import value_or_nan
 from hitab_core.training import Curriculum
@@ -52,7 +52,7 @@ def basic_behavior(running: object) -> str:
         if child is None:
             return START
         if not isinstance(child, RunningAutomaton):
-            return str(Use.parse(running.active).bound(running.bindings))
+            return str(Term.parse(running.active).bound(running.bindings))
         running = child
     return START
 
@@ -74,7 +74,7 @@ class School:
 
     world: World
     hierarchy: HierarchyPlayers
-    words: Sequence[Use]
+    words: Sequence[Term]
     bindings: Mapping[str, str] = field(default_factory=dict)
     commands: dict[str, list[Shown]] = field(default_factory=dict)
     costs: dict[str, tuple[int, int]] = field(default_factory=dict)
@@ -185,23 +185,23 @@ class School:
         session = agent.session
         assert session is not None
         bindings = {**self.bindings, **session.running.bindings}
-        uses = [use.bound(bindings) for use in self.words]
-        readings = tuple(value_or_nan(agent.context.feature_cache.look, use) for use in uses)
-        performed = self._performed(agent, step.use.bound(bindings))
+        terms = [term.bound(bindings) for term in self.words]
+        readings = tuple(value_or_nan(agent.context.feature_cache.look, term) for term in terms)
+        performed = self._performed(agent, step.term.bound(bindings))
         if performed != START:
             names = {bindings[name]: name for name in self.bindings}
             shown = Shown(readings, _renamed(self._doing, names), _renamed(performed, names))
             self.commands[lesson.name].append(shown)
-        agent.command(step.use)
+        agent.command(step.term)
         self._doing = performed if performed != START else self._doing
 
-    def _performed(self, agent: Agent, use: Use) -> str:
+    def _performed(self, agent: Agent, term: Term) -> str:
         """Return the basic behavior that an agent begins with when it is commanded ``use``."""
-        if use.name in agent.domain.behaviors:
-            return str(use)
-        if use.name not in agent.repertoire:
+        if term.name in agent.domain.behaviors:
+            return str(term)
+        if term.name not in agent.repertoire:
             return START  # a flag
-        probe = AutomatonPlayer(agent.repertoire, use, agent.name)
+        probe = AutomatonPlayer(agent.repertoire, term, agent.name)
         probe.begin(0, 0)
         probe.body.sense(*self.world.percept(agent.name))
         probe.tick()
@@ -233,12 +233,12 @@ class School:
             if agent.library is library and agent.name in (step.receivers or self.world.agents):
                 agent.reload()
                 if step.start:
-                    agent.perform(step.use)
+                    agent.perform(step.term)
 
     def _perform(self, step: Perform, lesson: Lesson) -> None:
         for name in step.agents:
             with suppress(KeyError):  # a captain whom this lesson's swarm has, but this one not
-                self.hierarchy.agents[name].perform(step.use)
+                self.hierarchy.agents[name].perform(step.term)
 
     def _say(self, step: Say, lesson: Lesson) -> None:
         """Do nothing: there is nobody to read it."""
@@ -246,7 +246,7 @@ class School:
 
 def _renamed(behavior: str, names: Mapping[str, str]) -> str:
     """Return a bound behavior in terms of the parameter that its target stands for."""
-    return str(Use.parse(behavior).bound(names))
+    return str(Term.parse(behavior).bound(names))
 
 
 _STEPS: dict[type[Step], Callable[[School, Any, Lesson], None]] = {

@@ -22,7 +22,7 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
-from hitab_core import BehaviorLibrary, Repertoire, Use
+from hitab_core import BehaviorLibrary, Repertoire, Term
 from hitab_core.errors import TrainingError
 from hitab_core.labeling import ShownAction, Strip
 from hitab_world.inprocess import AutomatonPlayer, Player, PolicyPlayer, cycle, perform, play
@@ -161,15 +161,15 @@ def to_the_ball(seed: int, noise: float, shown: int, episodes: int) -> dict[str,
         typer.echo(f"seed {seed}: {refused}")
         return {}
     test = seed + 5_000
-    use = Use("Copied")
+    term = Term("Copied")
     return {
         "labels right, %": right,
         "changes": sum(a != b for a, b in pairwise(runs.truth)),
         "driver without noise": fmean(seconds_to_ball(driver(0, 0)[0], test, episodes)),
         "without commands": fmean(
-            seconds_to_ball(AutomatonPlayer(copied, use, ONE), test, episodes)
+            seconds_to_ball(AutomatonPlayer(copied, term, ONE), test, episodes)
         ),
-        "with commands": fmean(seconds_to_ball(AutomatonPlayer(told, use, ONE), test, episodes)),
+        "with commands": fmean(seconds_to_ball(AutomatonPlayer(told, term, ONE), test, episodes)),
         "zero examples": fmean(seconds_to_ball(guess(seed), test, episodes)),
     }
 

@@ -23,7 +23,7 @@ from tasks import (
     play_until_over,
     rule,
     scratch,
-    uses,
+    terms,
     without_defaults,
 )
 
@@ -32,7 +32,7 @@ from hitab_commander.commander_domain import commander_domain
 from hitab_commander.inprocess import Commander, HierarchyPlayers, Member
 from hitab_commander.kind import CommanderKind
 from hitab_commander.kind_reader import KIND_FILE, described_kind, read_kind
-from hitab_core import Automaton, Domain, Repertoire, Use
+from hitab_core import Automaton, Domain, Repertoire, Term
 from hitab_world.inprocess import AutomatonPlayer, Player, perform, play
 from keepaway_world.domain import DOMAIN
 from keepaway_world.parameters import PAPER
@@ -49,7 +49,7 @@ class Keepaway(Task):
     title = "keepaway, 3 against 2"
     measure = "hold time, s"
     episodes = 100
-    words = uses(
+    words = terms(
         "DistanceTo(ball) DirectionTo(ball) DistanceTo(closest_taker) BallIsKickable "
         "ATeammateIsCloserToBall IWasYelledAt"
     )
@@ -111,14 +111,14 @@ class Keepaway(Task):
         takeovers = Takeovers(learn, behaviors, budget)
         world = KeepawayWorld(PAPER, TRIED_SEED)
         teacher = TwinTeacher(
-            Repertoire(self.trained().domain(DOMAIN)), Use("Keepaway"), "keeper_1"
+            Repertoire(self.trained().domain(DOMAIN)), Term("Keepaway"), "keeper_1"
         )
         players: dict[str, Player] = {}
         for name in world.agents:
             watcher = teacher if name == "keeper_1" else None
             pupil = takeovers.pupil("Keepaway", self.words, watcher)
             domain = Team({"Keepaway": pupil}, repeats=not learn.knows_states).domain(DOMAIN)
-            players[name] = AutomatonPlayer(Repertoire(domain), Use("Keepaway"), name)
+            players[name] = AutomatonPlayer(Repertoire(domain), Term("Keepaway"), name)
         teacher.watched = players["keeper_1"].body
         players["keeper_1"] = Watched(players["keeper_1"], takeovers, teacher)
         play_until_over(world, players, takeovers, *practice(self))
@@ -269,7 +269,7 @@ class Captain(CaptainTask):
     episodes = 60
     behavior = "Captain"
     lesson = "captain/captain.yaml"
-    words = uses("BallDistance TakerDistance")
+    words = terms("BallDistance TakerDistance")
     settings = ((4.0,), (8.0,), (12.0,))
 
     @property
@@ -322,7 +322,7 @@ class Drill(CaptainTask):
     episodes = 20
     behavior = "Drill"
     lesson = "drill"
-    words = uses("Apart")
+    words = terms("Apart")
     settings = ((3.0, 7.0), (3.5, 6.5), (3.9, 6.1))
     drawn = (0.0, 10.0)  # m
     has_stop = False

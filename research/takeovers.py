@@ -15,7 +15,7 @@ from typing import Protocol
 
 from peers import Command, Learner, Policy
 
-from hitab_core import START, Automaton, HandWritten, Use
+from hitab_core import START, Automaton, HandWritten, Term
 
 HOLD_CYCLES = 10
 """How long a teacher plays after a takeover: a person does not give ten commands a second."""
@@ -55,7 +55,7 @@ class Takeovers:
         """Whether all commands have been given."""
         return len(self.commands) >= self.budget
 
-    def pupil(self, name: str, features: Sequence[Use], teacher: Teacher | None) -> Automaton:
+    def pupil(self, name: str, features: Sequence[Term], teacher: Teacher | None) -> Automaton:
         """Return an automaton that performs the policy as it is at any time.
 
         Args:
@@ -75,7 +75,7 @@ class Takeovers:
 
         return Automaton(
             name,
-            tuple(Use.parse(behavior) for behavior in self.behaviors),
+            tuple(Term.parse(behavior) for behavior in self.behaviors),
             tuple(features),
             {state: of(state) for state in (START, *self.behaviors)},
         )

@@ -35,7 +35,7 @@ from hitab_core import (
     HitabError,
     Repertoire,
     Scale,
-    Use,
+    Term,
 )
 from hitab_core.learning import learn_transitions
 from hitab_world import World
@@ -95,7 +95,7 @@ class Task(ABC):
     title: str
     measure: str
     episodes: int
-    words: tuple[Use, ...]
+    words: tuple[Term, ...]
     limits: Mapping[str, float] = MappingProxyType({})
     settings: Sequence[tuple[float, ...]]
     drawn: tuple[float, float] = (0.0, 20.0)
@@ -171,7 +171,7 @@ class Task(ABC):
     @property
     def scales(self) -> list[Scale]:
         """How the values of the words compare."""
-        return [self.domain.features[use.name].scale for use in self.words]
+        return [self.domain.features[term.name].scale for term in self.words]
 
     @property
     def one_shot(self) -> frozenset[str]:
@@ -181,15 +181,15 @@ class Task(ABC):
     @property
     def peer_settings(self) -> dict[str, Any]:
         """What `peers.learn` needs to know of the task."""
-        limits = [self.limits.get(str(use), float("inf")) for use in self.words]
+        limits = [self.limits.get(str(term), float("inf")) for term in self.words]
         return {"scales": self.scales, "one_shot": self.one_shot, "limits": limits}
 
 
 class TwinTeacher:
     """Wants what a trained behavior would do; has a body of its own, which never acts."""
 
-    def __init__(self, repertoire: Repertoire, use: Use, name: str) -> None:
-        self._twin = AutomatonPlayer(repertoire, use, name)
+    def __init__(self, repertoire: Repertoire, term: Term, name: str) -> None:
+        self._twin = AutomatonPlayer(repertoire, term, name)
         self.watched: Any = None
 
     def begin(self, seed: int, episode: int) -> None:
@@ -207,8 +207,8 @@ class TwinTeacher:
 class OneLevelTeacher:
     """Wants what a trained automaton of one level would do, given the values that it reads."""
 
-    def __init__(self, automaton: Automaton, words: Sequence[Use]) -> None:
-        columns = [list(words).index(use) for use in automaton.features]
+    def __init__(self, automaton: Automaton, words: Sequence[Term]) -> None:
+        columns = [list(words).index(term) for term in automaton.features]
         self._columns = columns
         self._labels = (START, *automaton.labels)
         index = {label: i for i, label in enumerate(self._labels)}
@@ -268,9 +268,9 @@ def play_until_over(
         play_on(world, players, between=between, cycles_max=cycles)
 
 
-def uses(text: str) -> tuple[Use, ...]:
+def terms(text: str) -> tuple[Term, ...]:
     """Return uses that are separated by blanks."""
-    return tuple(Use.parse(part) for part in text.split())
+    return tuple(Term.parse(part) for part in text.split())
 
 
 def rule(name: str, states: str, features: str, **choose: Callable[..., str]) -> Automaton:
@@ -281,15 +281,15 @@ def rule(name: str, states: str, features: str, **choose: Callable[..., str]) ->
         states, features: separated by blanks.
         choose: a rule by state; ``rest`` for all others.
     """
-    use = Use.parse(name)
-    read = uses(features)
+    term = Term.parse(name)
+    read = terms(features)
     every = tuple(range(len(read)))
     functions = {}
     for state in (START, *states.split()):
         function = choose.get(state.split("(")[0], choose.get("rest"))
         if function is not None and state not in ("Done", "Failed"):
             functions[state] = HandWritten(function, every)
-    return Automaton(use.name, uses(states), read, functions, use.arguments)
+    return Automaton(term.name, terms(states), read, functions, term.arguments)
 
 
 @cache

@@ -25,7 +25,7 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
 from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
-from hitab_core.use import Use
+from hitab_core.term import Term
 from hitab_world.inprocess import cycle, perform
 from keepaway_world.body import KeeperBody
 from keepaway_world.domain import DOMAIN
@@ -179,7 +179,7 @@ def main(
     body = KeeperBody("keeper_1")
     feature_cache = FeatureCache(body, DOMAIN)
     context = RunContext(repertoire, body, feature_cache, random.Random(1).random)
-    running = performance(context, Use("Keepaway"))
+    running = performance(context, Term("Keepaway"))
     running.start()
 
     def tick_automaton() -> None:

@@ -18,7 +18,7 @@ import yaml
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Bool
-from tasks import library, rule, uses
+from tasks import library, rule, terms
 
 from hitab_bringup import read_swarm, temporary_swarm
 from hitab_client import RosLink
@@ -117,7 +117,7 @@ def robot_rules() -> tuple[Automaton, ...]:
                 "GoAround" if ahead < near else "Done" if distance < 0.4 else "Steer(X)"
             ),
         ),
-        Automaton("Patrol", uses(" ".join([*order, "Done"])), uses("Done"), patrol),
+        Automaton("Patrol", terms(" ".join([*order, "Done"])), terms("Done"), patrol),
     )
 
 

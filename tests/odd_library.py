@@ -17,7 +17,7 @@ from hitab_core import (
     Feature,
     FeatureKind,
     Target,
-    Use,
+    Term,
 )
 from hitab_core.learning import learn_transitions
 
@@ -66,17 +66,17 @@ def odd_library(folder: Path) -> BehaviorLibrary:
     random, library = Random(5), BehaviorLibrary(folder, odd_domain())
 
     def teach(name: str, states: Sequence[str], features: Sequence[str], *parameters: str) -> None:
-        uses = tuple(map(Use.parse, features))
+        terms = tuple(map(Term.parse, features))
         examples: list[Example] = []
         for state in (START, *(state for state in states if state not in ("Done", "Failed"))):
             for _ in range(14):
-                values = tuple(random.choice(VALUES[use.name]) for use in uses)
+                values = tuple(random.choice(VALUES[term.name]) for term in terms)
                 number = len(examples) + 1
                 following = random.choice(states)
                 examples.append(Example(state, values, following, number=number, command=number))
-        learned = learn_transitions(examples, [library.domain.scale_of(use) for use in uses])
-        states_used = tuple(map(Use.parse, states))
-        library.save(Automaton(name, states_used, uses, learned, parameters, tuple(examples)))
+        learned = learn_transitions(examples, [library.domain.scale_of(term) for term in terms])
+        states_used = tuple(map(Term.parse, states))
+        library.save(Automaton(name, states_used, terms, learned, parameters, tuple(examples)))
 
     teach("Inner", ["Go(A, c)", "Sleep", "Done", "Failed"], ["D(A, c)", "SecondsInState"], "A")
     teach(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from random import Random
 from typing import Any
 
-from hitab_core import Automaton, Domain, Repertoire, Target, Use
+from hitab_core import Automaton, Domain, Repertoire, Target, Term
 from hitab_core.running import (
     Change,
     FeatureCache,
@@ -42,10 +42,10 @@ def recorded_domain(domain: Domain) -> Domain:
     """Return a domain whose bodies read a percept by names, and note what is done."""
 
     def reading(name: str) -> Callable[..., float]:
-        return lambda body, *targets: body.percept[str(Use(name, targets))]
+        return lambda body, *targets: body.percept[str(Term(name, targets))]
 
     def noting(what: str, name: str) -> Callable[..., None]:
-        return lambda body, *targets: body.acts.append(f"{what} {Use(name, targets)}")
+        return lambda body, *targets: body.acts.append(f"{what} {Term(name, targets)}")
 
     return replace(
         domain,
@@ -70,7 +70,7 @@ class Replayed:
 def replayed(
     domain: Domain,
     automata: Mapping[str, Automaton],
-    use: Use,
+    term: Term,
     steps: Sequence[Step],
     draw: Callable[[], float],
 ) -> Replayed:
@@ -85,7 +85,7 @@ def replayed(
         taken.add((path_of(running, change), change.source, change.destination))
 
     context = RunContext(repertoire, body, feature_cache, draw, observe=observe)
-    running = performance(context, use)
+    running = performance(context, term)
     assert isinstance(running, RunningAutomaton)
     seen: list[Seen] = []
     for percept, now, begins in steps:
@@ -107,13 +107,13 @@ def path_of(running: RunningAutomaton, change: Change) -> str:
         child = level.child
         assert isinstance(child, RunningAutomaton)
         level = child
-    return str(Use(level.automaton.name, tuple(level.bindings.values())))
+    return str(Term(level.automaton.name, tuple(level.bindings.values())))
 
 
 def all_transitions(hierarchy: Hierarchy) -> set[Taken]:
     """Return every transition that a leaf of a tree can lead to."""
     return {
-        (str(automaton.use), state.label, automaton.states[to].label)
+        (str(automaton.term), state.label, automaton.states[to].label)
         for automaton in hierarchy.automata
         for index, state in enumerate(automaton.states)
         for leaf in state.tree or ()
@@ -158,12 +158,12 @@ def recorded_steps(hierarchy: Hierarchy, domain: Domain, world: Any, players: An
     name = next(iter(players))
     player = players[name]
     feature_cache = FeatureCache(player.body, domain)
-    uses = [Use.parse(feature.label) for feature in hierarchy.features]
+    terms = [Term.parse(feature.label) for feature in hierarchy.features]
     steps: list[Step] = []
     tick = player.tick
 
     def noted() -> None:
-        values = {str(use): _value(feature_cache, use) for use in uses}
+        values = {str(term): _value(feature_cache, term) for term in terms}
         steps.append((values, 0.1 * len(steps), world.episode_cycle == 0 or not steps))
         tick()
 
@@ -171,9 +171,9 @@ def recorded_steps(hierarchy: Hierarchy, domain: Domain, world: Any, players: An
     return steps
 
 
-def _value(feature_cache: FeatureCache, use: Use) -> float:
+def _value(feature_cache: FeatureCache, term: Term) -> float:
     try:
-        return feature_cache.look(use)
+        return feature_cache.look(term)
     except Exception:
         return math.nan
 

@@ -21,7 +21,7 @@ FLOORS = (
 CORE_FLOORS = (
     ("installation", "remedies"),
     ("arrays", "errors", "example", "hierarchy", "seeding", "wording"),
-    ("default_example", "example_codec", "transition_function", "use", "vocabulary"),
+    ("default_example", "example_codec", "term", "transition_function", "vocabulary"),
     ("automaton", "number", "plain_body", "source_file"),
     ("domain",),
     ("action_behavior", "repertoire", "spread"),

@@ -30,7 +30,7 @@ from replays import (
 from foraging_world.world import ForagingWorld
 from hitab_bringup import open_library
 from hitab_client.shipped import shipped
-from hitab_core import BehaviorLibrary, Repertoire, Use
+from hitab_core import BehaviorLibrary, Repertoire, Term
 from hitab_export import exported
 from hitab_export.behavior_tree import BUILT_IN
 from hitab_export.hierarchy_form import Hierarchy, hierarchy_of
@@ -65,7 +65,7 @@ def library(name: str) -> BehaviorLibrary:
 
 @cache
 def hierarchy(name: str, behavior: str) -> Hierarchy:
-    return hierarchy_of(library(name).loaded().repertoire, Use.parse(behavior))
+    return hierarchy_of(library(name).loaded().repertoire, Term.parse(behavior))
 
 
 @cache
@@ -87,8 +87,8 @@ def steps_of(name: str, behavior: str) -> tuple[Step, ...]:
 def engine_of(name: str, behavior: str) -> tuple[Replayed, float]:
     """Return what the engine makes of the percepts, and the first draw that it left."""
     draw, there = draws(behavior), library(name)
-    use = Use.parse(behavior)
-    found = replayed(there.domain, there.load(), use, steps_of(name, behavior), draw.__next__)
+    term = Term.parse(behavior)
+    found = replayed(there.domain, there.load(), term, steps_of(name, behavior), draw.__next__)
     return found, next(draw)
 
 
@@ -99,7 +99,7 @@ def test_the_percepts_lead_through_every_transition_of_a_library(name):
         taken |= engine_of(name, behavior)[0].taken
         there |= all_transitions(hierarchy(name, behavior))
     assert taken == there
-    assert {use.partition("(")[0] for use, _, _ in taken} == set(library(name).files)
+    assert {term.partition("(")[0] for term, _, _ in taken} == set(library(name).files)
 
 
 @pytest.mark.parametrize(("name", "behavior"), BEHAVIORS)
@@ -122,7 +122,7 @@ def test_python_decides_as_the_engine_does(name, behavior):
             acts += [f"stop {before}"] * bool(before)
             before = ""
         if action is not None:
-            before = str(Use(action.name, action.arguments))
+            before = str(Term(action.name, action.arguments))
             acts += [f"start {before}"] * action.started
             acts += [f"pulse {before}"] * (action.started or not action.one_shot)
         assert (robot.path, acts) == expected, f"tick {number}: {percept}"
@@ -254,11 +254,11 @@ def test_behavior_tree_cpp_decides_as_the_engine_does(name, behavior):
 
     # A person reads in the file's head what to register.
     head = text.partition("-->")[0]
-    told = {use: node for node, use in re.findall(r"^  (\w+) = (\w+(?:\([^)]*\))?)", head, re.M)}
-    for use, one_shot in form.basics.items():
-        goes_on = noting(*[f"pulse {use}"] * (not one_shot))
-        starts, stops = noting(f"start {use}", f"pulse {use}"), noting(f"stop {use}")
-        factory.register_simple_stateful_action(told[str(use)], starts, goes_on, stops)
+    told = {term: node for node, term in re.findall(r"^  (\w+) = (\w+(?:\([^)]*\))?)", head, re.M)}
+    for term, one_shot in form.basics.items():
+        goes_on = noting(*[f"pulse {term}"] * (not one_shot))
+        starts, stops = noting(f"start {term}", f"pulse {term}"), noting(f"stop {term}")
+        factory.register_simple_stateful_action(told[str(term)], starts, goes_on, stops)
 
     def draws_one(node: Any) -> Any:
         board.set_double("drawn", next(draw))
@@ -290,12 +290,12 @@ def states_of(form: Hierarchy, board: Any, count: int) -> list[str]:
     """Return the active states by the blackboard, the outermost first."""
     automaton, found = form.top, []
     while len(found) < count:
-        (name,) = identifiers([str(automaton.use)]).values()
+        (name,) = identifiers([str(automaton.term)]).values()
         found.append(board.get_string(f"hitab_{name}_state"))
         active = next(state for state in automaton.states if state.label == found[-1])
         if not active.is_automaton:
             break
-        automaton = next(inner for inner in form.automata if inner.use == active.performs)
+        automaton = next(inner for inner in form.automata if inner.term == active.performs)
     return found
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from hitab_core import Agent, BehaviorLibrary, Use
+from hitab_core import Agent, BehaviorLibrary, Term
 from hitab_core.domain import Domain, load_domain
 from hitab_core.training import Curriculum
 
@@ -59,14 +59,16 @@ class Moving:
 
 def test_a_robot_arrives_at_a_place_from_ten_random_starts(domain, tmp_path):
     agent = Agent("ann", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
-    agent.begin(Curriculum("GoTo", (Use("Near", ("A",)),), parameters=("A",), arguments=("goal",)))
+    agent.begin(
+        Curriculum("GoTo", (Term("Near", ("A",)),), parameters=("A",), arguments=("goal",))
+    )
     robot = Moving(agent, 0.0, 0.0, 0.0)
     robot.perceive()
-    agent.command(Use("DriveTo", ("A",)))
+    agent.command(Term("DriveTo", ("A",)))
     for _ in range(100):  # a late command: it stands there already
         robot.step()
     robot.perceive()
-    agent.command(Use("Done"))
+    agent.command(Term("Done"))
     robot.step()
     agent.save()
     chance = random.Random(7)
@@ -74,7 +76,7 @@ def test_a_robot_arrives_at_a_place_from_ten_random_starts(domain, tmp_path):
         robot = Moving(
             agent, chance.uniform(-3, 3), chance.uniform(-3, 3), chance.uniform(-math.pi, math.pi)
         )
-        agent.perform(Use("GoTo", ("goal",)))
+        agent.perform(Term("GoTo", ("goal",)))
         for _ in range(round(SECONDS / PERIOD)):
             robot.step()
             if "Done" in agent.raised:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from hitab_commander import KIND_FILE, read_kind
 from hitab_commander.commander_domain import commander_domain
-from hitab_core import Automaton, BehaviorLibrary, Repertoire, Use
+from hitab_core import Automaton, BehaviorLibrary, Repertoire, Term
 from hitab_core.domain import load_domain
 from hitab_world.inprocess import AutomatonPlayer
 
@@ -40,7 +40,7 @@ percepts = st.tuples(
 def test_the_trained_robots_do_not_drive_at_what_is_near_whatever_they_do(seen):
     domain = load_domain("irsim_robots.domain:DOMAIN")
     repertoire = Repertoire(replace(domain, automata=trained("robot")))
-    player = AutomatonPlayer(repertoire, Use("Patrol"), "robot_1")
+    player = AutomatonPlayer(repertoire, Term("Patrol"), "robot_1")
     player.begin(1, 0)
     for i, (ahead, beside, x, y, heading) in enumerate(seen):
         scan = [ahead, 0.0, min(ahead, beside), 0.0]

@@ -6,10 +6,11 @@ import subprocess
 from mentions import ROOT
 
 DRAW = """
-from hitab_core import Automaton, Use, draw_automata
+from hitab_core import Automaton, Term, draw_automata
 from hitab_core import HandWritten
 stand = HandWritten(lambda: "Stop", ())
-draw_automata([Automaton("Stand", (Use("Stop"),), (), {"Start": stand, "Stop": stand})], "out.svg")
+stop = Term("Stop")
+draw_automata([Automaton("Stand", (stop,), (), {"Start": stand, "Stop": stand})], "out.svg")
 """
 
 

@@ -17,7 +17,7 @@ from takeovers import HOLD_CYCLES, Takeovers
 from typer.testing import CliRunner
 
 from hitab_client.shipped import shipped
-from hitab_core import START, BehaviorLibrary, FeatureKind, Scale, Use
+from hitab_core import START, BehaviorLibrary, FeatureKind, Scale, Term
 from hitab_core.learning.feature_encoding import encoding_of
 
 SCALES = [Scale(), Scale(FeatureKind.TOROIDAL, 2 * math.pi), Scale(FeatureKind.BOOLEAN)]
@@ -100,7 +100,7 @@ class Walker:
 def test_a_teacher_takes_over_where_the_policy_differs_and_lets_go_again():
     learner = Learner("nearest", {"scales": [Scale()], "options": OPTIONS["nearest"][0]})
     takeovers = Takeovers(learner, BEHAVIORS, budget=2)
-    functions = takeovers.pupil("Walk", [Use("Distance")], Walker()).transitions
+    functions = takeovers.pupil("Walk", [Term("Distance")], Walker()).transitions
     choose = functions["Stop"].choose
     assert choose(9.0) == "GoFast"
     assert [given.behavior for given in takeovers.commands] == ["GoFast"]

@@ -9,7 +9,7 @@ from foraging_world.domain import DOMAIN
 from foraging_world.parameters import ForagingParameters
 from foraging_world.world import ForagingWorld
 from hitab_core.running.feature_cache import resolved
-from hitab_core.use import Use
+from hitab_core.term import Term
 from hitab_world.world import Placement
 
 
@@ -70,12 +70,12 @@ def act():
     """Return what foragers do who perform a basic behavior, such as ``Attach(closest_box)``."""
 
     def once(world, behavior, *names):
-        use = Use.parse(behavior)
+        term = Term.parse(behavior)
         actions = {}
         for name in names:
             body = ForagerBody(name)
             body.sense(*world.percept(name))
-            resolved(DOMAIN.behaviors[use.name].pulse, body, DOMAIN, use)()
+            resolved(DOMAIN.behaviors[term.name].pulse, body, DOMAIN, term)()
             actions[name] = body.act()
         return actions
 
@@ -87,10 +87,10 @@ def sensed():
     """Return the value of a feature for a forager now: ``sensed(world, name, "Holds(home)")``."""
 
     def value(world, name, feature):
-        use = Use.parse(feature)
+        term = Term.parse(feature)
         body = ForagerBody(name)
         body.sense(*world.percept(name))
-        return resolved(DOMAIN.features[use.name].read, body, DOMAIN, use)()
+        return resolved(DOMAIN.features[term.name].read, body, DOMAIN, term)()
 
     return value
 

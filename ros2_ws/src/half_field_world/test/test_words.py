@@ -8,7 +8,7 @@ from half_field_world.body import GOAL, SPOT, AttackerBody
 from half_field_world.domain import DOMAIN
 from half_field_world.game import half_field
 from half_field_world.parameters import HalfFieldParameters
-from hitab_core import Repertoire, Use
+from hitab_core import Repertoire, Term
 from hitab_world.inprocess import AutomatonPlayer, PolicyPlayer, play_on
 from hitab_world.world import Placement
 
@@ -113,6 +113,6 @@ def test_wings_are_on_the_balls_side_and_on_the_other(scene):
 
 def test_keepers_words_work_for_attackers(scene):
     world = scene(attacker_1=(0.0, 0.0, 2.0), ball=(4.0, 3.0))
-    player = AutomatonPlayer(Repertoire(DOMAIN), Use("ServoBall"), "attacker_1")
+    player = AutomatonPlayer(Repertoire(DOMAIN), Term("ServoBall"), "attacker_1")
     play_on(world, {"attacker_1": player}, cycles_max=30)
     assert seeing(world).ball_is_kickable

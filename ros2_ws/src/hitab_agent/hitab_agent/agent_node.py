@@ -41,7 +41,7 @@ from hitab_core import (
 )
 from hitab_core.orders import Subordinate
 from hitab_ros import names
-from hitab_ros.conversions import use_of
+from hitab_ros.conversions import term_of
 from hitab_ros.diagnostics import Diagnosis
 from hitab_ros.stamps import seconds_of
 
@@ -137,13 +137,13 @@ class AgentNode(AgentBase):
         """
         if not behavior:
             return
-        use = None
+        term = None
         try:
-            use = use_of(behavior, ())
-            self.agent.perform(use)
+            term = term_of(behavior, ())
+            self.agent.perform(term)
         except HitabError as error:
             if isinstance(error, LostBehaviorError):
-                self.agent.pending_behavior = use
+                self.agent.pending_behavior = term
             self._start_error = (
                 f'{self.agent_name} is idle: it cannot perform its start behavior "{behavior}": '
                 f"{error.problem}; have it perform something else, or give it the behavior"

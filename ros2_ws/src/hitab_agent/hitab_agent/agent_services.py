@@ -22,9 +22,9 @@ from hitab_core import (
     LibraryError,
     Mode,
     Request,
+    Term,
     TrainingError,
     TrainingSession,
-    Use,
     has,
     quantity,
     unknown,
@@ -39,7 +39,7 @@ from hitab_ros.conversions import (
     feature_message,
     number_messages,
     remedy_messages,
-    use_of,
+    term_of,
 )
 
 
@@ -188,12 +188,12 @@ class AgentServices:
             case edits.DELETE:
                 session.delete(request.numbers)
             case edits.RELABEL:
-                session.relabel(request.numbers, Use.parse(request.next_state))
+                session.relabel(request.numbers, Term.parse(request.next_state))
                 did = f"{session.log.history.done[-1]}; "
             case edits.RETIME:
                 session.retime(request.numbers, request.ago)
             case edits.FEATURES:
-                session.choose_features(list(map(Use.parse, request.features)))
+                session.choose_features(list(map(Term.parse, request.features)))
             case action:
                 raise TrainingError(f"there is no action {action}; see EditExamples.srv")
         count = quantity(len(session.log), "example")
@@ -254,7 +254,7 @@ class AgentServices:
         response.digest = self._agent.loaded.files[automaton.name].checksum
         response.trimmed = trimmed
         response.replaced = replaced
-        saved = Use(automaton.name, automaton.parameters)
+        saved = Term(automaton.name, automaton.parameters)
         done = f'saved "{saved}" with {quantity(len(automaton.examples), "example")}'
         done += f"; {replaced}" if replaced else ""
         done += f"; it had {open_ones}" if open_ones else ""
@@ -268,14 +268,14 @@ class AgentServices:
         return done
 
     def _perform(self, request: srv.Perform.Request, response: Any) -> str:
-        use = use_of(request.behavior, request.arguments) if request.behavior else None
-        return self._perform_instead(response, use)
+        term = term_of(request.behavior, request.arguments) if request.behavior else None
+        return self._perform_instead(response, term)
 
-    def _perform_instead(self, response: Any, use: Use | None) -> str:
+    def _perform_instead(self, response: Any, term: Term | None) -> str:
         """Make the agent perform a behavior; report what becomes of a training under way."""
         agent = self._agent
-        agent.perform(use)
-        done = f"{agent.name} performs {use or 'nothing'}"
+        agent.perform(term)
+        done = f"{agent.name} performs {term or 'nothing'}"
         if agent.session is None:
             return done
         response.remedies = remedy_messages([Fix.RESUME(agent=agent.name)])
@@ -312,17 +312,19 @@ class AgentServices:
         response.signature = domain.signature
         response.behaviors = [
             msg.Behavior(
-                name=str(Use(b.name, b.parameters)),
-                description="; ".join([b.description, *map(str, domain.numbers_of(Use(b.name)))]),
+                name=str(Term(b.name, b.parameters)),
+                description="; ".join([b.description, *map(str, domain.numbers_of(Term(b.name)))]),
                 trained=b.name in agent.loaded.files,
                 one_shot=isinstance(b, BasicBehavior) and b.one_shot,
-                numbers=number_messages(domain.numbers_of(Use(b.name))),
+                numbers=number_messages(domain.numbers_of(Term(b.name))),
             )
             for b in behaviors
         ]
-        words = [(Use(f.name, f.parameters), f) for f in features]
-        words += [(use, domain.feature(use.name)) for use in OWN_FEATURES if use.name not in FLAGS]
-        response.features = [feature_message(str(use), feature) for use, feature in words]
+        words = [(Term(f.name, f.parameters), f) for f in features]
+        words += [
+            (term, domain.feature(term.name)) for term in OWN_FEATURES if term.name not in FLAGS
+        ]
+        response.features = [feature_message(str(term), feature) for term, feature in words]
         response.targets = sorted(domain.targets)
         return response
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from hitab_msgs import msg
 
-from hitab_core import Automaton, Domain, HitabError, TrainingSession, TransitionTree, Use
+from hitab_core import Automaton, Domain, HitabError, Term, TrainingSession, TransitionTree
 from hitab_core.assistant import Question
 from hitab_core.learning import (
     TREE,
@@ -39,11 +39,11 @@ def automaton_message(automaton: Automaton, domain: Domain, **more: Any) -> msg.
         with_numbers=[
             msg.Behavior(name=name, numbers=number_messages(numbers))
             for name in sorted({state.name for state in automaton.states})
-            if (numbers := domain.numbers_of(Use(name)))
+            if (numbers := domain.numbers_of(Term(name)))
         ],
         features=[
-            feature_message(str(use), domain.feature(use.name), domain.scale_of(use))
-            for use in automaton.features
+            feature_message(str(term), domain.feature(term.name), domain.scale_of(term))
+            for term in automaton.features
         ],
         readable=list(map(str, automaton.readable)),
         examples=list(map(example_message, automaton.examples)),
@@ -61,7 +61,7 @@ def training_message(session: TrainingSession, domain: Domain) -> msg.Automaton:
     curriculum, examples = session.curriculum, session.examples
     automaton = Automaton(
         curriculum.name,
-        tuple(map(Use.parse, session.states)),
+        tuple(map(Term.parse, session.states)),
         curriculum.features,
         _learned(session, domain),
         curriculum.parameters,
@@ -84,7 +84,7 @@ def _learned(session: TrainingSession, domain: Domain) -> Any:
     curriculum = session.curriculum
     if ClassifierSpec.parse(curriculum.classifier).name != TREE:
         return {}
-    scales = [domain.scale_of(use) for use in curriculum.features]
+    scales = [domain.scale_of(term) for term in curriculum.features]
     names = list(map(str, curriculum.features))
     try:
         return learn_transitions(session.examples, scales, curriculum.classifier, names)

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any
 
 from hitab_agent.scheduler import Job, in_background
-from hitab_core import BehaviorLibrary, HitabError, Use
+from hitab_core import BehaviorLibrary, HitabError, Term
 from hitab_core.library import (
     Bundle,
     LibraryReader,
@@ -69,7 +69,7 @@ class BundleInstall:
         self,
         sequence: int,
         bundle: Bundle,
-        start: Use | None,
+        start: Term | None,
         receivers: Iterable[Any],
         taken_in: TakenIn,
     ) -> None:

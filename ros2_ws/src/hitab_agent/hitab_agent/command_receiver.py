@@ -10,7 +10,7 @@ from hitab_agent.agent_base import AgentBase
 from hitab_core import Fix, Given, Request, TrainingError, some
 from hitab_ros import RecentRequests, names, qos
 from hitab_ros.checks import check
-from hitab_ros.conversions import use_of
+from hitab_ros.conversions import term_of
 from hitab_ros.plain_text import plain
 
 DEMONSTRATOR_MAX = 200  # characters of a demonstrator's name; a longer one is shortened
@@ -56,15 +56,15 @@ class CommandReceiver:
             if refusal is None:
                 refusal = ()
                 check(command)
-                use = use_of(command.behavior, command.targets)
+                term = term_of(command.behavior, command.targets)
                 stop = node.stop
-                if stop is not None and stop.why and not agent.repertoire.stands_still(use):
+                if stop is not None and stop.why and not agent.repertoire.stands_still(term):
                     # The example would record something that the robot did not do.
                     raise TrainingError(stop.why, Fix.ARM(robot=agent.name))
                 request = Request(status.demonstrator, command.sequence)
                 asked_by = request if request.number else None
                 given = Given(0, command.ago, command.seen, command.pace, asked_by)
-                taught = agent.command(use, given, unrecorded=command.unrecorded)
+                taught = agent.command(term, given, unrecorded=command.unrecorded)
                 status.left = taught[0].state if taught else ""
         except Exception as error:
             refusal = (error,)

@@ -16,11 +16,11 @@ from hitab_msgs import msg, srv
 from hitab_agent.agent_base import AgentBase
 from hitab_agent.bundle_install import BundleInstall
 from hitab_agent.scheduler import JobQueue
-from hitab_core import Use, VocabularyError, quantity
+from hitab_core import Term, VocabularyError, quantity
 from hitab_core.library import Bundle, make_bundle
 from hitab_ros import GuardedNode, names, qos
 from hitab_ros.answering import answering
-from hitab_ros.conversions import use_of
+from hitab_ros.conversions import term_of
 
 
 class Distributions:
@@ -51,7 +51,7 @@ class Distributions:
         ]
         if meant:
             bundle = Bundle(tuple((f.name, f.text) for f in sent.files), sent.digest)
-            start = Use(sent.behavior, tuple(sent.arguments)) if sent.start else None
+            start = Term(sent.behavior, tuple(sent.arguments)) if sent.start else None
             self._jobs.do(BundleInstall(sent.sequence, bundle, start, meant, self._taken_in).job())
 
     def _taken_in(self, node: AgentBase, sequence: int, digest: str, error: str) -> None:
@@ -83,17 +83,17 @@ class Distributions:
         response: srv.Distribute.Response,
     ) -> str:
         agent = node.agent
-        use = use_of(request.behavior, request.arguments)
-        agent.check_saved(use.name)
+        term = term_of(request.behavior, request.arguments)
+        agent.check_saved(term.name)
         if request.start:
-            agent.repertoire.check_state(use)
-        agent.repertoire.get(use.name)  # unless it is unknown or lost
-        if use.name not in agent.loaded.files:
+            agent.repertoire.check_state(term)
+        agent.repertoire.get(term.name)  # unless it is unknown or lost
+        if term.name not in agent.loaded.files:
             raise VocabularyError(
-                f'"{use.name}" does not need to be sent: it comes with domain '
+                f'"{term.name}" does not need to be sent: it comes with domain '
                 f'"{agent.domain.name}", which its agents have'
             )
-        bundle = make_bundle(agent.loaded.texts, agent.repertoire, use.name)
+        bundle = make_bundle(agent.loaded.texts, agent.repertoire, term.name)
         # The time of day makes the number unique in the swarm, whichever agents distribute. A
         # node's clock may be simulated, and simulated time stands still in a paused world.
         response.sequence, response.digest = time.time_ns(), bundle.digest
@@ -102,8 +102,8 @@ class Distributions:
                 sequence=response.sequence,
                 source=agent.name,
                 receivers=list(request.receivers),
-                behavior=use.name,
-                arguments=list(use.arguments),
+                behavior=term.name,
+                arguments=list(term.arguments),
                 digest=bundle.digest,
                 files=[msg.BehaviorFile(name=n, text=t) for n, t in bundle.files],
                 start=request.start,

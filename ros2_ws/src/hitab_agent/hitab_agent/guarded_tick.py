@@ -98,7 +98,7 @@ class GuardedTick:
 def failing(agent: Agent) -> str:
     """Return which features the domain fails to read, and why; empty if it reads all."""
     raised = agent.context.feature_cache.failing().items()
-    failures = each_once((str(use), what_went_wrong(error)) for use, error in raised)
+    failures = each_once((str(term), what_went_wrong(error)) for term, error in raised)
     way_out = "correct the domain and start the agent again"
     return f"cannot read {'; '.join(failures)}; {way_out}" if failures else ""
 

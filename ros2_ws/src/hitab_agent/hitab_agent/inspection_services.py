@@ -13,8 +13,8 @@ from hitab_core import (
     FLAGS,
     Agent,
     BasicBehavior,
+    Term,
     TrainingError,
-    Use,
 )
 from hitab_core.library import difference
 from hitab_core.running import live_features
@@ -36,7 +36,7 @@ class InspectionServices:
     def _read_features(
         self, request: srv.ReadFeatures.Request, answer: srv.ReadFeatures.Response
     ) -> srv.ReadFeatures.Response:
-        agent, also = self._agent, [Use.parse(text) for text in request.also]
+        agent, also = self._agent, [Term.parse(text) for text in request.also]
         readings = live_features(agent.running, agent.context, also)
         answer.readings = [
             msg.Reading(automaton=automaton, feature=feature, value=value)
@@ -69,7 +69,7 @@ class InspectionServices:
         answer.origin = Origin.TRAINING
         classifier = session.curriculum.classifier
         if request.with_features:
-            chosen = list(map(Use.parse, request.with_features))
+            chosen = list(map(Term.parse, request.with_features))
             answer.automaton = automaton_message(
                 session.with_features(chosen), domain, classifier=classifier
             )

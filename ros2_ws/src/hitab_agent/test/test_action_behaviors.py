@@ -32,7 +32,7 @@ from hitab_core import (
     HandWritten,
     HitabError,
     Target,
-    Use,
+    Term,
     calls_of,
     feedback_feature,
 )
@@ -72,8 +72,8 @@ def domain(**changes: Any) -> Domain:
         automata=[
             Automaton(
                 name,
-                (Use("GoTo", ("home",)), Use("Rest"), Use("Cry")),
-                (Use("X"), Use("Done"), Use("Failed")),
+                (Term("GoTo", ("home",)), Term("Rest"), Term("Cry")),
+                (Term("X"), Term("Done"), Term("Failed")),
                 dict.fromkeys((START, "GoTo(home)"), function) | {"Rest": choose},
             )
             for name, function in (("Walk", choose), ("Stay", stay))
@@ -163,9 +163,9 @@ def make(start: Any, serve: Callable[[], Robot]) -> Any:
 def going(make: Any) -> Any:
     """One that performs what a test says, whose server has taken the goal."""
 
-    def gone(use: Use, **more: Any) -> Any:
+    def gone(term: Term, **more: Any) -> Any:
         one, server = make(**more)
-        one.agent.perform(use)
+        one.agent.perform(term)
         one.perceive()
         one.process.until(lambda: server.goals and call_of(one).accepted)
         return one, server
@@ -181,7 +181,7 @@ def perceives_until(one: Any, *path: str) -> None:
     one.process.until(lambda: one.perceive() == [*path])
 
 
-WALK, STAY, HOME = Use("Walk"), Use("Stay"), Use("GoTo", ("home",))
+WALK, STAY, HOME = Term("Walk"), Term("Stay"), Term("GoTo", ("home",))
 
 
 def test_entering_sends_the_goal_and_success_raises_done(going):
@@ -202,7 +202,7 @@ def test_a_goal_that_the_server_aborts_raises_failed_and_the_status_says_why(goi
     told = f'one: "GoTo(home)" failed: /one/drive ({KIND}) aborted the goal '
     assert one.status.faults[0].startswith(told)
     assert "the door is shut" in one.status.faults[0]
-    one.agent.perform(Use("Rest"))  # what is past is no fault
+    one.agent.perform(Term("Rest"))  # what is past is no fault
     one.node.status.publish()
     assert one.faults == ""
 
@@ -210,7 +210,7 @@ def test_a_goal_that_the_server_aborts_raises_failed_and_the_status_says_why(goi
 def test_a_goal_that_the_server_rejects_raises_failed(make):
     one, server = make()
     server.accepts = False
-    one.agent.perform(Use("Walk"))
+    one.agent.perform(Term("Walk"))
     perceives_until(one, "Cry")
     assert "rejected the goal" in one.faults
 
@@ -238,7 +238,7 @@ def test_a_late_result_of_the_old_goal_says_nothing_of_the_new_one(make):
     one.perceive()
     one.process.until(lambda: server.goals)
     one.perceive()
-    one.agent.perform(Use("GoTo", ("away",)))
+    one.agent.perform(Term("GoTo", ("away",)))
     one.perceive()
     one.process.until(lambda: len(server.goals) == 2)
     server.end(0, "succeed")
@@ -255,7 +255,7 @@ def test_a_late_result_of_the_old_goal_says_nothing_of_the_new_one(make):
 
 def test_a_server_gets_the_next_goal_when_it_has_ended_the_canceled_one(going):
     one, server = going(HOME)
-    one.agent.perform(Use("GoTo", ("away",)))
+    one.agent.perform(Term("GoTo", ("away",)))
     one.perceive()
     one.process.until(lambda: server.goals[0].is_cancel_requested)
     one.perceive()
@@ -268,7 +268,7 @@ def test_a_server_gets_the_next_goal_when_it_has_ended_the_canceled_one(going):
 
 def test_the_absence_of_a_server_raises_failed_after_a_while(make):
     one, _ = make(alone=True, action_timeout=0.3)
-    one.agent.perform(Use("Walk"))
+    one.agent.perform(Term("Walk"))
     assert one.perceive() == ["GoTo(home)"]
     perceives_until(one, "Cry")
     assert f"/one/drive ({KIND}) has no server: none appeared within 0.3 s" in one.faults
@@ -276,7 +276,7 @@ def test_the_absence_of_a_server_raises_failed_after_a_while(make):
 
 def test_a_server_that_comes_late_gets_the_goal(make, serve):
     one, _ = make(alone=True)
-    one.agent.perform(Use("Walk"))
+    one.agent.perform(Term("Walk"))
     one.perceive()
     one.perceive()
     server = serve()
@@ -317,7 +317,7 @@ def test_feedback_is_a_feature_of_the_state_that_it_belongs_to(make):
     server.goals[0].publish_feedback(Perform.Feedback(cycle=3, active_path=["a", "b"]))
     one.process.until(lambda: call_of(one).feedback)
     assert (steps(body), depth(body)) == (3.0, 2.0)
-    one.agent.perform(Use("Rest"))
+    one.agent.perform(Term("Rest"))
     assert depth(body) == 0.0
 
 
@@ -371,7 +371,7 @@ def test_a_stop_cancels_the_goal_and_it_is_sent_anew_once_the_robot_is_re_armed(
 def test_a_server_that_refuses_to_cancel_is_named_and_the_robot_does_not_stand_still(make):
     one, server = make()
     server.cancels = False
-    one.agent.perform(Use("Stay"))
+    one.agent.perform(Term("Stay"))
     one.perceive()
     one.process.until(lambda: server.goals and call_of(one).accepted)
     hold(one, "stopped: a dog")

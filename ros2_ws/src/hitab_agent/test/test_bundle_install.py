@@ -22,8 +22,8 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import Bundle, make_bundle
 from hitab_core.library.durable_files import locked
 from hitab_core.mode import Mode
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 from hitab_ros import names, qos
 
 SIZE = 30
@@ -48,10 +48,10 @@ def taught(folder: Path, name: str, *states: str, parameters: tuple[str, ...] = 
     """Return a bundle of a behavior and of what it is made of, taught to some agent."""
     teacher = Agent("teacher", DOMAIN, BehaviorLibrary(folder, DOMAIN))
     arguments = ("ball",) * len(parameters)
-    teacher.begin(Curriculum(name, (Use("x"),), (), parameters, arguments), discard=True)
+    teacher.begin(Curriculum(name, (Term("x"),), (), parameters, arguments), discard=True)
     for x, state in enumerate(states):
         teacher.sense([float(x)], [])
-        teacher.command(Use.parse(state))
+        teacher.command(Term.parse(state))
     teacher.save()
     return make_bundle(teacher.loaded.texts, teacher.repertoire, name)
 
@@ -172,7 +172,7 @@ def test_what_is_distributed_is_read_and_learned_once_and_written_once_per_libra
     for agent in host.agents:
         again = BehaviorLibrary(agent.library.folder, DOMAIN)
         assert again.texts() == dict(high.files)
-        agent.perform(Use("High"))
+        agent.perform(Term("High"))
 
 
 def test_what_is_acknowledged_is_in_every_library_whoever_reads_it_and_in_every_status(
@@ -281,7 +281,7 @@ def test_whoever_performs_what_would_not_fit_keeps_what_it_knew_and_says_so(host
     host.send(taught(tmp_path / "teacher", "Go", "Near(A)", parameters=("A",)))
     host.answers()
     busy = host.agents[3]
-    busy.perform(Use("Go", ("ball",)))
+    busy.perform(Term("Go", ("ball",)))
     before = busy.loaded
     other = taught(tmp_path / "teacher", "Go", "Left")
     host.send(other)
@@ -343,9 +343,9 @@ def test_a_library_that_somebody_else_holds_is_waited_for_and_holds_up_no_cycle(
 def test_a_save_while_a_distribution_is_under_way_loses_neither(host, tmp_path):
     low = taught(tmp_path / "teacher", "Low", "Left")
     saver = host.agents[-1]
-    saver.begin(Curriculum("Own", (Use("x"),)))
+    saver.begin(Curriculum("Own", (Term("x"),)))
     saver.sense([1.0], [])
-    saver.command(Use("Right"))
+    saver.command(Term("Right"))
     first = host.agents[0]
     take_up = first.take_up
 
@@ -387,9 +387,9 @@ def test_who_fails_at_a_distribution_does_not_keep_it_from_the_others(process, s
 
 def test_distributions_are_told_apart_while_simulated_time_stands_still(start):
     one = start(DOMAIN, use_sim_time=True)
-    one.agent.begin(Curriculum("Low", (Use("x"),)))
+    one.agent.begin(Curriculum("Low", (Term("x"),)))
     one.perceive()
-    one.agent.command(Use("Left"))
+    one.agent.command(Term("Left"))
     one.agent.save()
     sent = [one.ask(srv.Distribute, names.DISTRIBUTE, behavior="Low") for _ in range(2)]
     assert 0 < sent[0].sequence < sent[1].sequence

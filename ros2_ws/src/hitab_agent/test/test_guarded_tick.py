@@ -8,7 +8,7 @@ from pathlib import Path
 from bodies import UnseeingBody
 
 from hitab_agent.guarded_tick import TICK, VALUES, GuardedTick
-from hitab_core import Agent, BehaviorLibrary, Domain, Feature, Use
+from hitab_core import Agent, BehaviorLibrary, Domain, Feature, Term
 from hitab_core.domain import BasicBehavior
 from hitab_core.training import Curriculum
 from hitab_ros.guard import Guard
@@ -27,10 +27,10 @@ def trained(folder: Path, *, required: bool = False) -> tuple[Agent, Guard, Guar
         features=[Feature("X", lambda body: body.values[0], required=required)],
     )
     agent = Agent("one", domain, BehaviorLibrary(folder / "library", domain), folder)
-    agent.begin(Curriculum("T", (Use("X"),)))
+    agent.begin(Curriculum("T", (Term("X"),)))
     for x, behavior in ((1.0, "Go"), (9.0, "Wait"), (1.0, "Go")):
         agent.sense([x], [])
-        agent.command(Use(behavior))
+        agent.command(Term(behavior))
     agent.test()
     guard = Guard(lambda text: None)
     return agent, guard, GuardedTick(agent, guard)
@@ -55,7 +55,7 @@ def test_a_missing_value_is_no_fault_of_what_is_performed_next(tmp_path: Path) -
     tick.act()
     tick.clear_if_past()
     assert list(guard.faults.by_key) == [VALUES]
-    agent.perform(Use("Wait"))
+    agent.perform(Term("Wait"))
     tick.clear_if_past()
     assert not guard.faults
     tick.act()

@@ -12,8 +12,8 @@ from hitab_agent.host_resources import HostResources
 from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.learning.transition_tree import TransitionTree
+from hitab_core.term import Term
 from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
 from hitab_ros import names, qos
 
 SIZE = 10
@@ -49,8 +49,8 @@ def _domain(behavior: str) -> Domain:
         automata=[
             Automaton(
                 behavior,
-                (Use("Go"), Use("Wait")),
-                (Use("X"),),
+                (Term("Go"), Term("Wait")),
+                (Term("X"),),
                 {START: chooses, "Go": chooses, "Wait": chooses},
             )
         ],
@@ -187,7 +187,7 @@ def test_watching_a_host_reads_nothing_and_ends_nothing_where_a_feature_is_broke
     learned = TransitionTree().fit([[-1.0, 0.0], [1.0, 0.0]], ["Wait", "Go"])
     choose = replace(
         made.automata["Choose"],
-        features=(Use("X"), Use("Broken")),
+        features=(Term("X"), Term("Broken")),
         transitions=dict.fromkeys((START, "Go", "Wait"), learned),
     )
     features = {**made.features, "Broken": Feature("Broken", broken)}

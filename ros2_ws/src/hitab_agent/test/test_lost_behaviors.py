@@ -14,8 +14,8 @@ from hitab_agent.host_resources import HostResources
 from hitab_agent.restart_memory import RestartMemory
 from hitab_core import BehaviorLibrary
 from hitab_core.domain import BasicBehavior, Domain, Feature
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 from hitab_ros import names
 
 DOMAIN = Domain.of(
@@ -61,10 +61,10 @@ def walkers(process: Any, tmp_path: Path, start: Any) -> Walkers:
 
 
 def teach(node: AgentNode, name: str, *states: str) -> None:
-    node.agent.begin(Curriculum(name, (Use("X"),)))
+    node.agent.begin(Curriculum(name, (Term("X"),)))
     node.agent.sense([0.0], [])
     for state in states:
-        node.agent.command(Use(state))
+        node.agent.command(Term(state))
     node.agent.save()
 
 

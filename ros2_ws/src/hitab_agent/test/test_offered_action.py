@@ -12,7 +12,7 @@ from hitab_msgs import msg, srv
 from hitab_msgs.action import Perform
 from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 
-from hitab_core import START, Automaton, BasicBehavior, Domain, Feature, HandWritten, Target, Use
+from hitab_core import START, Automaton, BasicBehavior, Domain, Feature, HandWritten, Target, Term
 from hitab_ros import GuardedNode, names, qos
 
 _choose = HandWritten(
@@ -28,8 +28,8 @@ DOMAIN = Domain.of(
     automata=[
         Automaton(
             "Walk",
-            (Use("Go"), Use("Wait"), Use("Done"), Use("Failed")),
-            (Use("X"),),
+            (Term("Go"), Term("Wait"), Term("Done"), Term("Failed")),
+            (Term("X"),),
             dict.fromkeys((START, "Go", "Wait"), _choose),
         )
     ],
@@ -124,7 +124,7 @@ def test_a_new_goal_replaces_the_one_before(one):
     _, second = one.ask("Go")
     aborted = (GoalStatus.STATUS_ABORTED, "replaced", '"Go" was asked for')
     assert one.come_of(first) == aborted
-    one.agent.perform(Use("Wait"))
+    one.agent.perform(Term("Wait"))
     one.tick(0.0)
     replaced = (GoalStatus.STATUS_ABORTED, "replaced", 'one is performing "Wait"')
     assert one.come_of(second) == replaced

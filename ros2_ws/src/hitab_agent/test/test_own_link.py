@@ -9,7 +9,7 @@ from bodies import Body
 from hitab_msgs import msg, srv
 
 from hitab_agent.agent_node import AgentNode
-from hitab_core import BasicBehavior, Domain, Feature, HitabError, Use
+from hitab_core import BasicBehavior, Domain, Feature, HitabError, Term
 from hitab_core.training import Curriculum
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names, qos
 
@@ -53,7 +53,7 @@ class Robot:
         desk.create_subscription(msg.StopState, topic, self.states.append, qos.STREAM)
         self.arming = desk.create_client(srv.Arm, f"/one/{names.ARM}")
         self.switch = EmergencySwitch(desk)
-        self.node.agent.perform(Use("Go"))
+        self.node.agent.perform(Term("Go"))
 
     def drives(self, x: float = 1.0) -> bool:
         """Whether the link's last action drives."""
@@ -100,7 +100,7 @@ def test_an_agent_that_could_not_act_acts_only_once_re_armed(robot, monkeypatch)
 
 def test_what_is_commanded_before_it_is_re_armed_is_refused_with_the_way_out(robot):
     one = robot.one
-    one.agent.begin(Curriculum("Drive", (Use("X"),)))
+    one.agent.begin(Curriculum("Drive", (Term("X"),)))
     robot.drives()
     one.command("Go")
     assert one.status.last_error.startswith("waits to be armed: it has just started")

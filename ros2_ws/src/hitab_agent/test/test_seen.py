@@ -24,8 +24,8 @@ from hitab_core import (
     Example,
     Feature,
     HitabError,
+    Term,
     TransitionTree,
-    Use,
 )
 from hitab_ros import names
 from hitab_ros.diagnostics import STATUSES_MAX, Diagnosis, Level, shown
@@ -37,8 +37,8 @@ def _automaton() -> Automaton:
     states = (START, "Go", "Wait")
     return Automaton(
         "Choose",
-        (Use("Go"), Use("Wait")),
-        (Use("X"),),
+        (Term("Go"), Term("Wait")),
+        (Term("X"),),
         dict.fromkeys(states, tree),
         examples=tuple(Example(state, (x,), after) for state in states for x, after in shown),
     )

@@ -10,7 +10,7 @@ from hitab_msgs import msg
 
 from hitab_agent.scheduler import Scheduler
 from hitab_agent.training_topic import TrainingTopic
-from hitab_core import Agent, BehaviorLibrary, Use, plain_domain
+from hitab_core import Agent, BehaviorLibrary, Term, plain_domain
 from hitab_core.training import Curriculum
 from hitab_ros import names, qos
 
@@ -28,7 +28,7 @@ class Trained:
         self.topic.offer()
 
     def begin(self) -> Any:
-        self.agent.begin(Curriculum("Shuttle", (Use("Position"), Use("Speed"))))
+        self.agent.begin(Curriculum("Shuttle", (Term("Position"), Term("Speed"))))
         self.show((0.0, "Right"), (5.0, "Left"), (0.0, "Right"), (5.0, "Right"))
         return self.agent.session
 
@@ -36,7 +36,7 @@ class Trained:
         for position, behavior in commands:
             cycle = self.agent.cycle + 1
             self.agent.sense([position, position**2], [], cycle, cycle * 0.1)
-            self.agent.command(Use(behavior))
+            self.agent.command(Term(behavior))
             self.agent.tick()
 
     def subscribe(self) -> None:
@@ -95,7 +95,7 @@ def test_who_decides_is_another_revision_of_which_the_questions_are_known(
 def test_a_loop_in_what_was_learned_is_published_with_what_would_mend_it(
     trained: Trained,
 ) -> None:
-    trained.agent.begin(Curriculum("Shuttle", (Use("Position"), Use("Speed"))))
+    trained.agent.begin(Curriculum("Shuttle", (Term("Position"), Term("Speed"))))
     trained.show((0.0, "Right"), (5.0, "Left"), (5.0, "Right"))
     trained.subscribe()
     (remark,) = trained.until(lambda it: it.remarks).remarks

@@ -18,7 +18,15 @@ from hitab_bringup.swarm_files.swarm_description import (
 from hitab_client.run_folder import RunFolder
 from hitab_commander import CommanderKind
 from hitab_commander.commander_domain import commander_domain
-from hitab_core import BehaviorLibrary, HitabError, LibraryError, Repertoire, Use, has, load_domain
+from hitab_core import (
+    BehaviorLibrary,
+    HitabError,
+    LibraryError,
+    Repertoire,
+    Term,
+    has,
+    load_domain,
+)
 
 UNTRAINED = "nothing"
 _VERSION = re.compile(r"(\w+)@(\d+)")
@@ -36,7 +44,7 @@ class CastMember:
     """
 
     repertoire: Repertoire
-    behavior: Use | None
+    behavior: Term | None
     opened: BehaviorLibrary | None = None
     versions: Mapping[str, int] = field(default_factory=dict)
 
@@ -61,12 +69,12 @@ def part_of(
     Raises:
         LibraryError: if the library cannot be used, or has no such behavior or version.
     """
-    use = Use.parse(behavior) if behavior else None
+    term = Term.parse(behavior) if behavior else None
     if library is None:
         repertoire = Repertoire(load_domain(domain))
-        if use is not None:
-            repertoire.check_performable(use)
-        return CastMember(repertoire, use)
+        if term is not None:
+            repertoire.check_performable(term)
+        return CastMember(repertoire, term)
     opened = (
         open_library(library) if kind is None else BehaviorLibrary(library, commander_domain(kind))
     )
@@ -75,12 +83,12 @@ def part_of(
     for name, number in versions.items():
         automata[name] = opened.on_disk.version(name, number).automaton
     repertoire = Repertoire(opened.domain, automata)
-    if use is not None:
-        if use.name not in repertoire:
+    if term is not None:
+        if term.name not in repertoire:
             there = [*automata, *opened.domain.automata]
-            raise LibraryError(f'{library}: has no behavior "{use.name}" {has(there, use.name)}')
-        repertoire.check_performable(use)
-    return CastMember(repertoire, use, opened, versions)
+            raise LibraryError(f'{library}: has no behavior "{term.name}" {has(there, term.name)}')
+        repertoire.check_performable(term)
+    return CastMember(repertoire, term, opened, versions)
 
 
 class Cast:

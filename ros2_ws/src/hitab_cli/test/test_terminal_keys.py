@@ -41,7 +41,7 @@ def test_no_text_is_too_strange(text):
     assert text.endswith(rest)
 
 
-def use(screen: int, terminal: int) -> None:
+def term(screen: int, terminal: int) -> None:
     """Press keys, and fail."""
     before = termios.tcgetattr(terminal)
     with TerminalKeys(terminal) as keys:
@@ -59,7 +59,7 @@ def test_a_terminal_is_left_as_it_was_found_whatever_happens():
     screen, terminal = pty.openpty()
     before = termios.tcgetattr(terminal)
     with pytest.raises(RuntimeError):
-        use(screen, terminal)
+        term(screen, terminal)
     assert termios.tcgetattr(terminal) == before
     os.close(screen)
     os.close(terminal)

@@ -19,8 +19,8 @@ from hitab_core import (
     FeatureKind,
     Remark,
     Scale,
+    Term,
     TransitionTree,
-    Use,
     with_numbers,
 )
 from hitab_core.assistant import TrainingCost
@@ -86,27 +86,27 @@ class Learned:
         )
         return Automaton(
             self.name,
-            tuple(map(Use.parse, labels)),
-            tuple(map(Use.parse, self.features)),
+            tuple(map(Term.parse, labels)),
+            tuple(map(Term.parse, self.features)),
             self.trees,
             self.parameters,
             self.examples,
             self.description,
         )
 
-    def numbers_of(self, state: Use) -> tuple[BoundedNumber, ...]:
+    def numbers_of(self, state: Term) -> tuple[BoundedNumber, ...]:
         """Return the numbers that a state's behavior takes."""
         return self.with_numbers.get(state.name, ())
 
     def commanded(self, example: Example) -> str:
         """Return where an example goes to, with its numbers: ``RunTowards(direction=40)``."""
-        state = Use.parse(example.next_state)
+        state = Term.parse(example.next_state)
         return str(with_numbers(state, example.numbers, self.numbers_of(state)))
 
     @cached_property
     def numbers(self) -> Mapping[str, Neighbors]:
         """Number functions of the states that take numbers, by label."""
-        states = map(Use.parse, self.states)
+        states = map(Term.parse, self.states)
         return learn_numbers(states, self.scales, self.examples, self.numbers_of)
 
     def decides(self, state: str, values: Sequence[float]) -> Mapping[str, float]:

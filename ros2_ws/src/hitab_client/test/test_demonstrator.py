@@ -15,7 +15,7 @@ from hitab_client.demonstrating import (
 )
 from hitab_client.demonstrating.demonstrator import KEY_AGE_MAX_S, PENDING_MAX, RELAY_TIMEOUT_S
 from hitab_client.demonstrating.keyboard import HOLD_S
-from hitab_core import BoundedNumber, Use
+from hitab_core import BoundedNumber, Term
 from hitab_gamepad import JoystickInput, read_mapping
 from hitab_ros.call import Caller, blocking
 from hitab_ros.conversions import number_messages
@@ -110,9 +110,9 @@ class Agents:
 
     @blocking
     async def perform(self, agent: str, behavior: str, arguments: Any = ()) -> None:
-        use = str(Use(behavior, tuple(arguments))) if behavior else ""
-        self.done.append(("perform", agent, use))
-        self.become(agent, "performing" if use else "idle", *([use] if use else []))
+        term = str(Term(behavior, tuple(arguments))) if behavior else ""
+        self.done.append(("perform", agent, term))
+        self.become(agent, "performing" if term else "idle", *([term] if term else []))
 
     @blocking
     async def set_mode(self, agent: str, mode: str) -> Any:

@@ -15,7 +15,7 @@ from hitab_client.lessons.lesson import (
     read_lesson,
 )
 from hitab_client.shipped import find_file
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 HERE = Path("lessons/dance.yaml")
 HEAD = "lesson: Dance\nagent: keeper_1\nsteps:\n"
@@ -48,7 +48,7 @@ def test_a_lesson_is_read_step_by_step():
     assert place.new_episode
     assert begin.parameters == {"A": "ball"}
     assert (command.line, command.agent) == (9, "keeper_1")
-    assert command.use == Use("GoTo", ("A",))
+    assert command.term == Term("GoTo", ("A",))
     assert until.condition == Distance(distance=["keeper_1", "ball"], below=4.0)
     assert until.within == 3.0
     assert isinstance(wait, Until)
@@ -57,10 +57,10 @@ def test_a_lesson_is_read_step_by_step():
     assert (test.line, test.agent, test.restart) == (13, "keeper_1", True)
     assert save.bind == {"ball": "A"}
     assert (distribute.line, distribute.agent) == (17, "keeper_1")
-    assert (distribute.use, distribute.receivers) == (Use("Dance"), ("keeper_2",))
+    assert (distribute.term, distribute.receivers) == (Term("Dance"), ("keeper_2",))
     assert distribute.start
     assert (perform.line, perform.agent) == (20, "keeper_1")
-    assert (perform.use, perform.agents) == (None, ("keeper_2", "keeper_3"))
+    assert (perform.term, perform.agents) == (None, ("keeper_2", "keeper_3"))
 
 
 def test_conditions_mean_the_learner_where_no_agent_is_named():

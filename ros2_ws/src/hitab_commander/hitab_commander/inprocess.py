@@ -24,7 +24,7 @@ from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind
 from hitab_commander.rounds import Lockstep, Round
-from hitab_core import Agent, BehaviorLibrary, FeatureValueError, Use
+from hitab_core import Agent, BehaviorLibrary, FeatureValueError, Term
 from hitab_core.orders import Report, Subordinate
 
 
@@ -120,7 +120,7 @@ class _Node:
         self.superior: _CommanderNode | None = None
         self._restart = self._restarted = False
         if behavior:
-            agent.perform(Use.parse(behavior))
+            agent.perform(Term.parse(behavior))
 
     def begin(self, seed: int, episode: int) -> None:
         self.subordinate.seed, self.subordinate.episode = seed, episode

@@ -43,7 +43,14 @@ from hitab_commander.kind import (
     Over,
     Pick,
 )
-from hitab_core import FLAGS, VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use, VocabularyError, quantity
+from hitab_core import (
+    FLAGS,
+    VOCABULARY_NAME,
+    VOCABULARY_NAME_RULE,
+    Term,
+    VocabularyError,
+    quantity,
+)
 from hitab_core.library.yaml_models import (
     NONE_IS_EMPTY,
     Format,
@@ -227,15 +234,15 @@ def kind_in(
             at, f'"{name}" is not a name for a kind of commander; {VOCABULARY_NAME_RULE}'
         )
 
-    def each(key: str, lines: Mapping[str, Any], read: Callable[[Use, Any], T]) -> Iterator[T]:
+    def each(key: str, lines: Mapping[str, Any], read: Callable[[Term, Any], T]) -> Iterator[T]:
         seen: set[str] = set()
         for label, line in lines.items():
-            use = Use.parse(label)
-            if use.name in seen:
-                complaints.add((*at, key), f'has "{use.name}" twice; rename one')
-            seen.add(use.name)
+            term = Term.parse(label)
+            if term.name in seen:
+                complaints.add((*at, key), f'has "{term.name}" twice; rename one')
+            seen.add(term.name)
             try:
-                yield read(use, line)
+                yield read(term, line)
             except ValueError as wrong:
                 complaints.add((*at, key, label), str(wrong))
 
@@ -260,8 +267,8 @@ def kind_text(kind: CommanderKind) -> str:
     return yaml.safe_dump(described, sort_keys=False)
 
 
-def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
-    name, parameter = use.name, "".join(use.arguments)
+def _order(term: Term, line: Behaviors | str | None) -> OrderMap:
+    name, parameter = term.name, "".join(term.arguments)
     behaviors = line if isinstance(line, dict) else {ALL_OTHERS: line}
     if parameter and parameter not in behaviors:
         raise ValueError(
@@ -273,14 +280,14 @@ def _order(use: Use, line: Behaviors | str | None) -> OrderMap:
     return OrderMap(name, behaviors, parameter)
 
 
-def _feature(use: Use, line: Observing | PositionsPart) -> GroupFeature:
-    name, parameter = use.name, "".join(use.arguments)
+def _feature(term: Term, line: Observing | PositionsPart) -> GroupFeature:
+    name, parameter = term.name, "".join(term.arguments)
     of_one = isinstance(line, Observing) and line.over is Over.VALUE
     if of_one and not parameter:
         raise ValueError(f'"{name}" is the value of one subordinate: write `{name}(A):`')
     if parameter and not of_one:
         raise ValueError(
-            f'"{use}" is about all subordinates: write `{name}:` without a parameter, or use '
+            f'"{term}" is about all subordinates: write `{name}:` without a parameter, or use '
             "`value:`"
         )
     if isinstance(line, PositionsPart):
@@ -291,11 +298,11 @@ def _feature(use: Use, line: Observing | PositionsPart) -> GroupFeature:
     return GroupFeature(name, line.over, of, line.role, parameter)
 
 
-def _target(use: Use, line: Observing | Numbered) -> Pick:
-    if use.arguments:
-        raise ValueError(f"a target has no parameter: write `{use.name}:`")
+def _target(term: Term, line: Observing | Numbered) -> Pick:
+    if term.arguments:
+        raise ValueError(f"a target has no parameter: write `{term.name}:`")
     if isinstance(line, Numbered):
-        return Pick(use.name, role=line.role, number=line.number)
+        return Pick(term.name, role=line.role, number=line.number)
     if line.below is not None or line.above is not None:
         raise ValueError("a target has no limits; leave out `below:` and `above:`")
-    return Pick(use.name, line.over, line.observation(), line.role)
+    return Pick(term.name, line.over, line.observation(), line.role)

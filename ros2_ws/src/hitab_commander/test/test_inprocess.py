@@ -12,8 +12,8 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
+from hitab_core.term import Term
 from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
 
 _TURNS = HandWritten(lambda x: "Wait" if x % 2.0 else "Search", (0,))
 ANT = Domain.of(
@@ -25,8 +25,8 @@ ANT = Domain.of(
     automata=[
         Automaton(
             "Turns",
-            (Use("Search"), Use("Wait")),
-            (Use("X"),),
+            (Term("Search"), Term("Wait")),
+            (Term("X"),),
             dict.fromkeys((START, "Search", "Wait"), _TURNS),
         )
     ],
@@ -67,9 +67,9 @@ def test_a_commander_whose_feature_has_no_value_does_nothing_until_it_has_one(tm
     made = hierarchy(tmp_path, {"MeanX": {"mean": "X"}}, "Wait")
     chief = made.agents["chief"]
     rests = HandWritten(lambda x: "Rest", (0,))
-    plan = Automaton("Plan", (Use("Rest"),), (Use("MeanX"),), {START: rests})
+    plan = Automaton("Plan", (Term("Rest"),), (Term("MeanX"),), {START: rests})
     chief.context = replace(chief.context, repertoire=Repertoire(chief.domain, {"Plan": plan}))
-    chief.perform(Use("Plan"))
+    chief.perform(Term("Plan"))
     play(made, [math.nan] * 10)
     assert chief.active_path == ["Start"]
     play(made, [1.0] * 10)

@@ -12,7 +12,7 @@ from hitab_commander.commander_body import CommanderBody
 from hitab_commander.commander_domain import commander_domain
 from hitab_commander.kind import CommanderKind, Observation, OrderMap, Over, Pick
 from hitab_commander.kind_reader import described_kind, kind_text, read_kind
-from hitab_core import Automaton, BehaviorLibrary, LibraryError, Scale, Use
+from hitab_core import Automaton, BehaviorLibrary, LibraryError, Scale, Term
 from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
 from hitab_core.learning.transition_learning import learn_transitions
@@ -101,7 +101,7 @@ def test_what_a_commander_has_learned_outlasts_new_orders_and_features_beside_th
     text = "commander: Squad\norders: {Go: Search, Rest: nothing}\nfeatures: {Far: {mean: X}}\n"
     examples = (Example("Start", (1.0,), "Go", number=1, command=1),)
     learned = learn_transitions(examples, [Scale()])
-    lead = Automaton("Lead", (Use("Go"),), (Use("Far"),), learned, examples=examples)
+    lead = Automaton("Lead", (Term("Go"),), (Term("Far"),), learned, examples=examples)
 
     def library(text: str) -> BehaviorLibrary:
         return BehaviorLibrary(tmp_path / "library", commander_domain(kind_of(text, tmp_path)))

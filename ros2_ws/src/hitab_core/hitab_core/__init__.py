@@ -11,7 +11,7 @@ program that needs one of them does not wait for all.
     ActionBehavior,           a basic behavior that the server of a ROS action carries out, and
     feedback_feature          a feature that is a field of its feedback
     Agent, Mode               the engine of an agent, as a ROS node or a simulation runs it
-    Automaton, Use, Example   learned machines, and their training data
+    Automaton, Term, Example  learned machines, and their training data
     BehaviorLibrary           trained behaviors in a folder
     TransitionTree            learns the decisions of one state from examples
     TransitionTreeClassifier  the same as a scikit-learn classifier

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 from hitab_core.automaton import FLAGS
 from hitab_core.domain import BasicBehavior, Domain, Feature
 from hitab_core.errors import HitabError, NoValueError, VocabularyError
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 DONE, FAILED = FLAGS
 
@@ -130,7 +130,7 @@ class ActionCall:
 
     Attributes:
         behavior: whose goal this is.
-        use: of the behavior, with its targets.
+        term: of the behavior, with its targets.
         goal: values of the goal's fields, by path.
         outcome: the flag raised at the end; empty before.
         why: it failed, for people.
@@ -141,7 +141,7 @@ class ActionCall:
     """
 
     behavior: ActionBehavior
-    use: Use
+    term: Term
     goal: Mapping[str, Any]
     outcome: str = ""
     why: str = ""
@@ -197,15 +197,15 @@ class ActionCalls:
         self.carrier: Carrier | None = None
         self.current: ActionCall | None = None
 
-    def begin(self, behavior: ActionBehavior, use: Use, goal: Callable[[], Any]) -> ActionCall:
+    def begin(self, behavior: ActionBehavior, term: Term, goal: Callable[[], Any]) -> ActionCall:
         """Make a call and have it carried out.
 
         Args:
             behavior: to perform.
-            use: of it.
+            term: of it.
             goal: returns the goal; see `goal_of`.
         """
-        call = self.current = ActionCall(behavior, use, {})
+        call = self.current = ActionCall(behavior, term, {})
         try:
             call.goal = goal()
         except HitabError as error:

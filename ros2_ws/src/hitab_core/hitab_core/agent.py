@@ -27,11 +27,11 @@ from hitab_core.running.feature_cache import NO_PERCEPT_YET, FeatureCache
 from hitab_core.running.observing import Observe
 from hitab_core.running.run_context import RunContext, Running
 from hitab_core.seeding import agent_seed
+from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.events import NOW, Given
 from hitab_core.training.percept_history import KEPT_SECONDS
 from hitab_core.training_session import TrainingSession
-from hitab_core.use import Use
 from hitab_core.wording import quantity
 
 
@@ -199,7 +199,7 @@ class Agent(AgentLibrary):
 
     # -- performing -------------------------------------------------------------------------
 
-    def perform(self, use: Use | None) -> None:
+    def perform(self, term: Term | None) -> None:
         """Perform a behavior as the top-level one, from Start; None to become idle.
 
         If it cannot be begun, the agent is idle.
@@ -209,14 +209,14 @@ class Agent(AgentLibrary):
             TrainingError: if it is being trained and not saved yet.
             FeatureValueError: if it cannot be begun before the first percept.
         """
-        if use is not None:
-            self.check_saved(use.name)
-        performed = None if use is None else self._prepared(use)
+        if term is not None:
+            self.check_saved(term.name)
+        performed = None if term is None else self._prepared(term)
         self.pending_behavior = None
         self._stop()
         if self.session is not None:
             self.session.leave()
-        self.top = use
+        self.top = term
         self._performance = performed
         self.mode = Mode.IDLE if performed is None else Mode.PERFORMING
         if performed is None:
@@ -277,11 +277,13 @@ class Agent(AgentLibrary):
         self.pending_behavior = None
         return session
 
-    def command(self, use: Use, given: Given = NOW, *, unrecorded: bool = False) -> list[Example]:
+    def command(
+        self, term: Term, given: Given = NOW, *, unrecorded: bool = False
+    ) -> list[Example]:
         """Obey a demonstrator; see `TrainingSession.command`.
 
         Args:
-            use: what to perform, or a flag.
+            term: what to perform, or a flag.
             given: how it is commanded, but for the cycle, which is that of the last percept.
             unrecorded: only perform it; no example is recorded.
 
@@ -310,8 +312,8 @@ class Agent(AgentLibrary):
             raise FeatureValueError(NO_PERCEPT_YET)
         with self.context.feature_cache.blind_unless_perceived():
             if unrecorded:
-                return session.bring_into(use)
-            return session.command(use, given)
+                return session.bring_into(term)
+            return session.command(term, given)
 
     @property
     def awaits_percept(self) -> bool:

@@ -33,13 +33,13 @@ from hitab_core.repertoire import Repertoire
 from hitab_core.running.run_context import RunContext, Running
 from hitab_core.running.running_automaton import performance
 from hitab_core.saving import SavedBehavior, loaded_with
+from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.resuming import resumed
 from hitab_core.training.training_journal import Record, TrainingJournal
 from hitab_core.training_session import TrainingSession
-from hitab_core.use import Use
 
-_State = tuple[LoadedLibrary, RunContext, Use | None, Running | None]
+_State = tuple[LoadedLibrary, RunContext, Term | None, Running | None]
 """The next state of an agent: its library, its context and an unstarted behavior."""
 
 
@@ -83,12 +83,12 @@ class AgentLibrary:
         self.people: dict[str, Lateness] = {}
         self.mode = Mode.IDLE
         self.session: TrainingSession | None = None
-        self.top: Use | None = None
-        self.pending_behavior: Use | None = None
+        self.top: Term | None = None
+        self.pending_behavior: Term | None = None
         self._without = without
         self._latest_saved = ""
         self._performance: Running | None = None
-        self._performances: dict[Use, Running] = {}
+        self._performances: dict[Term, Running] = {}
 
     @property
     def repertoire(self) -> Repertoire:
@@ -162,7 +162,7 @@ class AgentLibrary:
         automaton = replace(automaton, description=description or automaton.description)
         then = self.top if self.mode is Mode.PERFORMING else None
         if self.mode is Mode.TESTING and automaton.parameters == curriculum.parameters:
-            then = Use(automaton.name, curriculum.arguments)
+            then = Term(automaton.name, curriculum.arguments)
         with self.library.change() as change:
             saved = change.save(
                 automaton, curriculum.classifier, Provenance(agent=self.name, note=note)
@@ -207,7 +207,7 @@ class AgentLibrary:
     def take_up(
         self,
         loaded: LoadedLibrary,
-        start: Use | None = None,
+        start: Term | None = None,
         library: BehaviorLibrary | None = None,
     ) -> list[str]:
         """Switch to a loaded library that is already on disk.
@@ -226,7 +226,7 @@ class AgentLibrary:
         state = self._state(loaded, self.check_fit(loaded, start))
         return self._swap(state, library or self.library)
 
-    def check_fit(self, loaded: LoadedLibrary, start: Use | None = None) -> Use | None:
+    def check_fit(self, loaded: LoadedLibrary, start: Term | None = None) -> Term | None:
         """Check that the active behavior, or ``start``, and the training fit a loaded library.
 
         Returns:
@@ -235,11 +235,11 @@ class AgentLibrary:
         Raises:
             VocabularyError: naming what does not fit, and the way out.
         """
-        use = start or (self.top if self.mode is Mode.PERFORMING else None)
-        if use is None and self.mode is Mode.IDLE and self.pending_behavior is not None:
+        term = start or (self.top if self.mode is Mode.PERFORMING else None)
+        if term is None and self.mode is Mode.IDLE and self.pending_behavior is not None:
             with suppress(VocabularyError):
                 loaded.repertoire.check_performable(self.pending_behavior)
-                use = self.pending_behavior
+                term = self.pending_behavior
         losses = loaded.losses
         gone = sorted(losses.reasons.keys() & self.loaded.files.keys())
         kept = "it keeps its present library:"
@@ -249,11 +249,11 @@ class AgentLibrary:
                 *(remedy for name in gone for remedy in losses.remedies[name]),
             )
         try:
-            if use is not None:
-                loaded.repertoire.check_performable(use)
+            if term is not None:
+                loaded.repertoire.check_performable(term)
         except VocabularyError as error:
             raise VocabularyError(
-                f'{kept} it could no longer perform "{use}": {error}; have it perform something '
+                f'{kept} it could no longer perform "{term}": {error}; have it perform something '
                 "else first, or nothing"
             ) from None
         try:
@@ -264,19 +264,19 @@ class AgentLibrary:
                 f'{kept} the training of "{self.training}" could not continue: {error}; '
                 "save it or discard it first"
             ) from None
-        return use
+        return term
 
-    def _state(self, loaded: LoadedLibrary, use: Use | None) -> _State:
+    def _state(self, loaded: LoadedLibrary, term: Term | None) -> _State:
         """Return what the agent switches to; so far nothing is changed.
 
         Raises:
             VocabularyError: if it cannot be performed.
         """
         context = replace(self.context, repertoire=loaded.repertoire)
-        if use is None:
+        if term is None:
             return loaded, context, None, None
-        loaded.repertoire.check_performable(use)
-        return loaded, context, use, performance(context, use)
+        loaded.repertoire.check_performable(term)
+        return loaded, context, term, performance(context, term)
 
     def _swap(
         self, state: _State, library: BehaviorLibrary, *, ends_training: bool = False
@@ -288,9 +288,9 @@ class AgentLibrary:
         except Exception as error:  # a domain's code, a user's
             notes.append(f"what {self.name} performed could not be stopped: {error!r}")
         self.library = library
-        self.loaded, self.context, use, performed = state
+        self.loaded, self.context, term, performed = state
         self._performances.clear()
-        self.top, self._performance = use, performed
+        self.top, self._performance = term, performed
         if ends_training:
             self.session = None
         if self.session is not None:
@@ -298,16 +298,16 @@ class AgentLibrary:
         elif self.journal.damage:
             with suppress(LibraryError):  # it may fit again
                 self.session = self._resumed()
-        if use is not None and performed is not None:
+        if term is not None and performed is not None:
             self.pending_behavior = None
-            self._performances[use] = performed
+            self._performances[term] = performed
             self.mode = Mode.PERFORMING
             try:
                 performed.start()
             except Exception as error:
                 self.top = self._performance = None
                 self.mode = Mode.IDLE
-                notes.append(f'{self.name} is idle: "{use}" could not be begun: {error!r}')
+                notes.append(f'{self.name} is idle: "{term}" could not be begun: {error!r}')
         elif self.session is None or self.mode is Mode.PERFORMING:
             self.mode = Mode.IDLE
         return notes
@@ -331,12 +331,12 @@ class AgentLibrary:
             self.people.setdefault(who, known)
         return self.people
 
-    def _prepared(self, use: Use) -> Running:
+    def _prepared(self, term: Term) -> Running:
         """Return the performer of a behavior, cached because orders repeat."""
-        performed = self._performances.get(use)
+        performed = self._performances.get(term)
         if performed is None:
-            self.repertoire.check_performable(use)
-            performed = self._performances[use] = performance(self.context, use)
+            self.repertoire.check_performable(term)
+            performed = self._performances[term] = performance(self.context, term)
         return performed
 
     def _under_way(self, *, to_save: bool = False) -> TrainingSession:

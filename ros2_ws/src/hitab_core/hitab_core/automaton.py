@@ -11,8 +11,8 @@ from types import MappingProxyType
 
 from hitab_core.errors import VocabularyError
 from hitab_core.example import Example
+from hitab_core.term import Term
 from hitab_core.transition_function import NumberFunction, TransitionFunction
-from hitab_core.use import Use
 
 START = "Start"
 """The empty state in which every automaton begins and which it leaves at once."""
@@ -26,9 +26,9 @@ SECONDS_IN_STATE = "SecondsInState"
 SECONDS_SINCE = "SecondsSince"
 
 OWN_FEATURES = (
-    *map(Use, FLAGS),
-    Use(SECONDS_IN_STATE),
-    *(Use(SECONDS_SINCE, (flag,)) for flag in FLAGS),
+    *map(Term, FLAGS),
+    Term(SECONDS_IN_STATE),
+    *(Term(SECONDS_SINCE, (flag,)) for flag in FLAGS),
 )
 """The features that each automaton has of its own, whatever the domain: whether its active state's
 behavior has raised a flag, and timers, in simulated seconds. ``SecondsInState`` counts from the
@@ -36,14 +36,14 @@ entry into the active state, and is 0 in Start, which is left at once. ``Seconds
 counts from the last time that the automaton saw this flag up, or, if it never did, from its start.
 """
 
-CLEARED = frozenset({*map(Use, FLAGS), Use(SECONDS_IN_STATE)})
+CLEARED = frozenset({*map(Term, FLAGS), Term(SECONDS_IN_STATE)})
 """Flags and timers that are 0 when a state is entered."""
 
-OWN_NAMES = frozenset(use.name for use in OWN_FEATURES)
+OWN_NAMES = frozenset(term.name for term in OWN_FEATURES)
 
 
 def as_entered(
-    features: Iterable[Use], values: Iterable[float], seconds: float = 0.0
+    features: Iterable[Term], values: Iterable[float], seconds: float = 0.0
 ) -> tuple[float, ...]:
     """Return values as a state sees them so many seconds after it was entered, with no flag up.
 
@@ -52,8 +52,8 @@ def as_entered(
         values: theirs, in the state that was left.
         seconds: since the entry.
     """
-    own = dict.fromkeys(CLEARED, 0.0) | {Use(SECONDS_IN_STATE): seconds}
-    return tuple(own.get(use, value) for use, value in zip(features, values, strict=True))
+    own = dict.fromkeys(CLEARED, 0.0) | {Term(SECONDS_IN_STATE): seconds}
+    return tuple(own.get(term, value) for term, value in zip(features, values, strict=True))
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Automaton:
 
     Attributes:
         name: of the automaton, also as a behavior.
-        states: S without Start: flags and uses of basic behaviors or other automata (B).
+        states: S without Start: flags, and terms of basic behaviors or other automata (B).
         features: F, in the order of the examples' values; a flag's name is the feature that the
             active sub-behavior has raised that flag.
         transitions: T, a transition function for each state that has one, by label, Start
@@ -81,8 +81,8 @@ class Automaton:
         >>> from hitab_core import HandWritten
         >>> patrol = Automaton(
         ...     "Patrol",
-        ...     states=(Use("GoFast"), Use("Turn")),
-        ...     features=(Use("RangeAhead"),),
+        ...     states=(Term("GoFast"), Term("Turn")),
+        ...     features=(Term("RangeAhead"),),
         ...     transitions={
         ...         "Start": HandWritten(lambda: "GoFast"),
         ...         "GoFast": HandWritten(lambda ahead: "Turn" if ahead < 1.0 else "GoFast", (0,)),
@@ -93,14 +93,14 @@ class Automaton:
     """
 
     name: str
-    states: tuple[Use, ...]
-    features: tuple[Use, ...]
+    states: tuple[Term, ...]
+    features: tuple[Term, ...]
     transitions: Mapping[str, TransitionFunction]
     parameters: tuple[str, ...] = ()
     examples: tuple[Example, ...] = ()
     description: str = ""
-    readable: tuple[Use, ...] = ()
-    chosen: tuple[Use, ...] = ()
+    readable: tuple[Term, ...] = ()
+    chosen: tuple[Term, ...] = ()
     numbers: Mapping[str, NumberFunction] = field(default_factory=dict, compare=False)
     _labels: tuple[str, ...] = field(init=False, repr=False, compare=False, default=())
 

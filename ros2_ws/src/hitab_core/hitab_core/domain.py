@@ -25,7 +25,7 @@ from hitab_core.errors import VocabularyError
 from hitab_core.number import BoundedNumber
 from hitab_core.plain_body import PlainBody
 from hitab_core.source_file import load_file, loaded_file
-from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use, wrong_number
+from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term, wrong_number
 from hitab_core.vocabulary import check_known, has
 
 if TYPE_CHECKING:
@@ -278,7 +278,7 @@ class Domain:
         }
         return hashlib.sha256(json.dumps(described).encode()).hexdigest()[:16]
 
-    def numbers_of(self, state: Use) -> tuple[BoundedNumber, ...]:
+    def numbers_of(self, state: Term) -> tuple[BoundedNumber, ...]:
         """Return the numbers of a state's behavior; none unless it is a basic one with numbers."""
         behavior = self.behaviors.get(state.name)
         return () if behavior is None else behavior.numbers
@@ -287,22 +287,22 @@ class Domain:
         """Return a feature by name, of the domain or of the engine itself."""
         return FLAGS_AND_TIMERS[name] if name in FLAGS_AND_TIMERS else self.features[name]
 
-    def scale_of(self, use: Use) -> Scale:
+    def scale_of(self, term: Term) -> Scale:
         """Return how the values of a feature compare."""
-        return self.feature(use.name).scale
+        return self.feature(term.name).scale
 
-    def check_feature(self, use: Use, parameters: Iterable[str] = ()) -> None:
+    def check_feature(self, term: Term, parameters: Iterable[str] = ()) -> None:
         """Check that ``use`` can be a feature of an automaton with these parameters.
 
         Raises:
             VocabularyError: naming what is unknown or wrongly bound.
         """
-        if use in OWN_FEATURES:
+        if term in OWN_FEATURES:
             return
-        if use.name in OWN_NAMES:
-            there = [str(own) for own in OWN_FEATURES if own.name == use.name]
-            raise VocabularyError(f'feature "{use}" must read {" or ".join(there)}')
-        self.check_use(use, self._feature_parameters, parameters, what="feature")
+        if term.name in OWN_NAMES:
+            there = [str(own) for own in OWN_FEATURES if own.name == term.name]
+            raise VocabularyError(f'feature "{term}" must read {" or ".join(there)}')
+        self.check_use(term, self._feature_parameters, parameters, what="feature")
 
     @cached_property
     def _feature_parameters(self) -> dict[str, tuple[str, ...]]:
@@ -311,7 +311,7 @@ class Domain:
 
     def check_use(
         self,
-        use: Use,
+        term: Term,
         known: Mapping[str, tuple[str, ...]],
         parameters: Iterable[str] = (),
         *,
@@ -320,21 +320,21 @@ class Domain:
         """Check that ``use`` names something in ``known`` with arguments that exist.
 
         Args:
-            use: the use to check.
+            term: the term to check.
             known: the parameters of each behavior or feature that may be used, by name.
-            parameters: of the automaton that contains the use.
+            parameters: of the automaton that contains the term.
             what: what ``known`` holds, for the error message: "behavior" or "feature".
 
         Raises:
             VocabularyError: naming what is unknown and what is available.
         """
-        check_known(what, use.name, known)
-        expected = known[use.name]
-        if len(use.arguments) != len(expected):
-            raise VocabularyError(wrong_number(what, use, expected, {*self.targets, *parameters}))
-        targets = {*self.targets, *parameters} if use.arguments else ()
-        for argument in use.arguments:
-            check_known("target", argument, targets, f' for {what} "{use.name}"')
+        check_known(what, term.name, known)
+        expected = known[term.name]
+        if len(term.arguments) != len(expected):
+            raise VocabularyError(wrong_number(what, term, expected, {*self.targets, *parameters}))
+        targets = {*self.targets, *parameters} if term.arguments else ()
+        for argument in term.arguments:
+            check_known("target", argument, targets, f' for {what} "{term.name}"')
 
 
 def load_domain(name: str) -> Domain:

@@ -7,32 +7,32 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-Uses = Callable[[str], Iterable[str]]
+Terms = Callable[[str], Iterable[str]]
 """Returns the names of what a behavior uses; nothing for a basic behavior."""
 
 
-def in_order(names: Iterable[str], uses: Uses) -> list[str]:
+def in_order(names: Iterable[str], terms: Terms) -> list[str]:
     """Return behaviors and everything they are made of, each after its parts.
 
     Raises:
         ValueError: if one uses itself; see `circle_among`.
     """
-    order, circle = _visit(names, uses)
+    order, circle = _visit(names, terms)
     if circle:
         raise ValueError(f"{' -> '.join(circle)} is a circle")
     return order
 
 
-def circle_among(names: Iterable[str], uses: Uses) -> list[str]:
+def circle_among(names: Iterable[str], terms: Terms) -> list[str]:
     """Return a path from a reachable behavior back to itself, if there is one.
 
     Returns:
         ``[A, B, A]`` where A uses B and B uses A; empty if no behavior uses itself.
     """
-    return _visit(names, uses)[1]
+    return _visit(names, terms)[1]
 
 
-def _visit(names: Iterable[str], uses: Uses) -> tuple[list[str], list[str]]:
+def _visit(names: Iterable[str], terms: Terms) -> tuple[list[str], list[str]]:
     """Visit depth first; return the order and the first cycle, if any."""
     order: list[str] = []
     done: set[str] = set()
@@ -41,7 +41,7 @@ def _visit(names: Iterable[str], uses: Uses) -> tuple[list[str], list[str]]:
             continue
         # The path down, each behavior with what remains to be visited below it; no recursion,
         # since a hierarchy may be deeper than Python's stack.
-        way: dict[str, Iterator[str]] = {name: iter(sorted(uses(name)))}
+        way: dict[str, Iterator[str]] = {name: iter(sorted(terms(name)))}
         while way:
             last = next(reversed(way))
             below = next(way[last], None)
@@ -53,5 +53,5 @@ def _visit(names: Iterable[str], uses: Uses) -> tuple[list[str], list[str]]:
                 passed = list(way)
                 return order, [*passed[passed.index(below) :], below]
             elif below not in done:
-                way[below] = iter(sorted(uses(below)))
+                way[below] = iter(sorted(terms(below)))
     return order, []

@@ -19,9 +19,9 @@ from hitab_core.example import Example
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
+from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.events import Given
-from hitab_core.use import Use
 from hitab_core.wording import quantity
 
 MISSING = ("NAType", "NaTType")
@@ -178,10 +178,10 @@ class LearningAgent:
         self._cycle += 1
         agent.sense(known, heard, self._cycle, self._cycle * self._period)
         if name is not None:
-            use = Use.parse(name)
+            term = Term.parse(name)
             if agent.mode is not Mode.TRAINING and agent.session is not None:
                 agent.take_over()
-            agent.command(use, Given(ago=ago))
+            agent.command(term, Given(ago=ago))
         elif agent.mode is Mode.IDLE or (agent.mode is Mode.TRAINING and not self.examples):
             self._size = len(percept)
             raise TrainingError(
@@ -241,7 +241,7 @@ class LearningAgent:
         Raises:
             VocabularyError: if there is no such behavior or target, naming what there is.
         """
-        self.agent.perform(Use.parse(behavior))
+        self.agent.perform(Term.parse(behavior))
         return self
 
     def save(self, name: str = "", description: str = "") -> Path:

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from hitab_core.errors import VocabularyError
-from hitab_core.use import Use
+from hitab_core.term import Term
 from hitab_core.vocabulary import unknown
 
 
@@ -49,68 +49,68 @@ def wrong_with(values: Sequence[float], wanted: Sequence[BoundedNumber]) -> list
     ]
 
 
-def without_numbers(use: Use) -> Use:
-    """Return a use with its targets alone.
+def without_numbers(term: Term) -> Term:
+    """Return a term with its targets alone.
 
     Examples:
-        >>> str(without_numbers(Use.parse("RunTowards(direction=40)")))
+        >>> str(without_numbers(Term.parse("RunTowards(direction=40)")))
         'RunTowards'
     """
-    return Use(use.name, tuple(a for a in use.arguments if "=" not in a))
+    return Term(term.name, tuple(a for a in term.arguments if "=" not in a))
 
 
-def with_numbers(use: Use, values: Sequence[float], wanted: Sequence[BoundedNumber]) -> Use:
-    """Return a use with numbers, as it is commanded; none: as it is.
+def with_numbers(term: Term, values: Sequence[float], wanted: Sequence[BoundedNumber]) -> Term:
+    """Return a term with numbers, as it is commanded; none: as it is.
 
     Examples:
-        >>> str(with_numbers(Use("RunTowards"), [40.0], [BoundedNumber("direction", -180, 180)]))
+        >>> str(with_numbers(Term("RunTowards"), [40.0], [BoundedNumber("direction", -180, 180)]))
         'RunTowards(direction=40)'
     """
     given = (f"{n.name}={value:.6g}" for n, value in zip(wanted, values, strict=bool(values)))
-    return Use(use.name, (*use.arguments, *given))
+    return Term(term.name, (*term.arguments, *given))
 
 
-def numbers_of(use: Use, wanted: Sequence[BoundedNumber]) -> tuple[float, ...]:
-    """Return the numbers that a use gives, in the order of the behavior's own.
+def numbers_of(term: Term, wanted: Sequence[BoundedNumber]) -> tuple[float, ...]:
+    """Return the numbers that a term gives, in the order of the behavior's own.
 
     Raises:
         VocabularyError: if one is unknown, missing, there twice, no number or out of its bounds.
 
     Examples:
         >>> direction = BoundedNumber("direction", -180, 180)
-        >>> numbers_of(Use.parse("RunTowards(direction=40)"), [direction])
+        >>> numbers_of(Term.parse("RunTowards(direction=40)"), [direction])
         (40.0,)
     """
     names = [number.name for number in wanted]
     given: dict[str, str] = {}
-    for argument in use.arguments:
+    for argument in term.arguments:
         name, is_number, text = (part.strip() for part in argument.partition("="))
         if not is_number:
             continue
         if name not in names:
-            what = f' in "{use}"'
+            what = f' in "{term}"'
             raise VocabularyError(unknown("number", name, names, what))
         if name in given:
-            raise VocabularyError(f'"{use}" gives {name} twice; give it once')
+            raise VocabularyError(f'"{term}" gives {name} twice; give it once')
         given[name] = text
-    return tuple(_checked(use, number, given, wanted) for number in wanted)
+    return tuple(_checked(term, number, given, wanted) for number in wanted)
 
 
 def _checked(
-    use: Use, number: BoundedNumber, given: Mapping[str, str], wanted: Sequence[BoundedNumber]
+    term: Term, number: BoundedNumber, given: Mapping[str, str], wanted: Sequence[BoundedNumber]
 ) -> float:
     text = given.get(number.name, "")
     value = _float(text)
     if not number.low <= value <= number.high:
-        where = f'{number.name} of "{use}" is {text}' if text else f'"{use.name}" needs {number}'
+        where = f'{number.name} of "{term}" is {text}' if text else f'"{term.name}" needs {number}'
         # What can be typed: all numbers, with those that were right.
         values = [_float(given.get(n.name, "")) for n in wanted]
         right = [
             value if n.low <= value <= n.high else (n.low + n.high) / 2.0
             for n, value in zip(wanted, values, strict=True)
         ]
-        targets = tuple(a for a in without_numbers(use).arguments if math.isnan(_float(a)))
-        example = with_numbers(Use(use.name, targets), right, wanted)
+        targets = tuple(a for a in without_numbers(term).arguments if math.isnan(_float(a)))
+        example = with_numbers(Term(term.name, targets), right, wanted)
         bounds = f"; give {number}" if text else ""
         raise VocabularyError(f"{where}{bounds}, for example {example}")
     return value

@@ -11,7 +11,7 @@ from hitab_core.errors import LostBehaviorError, VocabularyError
 from hitab_core.hierarchy import circle_among, in_order
 from hitab_core.number import numbers_of, without_numbers
 from hitab_core.remedies import Fix, Remedy
-from hitab_core.use import Use
+from hitab_core.term import Term
 from hitab_core.vocabulary import unknown
 
 
@@ -92,52 +92,52 @@ class Repertoire:
                 f'"{name}" is unknown, and {self._unread}', Fix.CHECK_LIBRARY()
             )
 
-    def is_one_shot(self, use: Use) -> bool:
+    def is_one_shot(self, term: Term) -> bool:
         """Whether a state is executed only once per entry and so gets no default example."""
-        if use.name in FLAGS:
+        if term.name in FLAGS:
             return True
-        behavior = self.get(use.name)
+        behavior = self.get(term.name)
         return isinstance(behavior, BasicBehavior) and behavior.one_shot
 
-    def stands_still(self, use: Use) -> bool:
+    def stands_still(self, term: Term) -> bool:
         """Whether a state never moves the robot."""
-        behavior = self.domain.behaviors.get(use.name)
+        behavior = self.domain.behaviors.get(term.name)
         return behavior is not None and behavior.stands_still
 
-    def check_state(self, use: Use, parameters: tuple[str, ...] = ()) -> None:
+    def check_state(self, term: Term, parameters: tuple[str, ...] = ()) -> None:
         """Check that ``use`` can be a state of an automaton with these parameters.
 
         Raises:
             VocabularyError: naming what is unknown or wrongly bound.
         """
-        if use.name in RESERVED_NAMES:
-            if use.name == START:
+        if term.name in RESERVED_NAMES:
+            if term.name == START:
                 raise VocabularyError(f"{START} cannot be commanded; every automaton begins there")
-            if use.arguments:
-                raise VocabularyError(f'flag state "{use.name}" takes no targets')
+            if term.arguments:
+                raise VocabularyError(f'flag state "{term.name}" takes no targets')
             return
-        self._refuse_lost(use.name)
-        if (targets := without_numbers(use)) != use:
-            numbers_of(use, self.domain.numbers_of(use))
+        self._refuse_lost(term.name)
+        if (targets := without_numbers(term)) != term:
+            numbers_of(term, self.domain.numbers_of(term))
         self.domain.check_use(targets, self._parameters, parameters, what="behavior")
 
-    def commanded(self, use: Use) -> tuple[Use, tuple[float, ...]]:
+    def commanded(self, term: Term) -> tuple[Term, tuple[float, ...]]:
         """Return what to perform, with its targets alone, and the numbers to perform it with.
 
         Raises:
             VocabularyError: if a number is unknown, missing, or not within its bounds.
         """
-        return without_numbers(use), numbers_of(use, self.domain.numbers_of(use))
+        return without_numbers(term), numbers_of(term, self.domain.numbers_of(term))
 
-    def check_performable(self, use: Use) -> None:
+    def check_performable(self, term: Term) -> None:
         """Check that a behavior can be the top-level one.
 
         Raises:
             VocabularyError: if there is no such behavior or target.
         """
-        self.get(use.name)
-        self.check_state(use)
-        self.commanded(use)
+        self.get(term.name)
+        self.check_state(term)
+        self.commanded(term)
 
     def check(self, automaton: Automaton) -> None:
         """Check that ``automaton`` is not recursive, and that all its parts exist.

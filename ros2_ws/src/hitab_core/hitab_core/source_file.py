@@ -10,7 +10,7 @@ from traceback import extract_tb
 from types import ModuleType
 
 from hitab_core.errors import VocabularyError
-from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE
+from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 
 PREFIX = "hitab_file_"
 

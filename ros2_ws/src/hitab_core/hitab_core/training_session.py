@@ -21,13 +21,13 @@ from hitab_core.example_codec import example_of
 from hitab_core.remedies import Fix
 from hitab_core.repertoire import Repertoire
 from hitab_core.running.run_context import RunContext
+from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum, check_curriculum, check_state
 from hitab_core.training.events import NOW, Given, Request
 from hitab_core.training.exchange import exchange
 from hitab_core.training.retiming import retiming
 from hitab_core.training.trainer import Journal, Trainer
 from hitab_core.training.undo import Edit
-from hitab_core.use import Use
 from hitab_core.wording import some
 
 COMMANDS_MAX = 1000
@@ -59,7 +59,7 @@ class TrainingSession(Trainer):
         curriculum: Curriculum,
         examples: Iterable[Example] = (),
         journal: Journal = lambda record: None,
-        names: Sequence[Use] = (),
+        names: Sequence[Term] = (),
         people: dict[str, Lateness] | None = None,
         without: Collection[str] = (),
     ) -> None:
@@ -90,7 +90,7 @@ class TrainingSession(Trainer):
             super().tick()
             return
         try:
-            if not self.context.repertoire.stands_still(Use.parse(self.running.active)):
+            if not self.context.repertoire.stands_still(Term.parse(self.running.active)):
                 self.running.vector.check_required()
             super().tick()
         except Exception as error:
@@ -100,7 +100,7 @@ class TrainingSession(Trainer):
             self._taken_over = False
             raise
 
-    def command(self, state: Use, given: Given = NOW) -> list[Example]:
+    def command(self, state: Term, given: Given = NOW) -> list[Example]:
         """Perform a behavior now and record the resulting examples; see `Trainer.command`.
 
         Returns:
@@ -115,7 +115,7 @@ class TrainingSession(Trainer):
                 raise
             return self._enter(plain, f"stands still, but {plain} was not recorded: {error}")
 
-    def bring_into(self, state: Use) -> list[Example]:
+    def bring_into(self, state: Term) -> list[Example]:
         """Perform a behavior now and record nothing, such as to correct what is done there.
 
         Raises:
@@ -128,7 +128,7 @@ class TrainingSession(Trainer):
         self.running.set_numbers(numbers)
         return []
 
-    def _enter(self, state: Use, note: str) -> list[Example]:
+    def _enter(self, state: Term, note: str) -> list[Example]:
         """Perform a behavior of which no example is recorded."""
         self.note = note
         self.running.take_down_flags()
@@ -161,7 +161,7 @@ class TrainingSession(Trainer):
             Curriculum.from_record(begin["curriculum"]),
             map(example_of, begin["examples"]),
             journal,
-            tuple(map(Use.parse, begin["readable"])),
+            tuple(map(Term.parse, begin["readable"])),
             people,
             without,
         )
@@ -184,7 +184,7 @@ class TrainingSession(Trainer):
         """
         check_curriculum(self.curriculum, repertoire)
         for label in self.states:
-            repertoire.check_state(Use.parse(label), self.curriculum.parameters)
+            repertoire.check_state(Term.parse(label), self.curriculum.parameters)
 
     def rebuild(self, context: RunContext) -> None:
         """Restart at Start, since behaviors of the repertoire may have changed."""
@@ -244,7 +244,7 @@ class TrainingSession(Trainer):
         """
         self.edit({"do": "delete", "numbers": sorted(set(numbers))})
 
-    def relabel(self, numbers: Iterable[int], next_state: Use) -> None:
+    def relabel(self, numbers: Iterable[int], next_state: Term) -> None:
         """Change the next state of examples, and of what their commands recorded by default.
 
         Raises:
@@ -274,7 +274,7 @@ class TrainingSession(Trainer):
         """
         self.edit({"do": "retime", "numbers": sorted(set(numbers)), "ago": ago})
 
-    def choose_features(self, features: Sequence[Use]) -> None:
+    def choose_features(self, features: Sequence[Term]) -> None:
         """Learn from other features of the same examples.
 
         Raises:
@@ -282,9 +282,9 @@ class TrainingSession(Trainer):
             VocabularyError: if there is no such feature.
         """
         self._check_features(features)
-        self.edit({"do": "features", "features": [str(use) for use in features]})
+        self.edit({"do": "features", "features": [str(term) for term in features]})
 
-    def with_features(self, features: Sequence[Use]) -> Automaton:
+    def with_features(self, features: Sequence[Term]) -> Automaton:
         """Return what would be learned from other features of the same examples, untrimmed.
 
         Raises:
@@ -295,13 +295,13 @@ class TrainingSession(Trainer):
         edit = exchange(self, features)
         return self._learned(self.log.after(edit), "shown", edit.features)
 
-    def _check_features(self, features: Sequence[Use]) -> None:
+    def _check_features(self, features: Sequence[Term]) -> None:
         chosen = replace(self.curriculum, features=tuple(features))
         check_curriculum(chosen, self.context.repertoire)
-        unread = [use for use in features if use not in self.history.readable]
+        unread = [term for term in features if term not in self.history.readable]
         if unread and not self.log.examples:
             raise TrainingError(
-                f"{some([str(use) for use in unread])} cannot be chosen any more: of a domain "
+                f"{some([str(term) for term in unread])} cannot be chosen any more: of a domain "
                 "with so many features, a training reads some only if they are chosen when it "
                 "begins",
                 Fix.TRAIN(behavior=self.curriculum.name, feature=unread[0]),
@@ -316,7 +316,7 @@ class TrainingSession(Trainer):
         """Make a step that is on disk; see `Trainer.make`."""
         super().make(record, edit)
         if edit is not None and edit.features is not None:
-            features = tuple(map(Use.parse, edit.features))
+            features = tuple(map(Term.parse, edit.features))
             self.curriculum = replace(self.curriculum, features=features)
             self.running.set_features(features)
 
@@ -326,5 +326,5 @@ class TrainingSession(Trainer):
             case "retime":
                 return retiming(self, record["numbers"], float(record["ago"]))
             case "features":
-                return exchange(self, tuple(map(Use.parse, record["features"])))
+                return exchange(self, tuple(map(Term.parse, record["features"])))
         return self.log.prepared(record)

@@ -11,7 +11,7 @@ from hitab_core.automaton import FLAGS, START, Automaton
 from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind, Target
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_learning import learn_transitions
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 Row = tuple[str, Sequence[float], str]
 Teach = Callable[..., Automaton]
@@ -47,7 +47,7 @@ def robot() -> Domain:
         ],
         targets=[Target("ball", lambda body: 0), Target("goal", lambda body: 1)],
         automata=[
-            Automaton("Patrol", (Use("GoSlow"),), (), {}, description="written by hand"),
+            Automaton("Patrol", (Term("GoSlow"),), (), {}, description="written by hand"),
         ],
     )
 
@@ -87,12 +87,12 @@ def teach(robot: Domain) -> Teach:
                 )
         mentioned = [label for e in examples for label in (e.state, e.next_state)]
         labels = [label for label in dict.fromkeys([*mentioned, *states]) if label != START]
-        uses = tuple(Use.parse(feature) for feature in features)
-        scales = [(domain or robot).scale_of(use) for use in uses]
+        terms = tuple(Term.parse(feature) for feature in features)
+        scales = [(domain or robot).scale_of(term) for term in terms]
         return Automaton(
             name,
-            tuple(Use.parse(label) for label in labels),
-            uses,
+            tuple(Term.parse(label) for label in labels),
+            terms,
             learn_transitions(examples, scales, classifier),
             tuple(parameters),
             tuple(examples),

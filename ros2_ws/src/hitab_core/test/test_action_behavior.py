@@ -15,7 +15,7 @@ from hitab_core import (
     HitabError,
     Repertoire,
     Target,
-    Use,
+    Term,
     calls_of,
     feedback_feature,
 )
@@ -64,13 +64,13 @@ class Carrier:
         self.done: list[str] = []
 
     def begin(self, call: ActionCall) -> None:
-        self.done.append(f"begin {call.use} {dict(call.goal)}")
+        self.done.append(f"begin {call.term} {dict(call.goal)}")
 
     def leave(self, call: ActionCall) -> None:
-        self.done.append(f"leave {call.use}")
+        self.done.append(f"leave {call.term}")
 
     def failed(self, call: ActionCall) -> None:
-        self.done.append(f"failed {call.use}")
+        self.done.append(f"failed {call.term}")
 
 
 @pytest.fixture
@@ -82,7 +82,7 @@ def body() -> Body:
 
 def performing(body: Any) -> Any:
     context = RunContext(Repertoire(DOMAIN), body, FeatureCache(body, DOMAIN), lambda: 0.0)
-    return performance(context, Use("GoTo", ("there",)))
+    return performance(context, Term("GoTo", ("there",)))
 
 
 def test_the_first_pulse_sends_the_goal_and_leaving_cancels_it(body):

@@ -22,8 +22,8 @@ from hitab_core.example import ExampleKind
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
 from hitab_core.remedies import Fix
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 
 
 def domain():
@@ -44,7 +44,7 @@ def make(tmp_path):
     return make
 
 
-HOME = Curriculum("Home", (Use("x"),))
+HOME = Curriculum("Home", (Term("x"),))
 
 
 def see(agent, x, cycle=1):
@@ -60,9 +60,9 @@ def do(agent, x):
 def teach_home(agent):
     agent.begin(HOME)
     see(agent, 5.0)
-    agent.command(Use("Left"))
+    agent.command(Term("Left"))
     see(agent, 0.0)
-    agent.command(Use("Stay"))
+    agent.command(Term("Stay"))
 
 
 def test_what_is_taught_is_tested_saved_and_performed(make):
@@ -87,21 +87,21 @@ def test_a_behavior_that_is_trained_on_keeps_its_description_unless_another_is_g
     for given, kept in (("", "go home"), ("run home", "run home")):
         agent.begin(Curriculum("Home", ()), resume="Home")
         see(agent, 5.0)
-        agent.command(Use("Left"))
+        agent.command(Term("Left"))
         assert agent.save(description=given).automaton.description == kept
 
 
 def test_commands_out_of_training_mode_are_refused_with_the_way_out(make):
     agent = make()
     with pytest.raises(TrainingError, match="it is not training anything"):
-        agent.command(Use("Left"))
+        agent.command(Term("Left"))
     teach_home(agent)
     agent.test()
     with pytest.raises(TrainingError, match='"Home" is being tested'):
-        agent.command(Use("Left"))
-    agent.perform(Use("Right"))
+        agent.command(Term("Left"))
+    agent.perform(Term("Right"))
     with pytest.raises(TrainingError, match="it is performing") as refused:
-        agent.command(Use("Left"))
+        agent.command(Term("Left"))
     assert refused.value.remedies == (Fix.RESUME(agent="ann"),)
     assert len(agent.session.examples) == 4
 
@@ -110,7 +110,7 @@ def test_a_discarded_training_is_over_and_its_journal_kept(make, tmp_path):
     agent = make()
     teach_home(agent)
     assert (agent.training, agent.unsaved) == ("Home", 4)
-    agent.perform(Use("Right"))
+    agent.perform(Term("Right"))
     agent.discard()
     assert (agent.mode, agent.training, agent.unsaved) == (Mode.IDLE, "", 0)
     assert agent.active_path == []
@@ -156,9 +156,9 @@ def test_a_training_survives_the_process_with_everything_that_was_done_to_it(mak
     agent = make()
     teach_home(agent)
     see(agent, -4.0)
-    agent.command(Use("Right"))
+    agent.command(Term("Right"))
     agent.session.undo()
-    agent.session.relabel([4], Use("Right"))
+    agent.session.relabel([4], Term("Right"))
     agent.session.delete([2])
     expected = agent.session.examples
     agent.journal.close()  # as the end of the process does
@@ -167,7 +167,7 @@ def test_a_training_survives_the_process_with_everything_that_was_done_to_it(mak
     assert again.session.examples == expected
     assert again.session.curriculum == HOME
     see(again, 7.0)
-    again.command(Use("Left"))
+    again.command(Term("Left"))
     assert again.session.examples[-1].number > max(e.number for e in expected)
 
 
@@ -178,9 +178,9 @@ def test_training_goes_on_from_what_was_saved(make):
     agent.begin(Curriculum("Home", ()), resume="Home")
     assert len(agent.session.examples) == 4
     see(agent, -3.0)
-    agent.command(Use("Right"))
+    agent.command(Term("Right"))
     agent.save()
-    agent.perform(Use("Home"))
+    agent.perform(Term("Home"))
     agent.restart(seed=1, episode=1)
     assert len(agent.repertoire.automata["Home"].examples) == 6
 
@@ -192,7 +192,7 @@ def test_training_goes_on_from_an_earlier_version(make):
     first = agent.library.digest
     agent.begin(Curriculum("Home", ()), resume="Home")
     see(agent, -3.0)
-    agent.command(Use("Right"))
+    agent.command(Term("Right"))
     agent.save()
     assert agent.library.digest != first
     with pytest.raises(LibraryError, match=r'no version 3 of "Home" \(known: 1, 2\)'):
@@ -205,12 +205,12 @@ def test_training_goes_on_from_an_earlier_version(make):
 
 def test_training_is_resumed_with_the_features_that_were_trimmed(make):
     agent = make()
-    curriculum = replace(HOME, features=(Use("x"), Use("SecondsInState")))
+    curriculum = replace(HOME, features=(Term("x"), Term("SecondsInState")))
     agent.begin(curriculum)
     see(agent, 5.0)
-    agent.command(Use("Left"))
+    agent.command(Term("Left"))
     see(agent, 0.0)
-    agent.command(Use("Stay"))
+    agent.command(Term("Stay"))
     learned = agent.session.automaton()
     agent.save()
     agent = make()  # from the file
@@ -240,14 +240,14 @@ def test_a_command_that_cannot_be_written_down_changes_nothing(make):
     before = (agent.session.examples, agent.active_path)
     with files_end_at(100):
         with pytest.raises(LibraryError, match=r"agent.db: .*check the disk and try again"):
-            agent.command(Use("Right"))
+            agent.command(Term("Right"))
         with pytest.raises(LibraryError, match=r"agent.db: .*check the disk and try again"):
             agent.session.undo()
         with pytest.raises(LibraryError, match=r"agent.db: .*check the disk and try again"):
             agent.test(restart=True)
     assert (agent.session.examples, agent.active_path) == before
     assert agent.mode is Mode.TRAINING
-    agent.command(Use("Right"))
+    agent.command(Term("Right"))
     expected = agent.session.examples
     agent.journal.close()  # as the end of the process does
     assert make().session.examples == expected
@@ -266,13 +266,13 @@ def robot(tmp_path):
 def test_in_training_an_agent_without_a_required_value_waits_for_the_next_command(robot):
     robot.begin(HOME)
     see(robot, 5.0)
-    robot.command(Use("Left"))
+    robot.command(Term("Left"))
     assert do(robot, 5.0) == "Left"
     with pytest.raises(FeatureValueError, match='feature "x" has no value'):
         do(robot, math.nan)
     assert robot.session.note.startswith('stands still until the next command: feature "x" has')
     assert do(robot, 5.0) == ""
-    assert robot.command(Use("Left"))[0].state == "Start"
+    assert robot.command(Term("Left"))[0].state == "Start"
     assert do(robot, 5.0) == "Left"
     assert robot.session.note == ""
 
@@ -286,12 +286,12 @@ def test_in_training_an_agent_without_a_required_value_waits_for_the_next_comman
     ],
 )
 def test_what_stands_still_is_obeyed_whatever_keeps_it_from_being_recorded(robot, why, x, chosen):
-    robot.begin(Curriculum("Home", (Use("x"),), states=tuple(map(Use, chosen))))
+    robot.begin(Curriculum("Home", (Term("x"),), states=tuple(map(Term, chosen))))
     see(robot, 5.0)
-    robot.command(Use("Left"))
+    robot.command(Term("Left"))
     see(robot, x)
     with files_end_at(100) if "disk" in why else nullcontext():
-        assert robot.command(Use("Stay")) == []
+        assert robot.command(Term("Stay")) == []
         assert why in robot.session.note
     assert do(robot, x) == do(robot, math.nan) == "Stay"
     assert len(robot.session.examples) == 2
@@ -302,9 +302,9 @@ def test_a_training_that_cannot_be_written_down_leaves_the_earlier_one_safe(make
     teach_home(agent)
     disk = r"agent.db: .*check the disk and try again"
     with files_end_at(100), pytest.raises(LibraryError, match=disk):
-        agent.begin(Curriculum("Other", (Use("x"),)), discard=True)
+        agent.begin(Curriculum("Other", (Term("x"),)), discard=True)
     assert agent.behavior == "Home"
-    agent.command(Use("Right"))
+    agent.command(Term("Right"))
     expected = agent.session.examples
     agent.journal.close()  # as the end of the process does
     assert make().session.examples == expected
@@ -314,7 +314,7 @@ def test_a_training_whose_files_are_removed_is_written_again(make, tmp_path):
     agent = make()
     teach_home(agent)
     shutil.rmtree(tmp_path / "ann")
-    agent.command(Use("Right"))
+    agent.command(Term("Right"))
     expected = agent.session.examples
     agent.journal.close()  # as the end of the process does
     again = make()
@@ -342,16 +342,16 @@ def test_commands_after_a_test_are_corrections_also_after_a_restart(make):
     agent.journal.close()  # as the end of the process does
     again = make()
     see(again, -3.0)
-    assert again.command(Use("Right"))[0].kind is ExampleKind.CORRECTION
+    assert again.command(Term("Right"))[0].kind is ExampleKind.CORRECTION
 
 
 def test_an_interrupted_training_that_does_not_fit_is_told_with_its_file(make, tmp_path):
     agent = make()
     teach_home(agent)
     agent.save()
-    agent.begin(Curriculum("Far", (Use("x"),)))
+    agent.begin(Curriculum("Far", (Term("x"),)))
     see(agent, 5.0)
-    agent.command(Use("Home"))
+    agent.command(Term("Home"))
     agent.journal.close()  # as the end of the process does
     (tmp_path / "ann" / "library" / "Home.hfa.yaml").unlink()
     again = make()
@@ -364,9 +364,9 @@ def test_a_library_without_what_is_being_trained_is_refused_and_changes_nothing(
     agent = make()
     teach_home(agent)
     agent.save()
-    agent.begin(Curriculum("Far", (Use("x"),)))
+    agent.begin(Curriculum("Far", (Term("x"),)))
     see(agent, 5.0)
-    agent.command(Use("Home"))
+    agent.command(Term("Home"))
     with pytest.raises(VocabularyError, match='unknown behavior "Home"'):
         agent.reload(BehaviorLibrary(agent.library.folder.parent / "nothing", agent.domain))
     assert "Home" in agent.repertoire
@@ -374,8 +374,8 @@ def test_a_library_without_what_is_being_trained_is_refused_and_changes_nothing(
 
 
 WRONG = [
-    (Curriculum("A" * 101, (Use("x"),)), "is not a name; use up to 100 letters"),
-    (Curriculum("A", (Use("x"),), parameters=("P", "P"), arguments=("x", "x")), "twice"),
-    (Curriculum("A", (Use("x"),), classifier="os.system"), '"os.system" is not a classifier'),
-    (Curriculum("A", (Use("x"),), classifier="tree("), "does not name a classifier"),
+    (Curriculum("A" * 101, (Term("x"),)), "is not a name; use up to 100 letters"),
+    (Curriculum("A", (Term("x"),), parameters=("P", "P"), arguments=("x", "x")), "twice"),
+    (Curriculum("A", (Term("x"),), classifier="os.system"), '"os.system" is not a classifier'),
+    (Curriculum("A", (Term("x"),), classifier="tree("), "does not name a classifier"),
 ]

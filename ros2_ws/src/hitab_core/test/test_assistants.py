@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hitab_core import Agent, BehaviorLibrary, Given, TrainingSession, Use, plain_domain
+from hitab_core import Agent, BehaviorLibrary, Given, Term, TrainingSession, plain_domain
 from hitab_core.training import Curriculum
 from hitab_core.training.events import CommandGiven, Proposal
 from hitab_core.training_session import ASSISTANTS
@@ -22,7 +22,7 @@ class Cart:
         library = BehaviorLibrary(folder / "library", CART)
         self.agent = Agent("cart", CART, library, folder / "journal", without=without)
         if self.agent.session is None:
-            self.agent.begin(Curriculum("Bounce", (Use("Distance"),)))
+            self.agent.begin(Curriculum("Bounce", (Term("Distance"),)))
         self.cycle = 0
 
     @property
@@ -37,10 +37,10 @@ class Cart:
 
     def drive(self) -> None:
         self.see(6.0, jumped=True)
-        self.agent.command(Use("Go"))
+        self.agent.command(Term("Go"))
         for step in range(30):
             self.see(6.0 - 0.1 * step)
-        self.agent.command(Use("Turn"), Given(pace=1.0))
+        self.agent.command(Term("Turn"), Given(pace=1.0))
 
 
 def test_without_the_estimate_of_reactions_a_late_command_means_what_was_seen(
@@ -62,7 +62,7 @@ def test_each_assistant_can_be_left_out_and_the_others_go_on(tmp_path: Path) -> 
         for distance, commands in ((2.0, "Go Turn Go"), (5.0, "Go Turn")):  # a loop, a clash
             cart.see(distance, jumped=True)
             for behavior in commands.split():
-                cart.agent.command(Use(behavior))
+                cart.agent.command(Term(behavior))
         cart.agent.test(restart=True)
         assert bool(cart.session.remarks(look=True)) == ("loops" not in without)
         assert any("you commanded" in q.text for q in cart.session.questions.find()) == (

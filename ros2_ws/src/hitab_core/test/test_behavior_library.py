@@ -133,7 +133,7 @@ def test_a_file_tells_what_it_was_made_of_and_where_it_comes_from(
     library: BehaviorLibrary,
 ) -> None:
     file = library.file("Control")
-    assert file.uses == {
+    assert file.terms == {
         "Approach": library.file("Approach").checksum,
         "GoTo": "basic",
         "Kick": "basic",
@@ -492,14 +492,14 @@ SAVER = textwrap.dedent(
     from hitab_core.automaton import Automaton
     from hitab_core.example import Example
     from hitab_core.learning.transition_learning import learn_transitions
-    from hitab_core.use import Use
+    from hitab_core.term import Term
 
     robot = Domain.of("r", "1", None, behaviors=[BasicBehavior("Stop")], features=[])
     library = BehaviorLibrary(sys.argv[1], robot)
     example = (Example("Start", (), "Stop", number=1),)
     for i in range(int(sys.argv[3])):
         automaton = Automaton(
-            "Rest", (Use("Stop"),), (), learn_transitions(example, ()), (), example
+            "Rest", (Term("Stop"),), (), learn_transitions(example, ()), (), example
         )
         library.save(automaton, agent=sys.argv[2])
     """

@@ -14,8 +14,8 @@ from hitab_core.automaton import Automaton
 from hitab_core.domain import BOOLEAN_SCALE, FeatureKind, Scale
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_learning import learn_transitions, learner
+from hitab_core.term import Term
 from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
 
 METERS = Scale()
 DEGREES = Scale(FeatureKind.TOROIDAL, 360.0)
@@ -91,8 +91,8 @@ def test_an_automaton_is_rated_by_state_without_its_superseded_examples():
     )
     shuttle = Automaton(
         "Shuttle",
-        (Use("Go"), Use("Stop")),
-        (Use("Range"),),
+        (Term("Go"), Term("Stop")),
+        (Term("Range"),),
         {**learn_transitions(examples, [METERS]), "Stop": HandWritten(lambda: "Go")},
         examples=examples,
     )

@@ -22,8 +22,8 @@ from hitab_core.learning.transition_learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.check import misfits
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 
 DOMAIN = Domain.of(
     "line",
@@ -38,9 +38,9 @@ def lattice(levels: int) -> dict[str, Automaton]:
     """Return two automata a level, both of which use both of the level below."""
     made = {}
     for level in range(levels):
-        below = (Use("Left"), Use("Right"))
+        below = (Term("Left"), Term("Right"))
         if level:
-            below = (Use(f"A{level - 1}"), Use(f"B{level - 1}"))
+            below = (Term(f"A{level - 1}"), Term(f"B{level - 1}"))
         for letter in "AB":
             made[f"{letter}{level}"] = Automaton(f"{letter}{level}", below, (), {})
     return made
@@ -88,7 +88,7 @@ def learned(name: str) -> Automaton:
     examples = (Example("Start", (0.0,), "Left", number=1, command=1),)
     scales = [DOMAIN.features["x"].scale]
     return Automaton(
-        name, (Use("Left"),), (Use("x"),), learn_transitions(examples, scales), (), examples
+        name, (Term("Left"),), (Term("x"),), learn_transitions(examples, scales), (), examples
     )
 
 
@@ -110,20 +110,20 @@ def reachable(graph: dict[str, frozenset[str]], name: str) -> set[str]:
 def test_circles_groups_and_orders_are_those_of_the_definition(
     graph: dict[str, frozenset[str]],
 ) -> None:
-    def uses(name: str) -> frozenset[str]:
+    def terms(name: str) -> frozenset[str]:
         return graph.get(name, frozenset())
 
     below = {name: reachable(graph, name) for name in graph}
     recursive = {name for name in graph if name in below[name]}
-    circle = circle_among(sorted(graph), uses)
+    circle = circle_among(sorted(graph), terms)
     assert bool(circle) == bool(recursive)
     assert not circle or circle[0] == circle[-1]
-    assert all(b in uses(a) for a, b in pairwise(circle))
+    assert all(b in terms(a) for a, b in pairwise(circle))
     if not circle:
-        order = in_order(sorted(graph), uses)
+        order = in_order(sorted(graph), terms)
         assert sorted(order) == sorted(set(graph) | {u for n in graph for u in graph[n]})
         for place, name in enumerate(order):
-            assert uses(name) <= set(order[:place])
+            assert terms(name) <= set(order[:place])
 
 
 # Learning ---------------------------------------------------------------------------------------
@@ -145,10 +145,10 @@ def fits(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 def taught(agent: Agent, tag: float) -> None:
     """Teach two states with a feature that is not needed."""
-    agent.begin(Curriculum("Home", (Use("x"), Use("y"))))
+    agent.begin(Curriculum("Home", (Term("x"), Term("y"))))
     for x, y, label in ((5.0 + tag, 1.0, "Left"), (0.0, 1.0, "Stay"), (9.0, 1.0, "Left")):
         agent.sense((x, y), ())
-        agent.command(Use(label))
+        agent.command(Term(label))
 
 
 def test_one_save_learns_from_the_same_examples_once(tmp_path: Path, fits: list[Any]) -> None:

@@ -18,8 +18,8 @@ from hitab_core.mode import Mode
 from hitab_core.orders.order import ALL_OTHERS, Order
 from hitab_core.orders.subordinate import Subordinate
 from hitab_core.remedies import Fix
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 
 Make = Callable[..., Agent]
 
@@ -34,8 +34,8 @@ def line() -> Domain:
         behaviors=pulsed("Left", "Right"),
         features=[Feature("x", lambda body: body.x, unit="m")],
         automata=[
-            Automaton("Low", (Use("Left"),), (), {}, description="written by hand"),
-            Automaton("Patrol", (Use("Low"),), (), {}, description="written by hand"),
+            Automaton("Low", (Term("Left"),), (), {}, description="written by hand"),
+            Automaton("Patrol", (Term("Low"),), (), {}, description="written by hand"),
         ],
     )
 
@@ -51,10 +51,10 @@ def make(tmp_path: Path, line: Domain) -> Make:
 
 def teach(agent: Agent, name: str, *states: str, save: bool = True) -> None:
     """Train an automaton that begins with the first and ends with the last of these states."""
-    agent.begin(Curriculum(name, (Use("x"),)))
+    agent.begin(Curriculum(name, (Term("x"),)))
     for x, state in enumerate(states):
         agent.sense([float(x)], [])
-        agent.command(Use.parse(state))
+        agent.command(Term.parse(state))
     if save:
         agent.save()
 
@@ -92,7 +92,7 @@ def test_an_agent_starts_with_what_is_sound_and_names_what_is_not(
     damage(trained, "Low")
     agent = make()
     assert sorted(agent.loaded.files) == ["Other"]
-    agent.perform(Use("Other"))
+    agent.perform(Term("Other"))
     assert agent.mode is Mode.PERFORMING
     (fault,) = agent.faults
     folder = agent.library.folder
@@ -104,7 +104,7 @@ def test_an_agent_starts_with_what_is_sound_and_names_what_is_not(
     )
     assert agent.loaded.losses.remedies["High"] == agent.remedies == ways_out
     with pytest.raises(LostBehaviorError) as refused:
-        agent.perform(Use("High"))
+        agent.perform(Term("High"))
     assert refused.value.remedies == ways_out
 
 
@@ -127,11 +127,11 @@ def test_nothing_stands_in_for_what_is_lost_and_whoever_asks_for_it_learns_why(
     with pytest.raises(
         LostBehaviorError, match=f"^{reason}its file in .* cannot be used: Low.hfa.yaml"
     ):
-        agent.perform(Use(name))
+        agent.perform(Term(name))
     assert agent.mode is Mode.IDLE
     teach(agent, "New", "Right", save=False)
     with pytest.raises(LostBehaviorError, match=f"^{reason}"):
-        agent.command(Use(name))
+        agent.command(Term(name))
     with pytest.raises(LibraryError, match=f"cannot be sent: {reason}"):
         make_bundle(agent.loaded.texts, agent.repertoire, name)
 
@@ -149,7 +149,7 @@ def test_a_basic_behavior_does_not_take_the_name_of_a_trained_one(
     )
     agent = make(domain=newer)
     with pytest.raises(LostBehaviorError, match='"Other" is a basic behavior of domain "line"'):
-        agent.perform(Use("Other"))
+        agent.perform(Term("Other"))
 
 
 def test_a_trained_behavior_that_uses_a_hand_written_one_made_of_a_lost_one_is_lost(
@@ -160,7 +160,7 @@ def test_a_trained_behavior_that_uses_a_hand_written_one_made_of_a_lost_one_is_l
     with pytest.raises(
         LostBehaviorError, match=r"^Round needs Patrol, which needs Low: its file "
     ):
-        make().perform(Use("Round"))
+        make().perform(Term("Round"))
 
 
 def test_behaviors_that_use_each_other_are_lost_and_others_are_not(
@@ -173,7 +173,7 @@ def test_behaviors_that_use_each_other_are_lost_and_others_are_not(
     agent = make()
     assert sorted(agent.loaded.files) == ["Other"]
     with pytest.raises(LostBehaviorError, match="recursive"):
-        agent.perform(Use("Low"))
+        agent.perform(Term("Low"))
 
 
 def test_a_file_that_was_edited_is_used_as_it_is(trained: Agent, make: Make) -> None:
@@ -190,7 +190,7 @@ def test_nothing_is_saved_in_place_of_what_is_lost(trained: Agent, make: Make) -
     agent = make()
     for name in ("Low", "Middle"):
         with pytest.raises(VocabularyError, match=f'"{name}" cannot be trained: it would take'):
-            agent.begin(Curriculum(name, (Use("x"),)))
+            agent.begin(Curriculum(name, (Term("x"),)))
         teach(agent, "New", "Left", save=False)
         before = file_of(agent, name).read_bytes()
         with pytest.raises(LibraryError, match=f'"{name}" cannot be saved: it would take'):
@@ -216,7 +216,7 @@ def test_a_file_that_is_damaged_while_the_agent_is_up_is_not_replaced_by_what_it
 def test_an_agent_that_is_up_keeps_what_it_has_when_a_reload_would_lose_it(
     trained: Agent,
 ) -> None:
-    trained.perform(Use("Other"))
+    trained.perform(Term("Other"))
     damage(trained, "Low")
     with pytest.raises(LibraryError, match="it keeps its present library: Low is lost: "):
         trained.reload()
@@ -229,7 +229,7 @@ def test_what_is_restored_comes_back_with_all_that_is_made_of_it(
 ) -> None:
     damage(trained, "Low")
     agent = make()
-    agent.pending_behavior = Use("High")
+    agent.pending_behavior = Term("High")
     BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
     assert agent.reload() == ["High", "Low", "Middle", "Other"]
     assert agent.faults == ()
@@ -283,7 +283,7 @@ def test_an_agent_that_is_ordered_to_perform_what_is_lost_idles_until_it_is_back
 ) -> None:
     damage(trained, "Low")
     agent = make()
-    agent.perform(Use("Other"))
+    agent.perform(Term("Other"))
     subordinate = Subordinate(agent)
     subordinate.take(Order(1, 1, "Attack", {ALL_OTHERS: "High"}))
     assert agent.mode is Mode.IDLE
@@ -308,7 +308,7 @@ def test_a_training_that_used_what_is_lost_waits_on_disk_until_it_is_back(
     assert agent.session is None
     assert any("the interrupted training cannot be resumed: High needs" in f for f in agent.faults)
     with pytest.raises(TrainingError, match="the interrupted training cannot be resumed"):
-        agent.begin(Curriculum("Another", (Use("x"),)))
+        agent.begin(Curriculum("Another", (Term("x"),)))
     BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
     agent.reload()
     assert agent.faults == ()
@@ -331,7 +331,7 @@ def test_a_damaged_training_is_named_and_can_be_given_up_and_is_kept(
     assert ("cannot use it" if size else "record 2 of training 5 was damaged or edited") in fault
     assert "; discard the training, or move this file away to start without it" in fault
     if how == "begin":
-        agent.begin(Curriculum("Another", (Use("x"),)), discard=True)
+        agent.begin(Curriculum("Another", (Term("x"),)), discard=True)
     agent.discard()
     kept = path.with_name("agent.1.db").read_bytes() if size else path.read_bytes()
     assert kept == data if size else b"Hihg" in kept
@@ -365,13 +365,13 @@ def test_of_a_library_that_cannot_be_read_nothing_is_guessed_and_nothing_is_over
     agent = make()
     (fault,) = agent.faults
     assert fault.startswith(f"the library cannot be read: {change}: cannot read it: Not a direc")
-    agent.perform(Use("Left"))
+    agent.perform(Term("Left"))
     for name, reason in (
         ("Low", "the library cannot be read"),
         ("High", '"High" is unknown, and'),
     ):
         with pytest.raises(LostBehaviorError, match=f"^{reason}"):
-            agent.perform(Use(name))
+            agent.perform(Term(name))
     teach(agent, "New", "Left", save=False)
     with pytest.raises(LibraryError, match="cannot read it: Not a directory"):
         agent.save()

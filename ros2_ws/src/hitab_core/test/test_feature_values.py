@@ -14,8 +14,8 @@ from hitab_core.domain import BasicBehavior, Domain, Feature, FeatureKind
 from hitab_core.errors import FeatureValueError, NoValueError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 
 
 @pytest.fixture
@@ -43,9 +43,9 @@ def agent(tmp_path: Path) -> Agent:
 
 def refusal(agent: Agent, feature: str = "Range") -> str:
     if agent.session is None:
-        agent.begin(Curriculum("New", (Use(feature),)))
+        agent.begin(Curriculum("New", (Term(feature),)))
     with pytest.raises(FeatureValueError) as refused:
-        agent.command(Use("Go"))
+        agent.command(Term("Go"))
     assert agent.session is not None
     assert len(agent.session.log) == 0
     return str(refused.value)
@@ -59,7 +59,7 @@ def test_an_example_holds_only_finite_values(agent: Agent, value: float) -> None
         "number instead, such as the range of its sensor"
     )
     agent.sense([30.0], [])
-    assert len(agent.command(Use("Go"))) == 2
+    assert len(agent.command(Term("Go"))) == 2
 
 
 @pytest.mark.parametrize("value", [None, math.nan, "near", [1.0, 2.0], 10**400])
@@ -67,7 +67,7 @@ def test_a_value_that_is_no_number_is_none(agent: Agent, value: Any) -> None:
     agent.sense([value], [])
     assert "Range" in refusal(agent), "a command without any value teaches nothing"
     with pytest.raises(NoValueError, match=r'^feature "Range" has no value') as raised:
-        agent.context.feature_cache.read(agent.context.feature_cache.slot(Use("Range")))
+        agent.context.feature_cache.read(agent.context.feature_cache.slot(Term("Range")))
     assert len(str(raised.value)) < 120
 
 
@@ -76,18 +76,18 @@ def test_a_command_before_the_first_percept_is_refused(agent: Agent) -> None:
         "nothing perceived yet; let the world run, or wait for the robot's sensors"
     )
     agent.sense([1.0], [])
-    agent.command(Use("Go"))
+    agent.command(Term("Go"))
 
 
 def test_a_behavior_that_needs_a_percept_is_not_begun_before_the_first_one(agent: Agent) -> None:
     expected = "^nothing perceived yet; .*IndexError"
     with pytest.raises(FeatureValueError, match=expected):
-        agent.perform(Use("Aim"))
+        agent.perform(Term("Aim"))
     assert agent.mode is Mode.IDLE
-    agent.begin(Curriculum("Blind", (Use("Done"),)))
+    agent.begin(Curriculum("Blind", (Term("Done"),)))
     with pytest.raises(FeatureValueError, match=expected):
-        agent.command(Use("Aim"))
+        agent.command(Term("Aim"))
     agent.sense([], [])
     with pytest.raises(IndexError):  # the domain's own mistake, with its place
-        agent.perform(Use("Aim"))
+        agent.perform(Term("Aim"))
     assert agent.mode is Mode.IDLE

@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from hitab_core import Agent, BehaviorLibrary, Given, TrainingError, Use, plain_domain
+from hitab_core import Agent, BehaviorLibrary, Given, Term, TrainingError, plain_domain
 from hitab_core.example import Example
 from hitab_core.training import Curriculum
 
@@ -26,7 +26,7 @@ class Course:
     def __init__(self, folder: Path, seed: int = 1) -> None:
         self.folder, self.random, self.time, self.cycle = folder, Random(seed), 0.0, 0
         self.agent = self.made()
-        self.agent.begin(Curriculum("Bounce", (Use("Distance"), Use("Weather"))))
+        self.agent.begin(Curriculum("Bounce", (Term("Distance"), Term("Weather"))))
 
     def made(self) -> Agent:
         library = BehaviorLibrary(self.folder / "library", CART)
@@ -44,14 +44,14 @@ class Course:
         speed = self.random.uniform(1.0, 6.0)
         distance = WALL + speed * self.random.uniform(0.8, 1.5)
         self.sense(distance, jumped=True)
-        self.agent.command(Use("Go"))
+        self.agent.command(Term("Go"))
         while distance > WALL:
             distance -= speed * STEP
             self.sense(distance)
         for _ in range(round(delay * pace / STEP)):
             distance -= speed * STEP
             self.sense(distance)
-        return self.agent.command(Use("Turn"), Given(pace=pace))[0]
+        return self.agent.command(Term("Turn"), Given(pace=pace))[0]
 
     @property
     def turns(self) -> list[Example]:
@@ -144,7 +144,7 @@ def test_people_are_known_by_name_and_from_one_training_to_the_next(tmp_path: Pa
     for _ in range(8):
         course.run(1.2)
     course.agent.save()
-    course.agent.begin(Curriculum("Again", (Use("Distance"),)))
+    course.agent.begin(Curriculum("Again", (Term("Distance"),)))
     assert course.run(1.2).ago == pytest.approx(course.estimate, abs=0.3)
 
 
@@ -170,19 +170,19 @@ def test_a_pace_that_no_world_has_is_refused(tmp_path: Path, pace: float) -> Non
     course = Course(tmp_path)
     course.sense(5.0)
     with pytest.raises(TrainingError, match="pace"):
-        course.agent.command(Use("Go"), Given(pace=pace))
+        course.agent.command(Term("Go"), Given(pace=pace))
 
 
 def test_a_wrong_beginning_is_corrected_where_it_was_decided(tmp_path: Path) -> None:
     course = Course(tmp_path)
     course.sense(9.0)
-    course.agent.command(Use("Go"))
+    course.agent.command(Term("Go"))
     course.agent.test()
     course.agent.restart(1, 1)
     for _ in range(12):
         course.sense(9.0)
     assert course.agent.active_path == ["Go"]
     course.agent.take_over()
-    taught = course.agent.command(Use("Turn"), Given(pace=1.0))[0]
+    taught = course.agent.command(Term("Turn"), Given(pace=1.0))[0]
     assert (taught.state, taught.next_state) == ("Start", "Turn")
     assert course.agent.active_path == ["Turn"]

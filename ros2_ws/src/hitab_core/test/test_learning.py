@@ -12,7 +12,7 @@ from hitab_core.errors import FeatureValueError, TrainingError, VocabularyError
 from hitab_core.example import Example, ExampleKind
 from hitab_core.learning.transition_learning import learn_transitions, learner
 from hitab_core.learning.transition_tree import TransitionTree
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 METERS = Scale()
 DEFAULT = ExampleKind.DEFAULT
@@ -43,8 +43,8 @@ def test_each_state_with_examples_has_a_function_in_order_of_appearance():
     assert list(functions) == [START, "GoFast", "GoSlow", "Stop"]
     Automaton(
         "ApproachBall",
-        tuple(map(Use, ("GoFast", "GoSlow", "Stop"))),
-        (Use("DistanceTo", ("ball",)), Use("BallIsKickable")),
+        tuple(map(Term, ("GoFast", "GoSlow", "Stop"))),
+        (Term("DistanceTo", ("ball",)), Term("BallIsKickable")),
         functions,
     )
 

@@ -11,8 +11,8 @@ from hitab_core import (
     LearningAgent,
     LibraryError,
     LostBehaviorError,
+    Term,
     TrainingError,
-    Use,
     VocabularyError,
     plain_domain,
 )
@@ -192,7 +192,7 @@ def test_the_head_of_a_file_of_excel_is_told_from_a_name():
 def test_an_example_that_no_file_may_hold_is_named_with_the_way_out(tmp_path):
     agent = shuttle(LearningAgent(cart(), tmp_path))
     agent.agent.sense([3.0], (), 2**60, 9.0)
-    agent.agent.command(Use("Left"))
+    agent.agent.command(Term("Left"))
     bad = agent.examples[-2].number
     with pytest.raises(LibraryError, match=rf"example {bad} is of cycle 1152921504606846976"):
         agent.save()

@@ -11,10 +11,10 @@ from hitab_core.example import Example, ExampleKind
 from hitab_core.repertoire import Repertoire
 from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
+from hitab_core.term import Term
 from hitab_core.training import Curriculum, Trainer
 from hitab_core.training.events import Given
 from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
 
 
 class Recorder:
@@ -68,8 +68,8 @@ DOMAIN = Domain.of(
 )
 
 
-def uses(*texts):
-    return tuple(Use.parse(text) for text in texts)
+def terms(*texts):
+    return tuple(Term.parse(text) for text in texts)
 
 
 def automaton(name, states, functions, features=("x",), parameters=()):
@@ -77,8 +77,8 @@ def automaton(name, states, functions, features=("x",), parameters=()):
     columns = tuple(range(len(features)))
     return Automaton(
         name,
-        uses(*states),
-        uses(*features),
+        terms(*states),
+        terms(*features),
         {state: HandWritten(choose, columns) for state, choose in functions.items()},
         parameters,
     )
@@ -97,12 +97,12 @@ class Agent:
         )
 
     def perform(self, text):
-        running = performance(self.context, Use.parse(text))
+        running = performance(self.context, Term.parse(text))
         running.start()
         return running
 
     def train(self, name="T", features=("x",), **more):
-        return Trainer(self.context, Curriculum(name, uses(*features), **more))
+        return Trainer(self.context, Curriculum(name, terms(*features), **more))
 
     def see(self, **values):
         self.body.sense(values, [])
@@ -139,7 +139,7 @@ def test_training_an_automaton_refuses_itself_and_what_uses_it_as_a_state():
     session = Agent(low, high).train("Low")
     for refused in ("Low", "High"):
         with pytest.raises(VocabularyError, match="recursive"):
-            session.command(Use.parse(refused))
+            session.command(Term.parse(refused))
     assert not session.examples
 
 
@@ -210,11 +210,11 @@ def test_a_flag_is_down_after_the_child_was_started_again():
 def test_a_demonstrator_sees_a_flag_until_the_next_command():
     agent = Agent(flagging())
     session = agent.train(features=("Done",))
-    session.command(Use("Child"))
+    session.command(Term("Child"))
     for _ in range(5):
         session.tick()  # nobody queries, so the flag stays up
-    session.command(Use("B"))
-    session.command(Use("Child"))
+    session.command(Term("B"))
+    session.command(Term("Child"))
     flags = [e.features for e in session.examples if e.kind is ExampleKind.DEMONSTRATED]
     assert flags == [(0.0,), (1.0,), (0.0,)]
 
@@ -248,17 +248,17 @@ def test_each_feature_is_read_at_most_once_per_tick():
         features=[Feature("x", lambda body: reads.append(1) or 0.0)],
     )  # fmt: skip
     stay = {START: HandWritten(lambda x: "A", (0,)), "A": HandWritten(lambda x: "A", (0,))}
-    low = Automaton("Low", uses("A"), uses("x"), stay)
+    low = Automaton("Low", terms("A"), terms("x"), stay)
     functions = {
         START: HandWritten(lambda x: "Low", (0,)),
         "Low": HandWritten(lambda x: "Low", (0,)),
     }
-    high = Automaton("High", uses("Low"), uses("x"), functions)
+    high = Automaton("High", terms("Low"), terms("x"), functions)
     body = Recorder()
     feature_cache = FeatureCache(body, domain)
     repertoire = Repertoire(domain, {"Low": low, "High": high})
     context = RunContext(repertoire, body, feature_cache, random.random)
-    running = performance(context, Use("High"))
+    running = performance(context, Term("High"))
     running.start()
     running.tick()
     assert len(reads) == 1
@@ -290,8 +290,8 @@ def test_a_one_shot_behavior_is_pulsed_once_per_entry():
 
 def test_a_state_without_examples_is_never_left():
     session = Agent().train()
-    session.command(Use("A"))
-    session.command(Use("Once"))
+    session.command(Term("A"))
+    session.command(Term("Once"))
     session.test(restart=True)
     function = session.automaton().transitions
     assert set(function) == {START, "A"}
@@ -316,7 +316,7 @@ def test_a_command_records_an_example_and_a_default_example_with_the_same_featur
     agent = Agent()
     session = agent.train(features=("x", "y"))
     agent.see(x=3.0, y=4.0)
-    session.command(Use("A"), Given(cycle=7))
+    session.command(Term("A"), Given(cycle=7))
     first, default = session.examples
     assert (first.state, first.features, first.next_state) == (START, (3.0, 4.0), "A")
     assert (default.state, default.features, default.next_state) == ("A", (3.0, 4.0), "A")
@@ -329,8 +329,8 @@ def test_a_command_records_an_example_and_a_default_example_with_the_same_featur
 
 def test_a_one_shot_behavior_and_a_flag_get_no_default_example():
     session = Agent().train()
-    session.command(Use("Once"))
-    session.command(Use("Done"))
+    session.command(Term("Once"))
+    session.command(Term("Done"))
     assert [(e.state, e.next_state) for e in session.examples] == [
         (START, "Once"),
         ("Once", "Done"),
@@ -339,19 +339,19 @@ def test_a_one_shot_behavior_and_a_flag_get_no_default_example():
 
 def test_after_a_commanded_flag_the_next_example_leaves_start():
     session = Agent().train()
-    session.command(Use("A"))
-    session.command(Use("Done"))
-    session.command(Use("B"))
+    session.command(Term("A"))
+    session.command(Term("Done"))
+    session.command(Term("B"))
     assert session.examples[-2].state == START
 
 
 def test_commanding_the_running_behavior_again_records_one_ordinary_example():
     agent = Agent()
     session = agent.train()
-    session.command(Use("A"))
+    session.command(Term("A"))
     agent.log()
     agent.see(x=5.0)
-    (again,) = session.command(Use("A"))
+    (again,) = session.command(Term("A"))
     assert (again.state, again.features, again.next_state) == ("A", (5.0,), "A")
     assert not again.is_default
     session.tick()
@@ -368,8 +368,8 @@ def test_a_decision_is_drawn_from_the_leaf_with_the_agents_own_generator():
         for number, label in enumerate("AAAB", 1):
             log = session.log
             log.make(log.addition([Example(START, (0.0,), label, number=number)]))
-        session.running.add_state(Use("A"))
-        session.running.add_state(Use("B"))
+        session.running.add_state(Term("A"))
+        session.running.add_state(Term("B"))
         session.test()
         chosen = []
         for _ in range(400):
@@ -390,9 +390,9 @@ def test_a_decision_is_drawn_from_the_leaf_with_the_agents_own_generator():
 def test_the_demonstrator_takes_over_and_gives_back_without_a_reset():
     agent = Agent()
     session = agent.train()
-    session.command(Use("A"))
+    session.command(Term("A"))
     agent.see(x=5.0)
-    session.command(Use("B"))
+    session.command(Term("B"))
     session.test()
     session.tick()
     agent.log()
@@ -406,21 +406,21 @@ def test_the_demonstrator_takes_over_and_gives_back_without_a_reset():
 
 def test_a_command_while_testing_is_refused_and_changes_nothing():
     session = Agent().train()
-    session.command(Use("A"))
+    session.command(Term("A"))
     session.test()
     with pytest.raises(TrainingError, match="is being tested"):
-        session.command(Use("B"))
+        session.command(Term("B"))
     assert len(session.examples) == 2
 
 
 def test_what_is_demonstrated_after_taking_over_is_a_correction():
     agent = Agent()
     session = agent.train()
-    session.command(Use("A"))
+    session.command(Term("A"))
     session.test()
     session.take_over()
     agent.see(x=2.0)
-    correction, _ = session.command(Use("B"))
+    correction, _ = session.command(Term("B"))
     assert correction.kind is ExampleKind.CORRECTION
     session.test()
     assert "B" in session.automaton().labels
@@ -468,7 +468,7 @@ def test_what_cannot_be_commanded_is_refused_with_what_could_be():
     ]:
         session = Agent().train()
         with pytest.raises(VocabularyError, match=message):
-            session.command(Use.parse(wrong))
+            session.command(Term.parse(wrong))
         assert not session.examples
 
 
@@ -476,7 +476,7 @@ def test_an_automaton_with_parameters_is_trained_with_them_bound_to_targets():
     agent = Agent()
     session = agent.train(features=("Of(G)",), parameters=("G",), arguments=("y",))
     agent.see(y=3.0)
-    session.command(Use.parse("GoTo(G)"))
+    session.command(Term.parse("GoTo(G)"))
     session.tick()
     assert agent.log() == ["start GoTo(y)", "pulse GoTo(y)"]
     assert session.examples[0].features == (3.0,)
@@ -506,7 +506,7 @@ def test_a_trained_automaton_takes_the_place_of_a_hand_written_one_beside_the_ot
     body = Recorder()
     repertoire = Repertoire(hand, {"Servo": trained})
     context = RunContext(repertoire, body, FeatureCache(body, hand), random.random)
-    running = performance(context, Use("Play"))
+    running = performance(context, Term("Play"))
     running.start()
     running.tick()
     running.tick()

@@ -25,8 +25,8 @@ from hitab_core.learning.tree_pruning import pessimistic_errors
 from hitab_core.repertoire import Repertoire
 from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
+from hitab_core.term import Term
 from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
 
 NAN = math.nan
 CONTINUOUS = Scale()
@@ -314,7 +314,7 @@ class Player:
     def __init__(self, function: Any, *, required: bool = False) -> None:
         domain = robot(required)
         automaton = Automaton(
-            "T", tuple(map(Use, "ABC")), (Use("x"), Use("y")), {START: function, "A": function}
+            "T", tuple(map(Term, "ABC")), (Term("x"), Term("y")), {START: function, "A": function}
         )
         self.body = Body()
         self.feature_cache = FeatureCache(self.body, domain)
@@ -322,7 +322,7 @@ class Player:
         context = RunContext(
             Repertoire(domain, {"T": automaton}), self.body, self.feature_cache, self.random.random
         )
-        self.running: Any = performance(context, Use("T"))
+        self.running: Any = performance(context, Term("T"))
         self.running.start()
 
     def tick(self, *values: Any) -> str:
@@ -380,7 +380,7 @@ def test_a_value_that_the_domain_refuses_is_missing_and_read_once_per_tick() -> 
 
     player = Player(learned([[1, 1], [9, 9]], ["A", "A"], [CONTINUOUS] * 2))
     assert player.tick(Sensor(), 1.0) == "A"
-    slot = player.feature_cache.slot(Use("x"))
+    slot = player.feature_cache.slot(Term("x"))
     player.body.reads = 0
     for _ in range(3):
         with pytest.raises(NoValueError):

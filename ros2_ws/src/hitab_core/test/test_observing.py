@@ -22,8 +22,8 @@ from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.live_features import live_features
 from hitab_core.running.observing import Change, guest
+from hitab_core.term import Term
 from hitab_core.transition_function import HandWritten, TransitionFunction
-from hitab_core.use import Use
 
 NAMES = ("First", "Second", "Third")
 STATES = ("A", "B", "C")
@@ -108,15 +108,15 @@ class Player:
         observe: Callable[[Change], None] | None,
         most_probable: bool,
     ) -> None:
-        uses = tuple(map(Use, NAMES))
+        terms = tuple(map(Term, NAMES))
         self.repertoire = Repertoire(
             DOMAIN,
             {
-                "Inner": Automaton("Inner", tuple(map(Use, STATES)), uses, inner),
+                "Inner": Automaton("Inner", tuple(map(Term, STATES)), terms, inner),
                 "Outer": Automaton(
                     "Outer",
-                    (Use("Inner"), Use("A")),
-                    uses,
+                    (Term("Inner"), Term("A")),
+                    terms,
                     {state: _Through(f) for state, f in outer.items()},
                 ),
             },
@@ -132,7 +132,7 @@ class Player:
             most_probable,
             observe,
         )
-        self.running = performance(self.context, Use("Outer"))
+        self.running = performance(self.context, Term("Outer"))
         self.running.start()
 
     def tick(self, values: Sequence[float]) -> None:
@@ -308,7 +308,7 @@ def test_one_feature_that_cannot_be_read_hides_no_other_and_raises_nothing() -> 
     player = asked()
     player.body.values = (1.0, -1.0, 2.0)
     player.feature_cache.forget()
-    also = [Use("Second"), Use("Third")]
+    also = [Term("Second"), Term("Third")]
     values = [value for _, _, value in live_features(player.running, player.context, also)]
     assert [math.isnan(value) for value in values] == [False, True, False, True, False]
 

@@ -13,9 +13,9 @@ from hitab_core.errors import HitabError, LibraryError, VocabularyError
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.library.bundle import digest_in, make_bundle, plan_bundle
 from hitab_core.mode import Mode
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
 from hitab_core.training.training_journal import TrainingJournal
-from hitab_core.use import Use
 
 
 @pytest.fixture(scope="module")
@@ -45,10 +45,10 @@ def make(tmp_path, line):
 def teach(agent, name, *states, parameters=(), save=True):
     """Train an automaton that begins with the first and ends with the last of these states."""
     arguments = ("ball",) * len(parameters)
-    agent.begin(Curriculum(name, (Use("x"),), (), parameters, arguments), discard=True)
+    agent.begin(Curriculum(name, (Term("x"),), (), parameters, arguments), discard=True)
     for x, state in enumerate(states):
         agent.sense([float(x)], [])
-        agent.command(Use.parse(state))
+        agent.command(Term.parse(state))
     return agent.save() if save else None
 
 
@@ -70,7 +70,7 @@ def _save(agent, make):
 def _save_over_what_is_performed(agent, make):
     teach(agent, "Go", "Near(A)", parameters=("A",))
     teach(agent, "Go", "Left", save=False)
-    agent.perform(Use("Go", ("ball",)))
+    agent.perform(Term("Go", ("ball",)))
     return agent.save
 
 
@@ -131,7 +131,7 @@ def test_disk_memory_and_answer_agree_whichever_operation_fails(
         else:
             assert known(again) == after, f"operation {number}, {answer}"
         for file in again.loaded.files.values():
-            again.perform(Use(file.name, ("ball",) * len(file.automaton.parameters)))
+            again.perform(Term(file.name, ("ball",) * len(file.automaton.parameters)))
         if not disk.failed:
             assert answer == "done"
             break
@@ -184,14 +184,14 @@ def test_saving_over_what_is_performed_saves_and_leaves_the_agent_idle_and_says_
     agent = make()
     teach(agent, "Go", "Near(A)", parameters=("A",))
     teach(agent, "Go", "Left", save=False)
-    agent.perform(Use("Go", ("ball",)))
+    agent.perform(Term("Go", ("ball",)))
     _, path, notes, _ = agent.save()
     assert path.exists()
     assert any('ann is idle now; it cannot perform "Go(ball)"' in note for note in notes)
     assert (agent.mode, agent.session) == (Mode.IDLE, None)
     agent.tick()
-    agent.perform(Use("Go"))
-    make().perform(Use("Go"))
+    agent.perform(Term("Go"))
+    make().perform(Term("Go"))
 
 
 def test_what_others_use_is_not_saved_with_other_parameters_and_nothing_is_lost(make):
@@ -211,7 +211,7 @@ def test_what_others_use_is_not_saved_with_other_parameters_and_nothing_is_lost(
 def test_a_bundle_that_does_not_fit_to_what_is_performed_is_refused_before_it_is_written(make):
     pupil, teacher = make("pupil"), make("teacher")
     teach(pupil, "Go", "Near(A)", parameters=("A",))
-    pupil.perform(Use("Go", ("ball",)))
+    pupil.perform(Term("Go", ("ball",)))
     teach(teacher, "Go", "Left")
     bundle = make_bundle(teacher.loaded.texts, teacher.repertoire, "Go")
     before = known(pupil)
@@ -227,9 +227,9 @@ def test_a_bundle_that_does_not_fit_to_what_is_performed_is_refused_before_it_is
     # The ways out that the error names, and that of starting what has come.
     with pupil.library.change() as change:
         loaded = plan_bundle(change, bundle)
-        pupil.check_fit(loaded, Use("Go"))
+        pupil.check_fit(loaded, Term("Go"))
         change.commit()
-    pupil.take_up(loaded, Use("Go"))
+    pupil.take_up(loaded, Term("Go"))
     assert digest_in(pupil.loaded, dict(bundle.files)) == bundle.digest
     assert pupil.behavior == "Go"
 
@@ -261,7 +261,7 @@ def test_agents_that_share_a_library_notice_what_one_commits_when_they_reload(
     for agent in (ann, bob, cleo):
         agent.reload()
     teach(ann, "High", "Low(ball)")
-    bob.perform(Use("Low", ("ball",)))
+    bob.perform(Term("Low", ("ball",)))
     ann_knew = ann.loaded
     for agent in (bob, cleo):
         assert "High" not in agent.repertoire
@@ -281,7 +281,7 @@ def test_a_change_that_one_of_a_shared_library_cannot_follow_leaves_it_what_it_k
     ann, bob = make("ann", shared), make("bob", shared)
     teach(ann, "Go", "Near(A)", parameters=("A",))
     bob.reload()
-    bob.perform(Use("Go", ("ball",)))
+    bob.perform(Term("Go", ("ball",)))
     before = known(bob)
     teach(ann, "Go", "Left")
     with pytest.raises(VocabularyError, match=r'it keeps its present library.*"Go\(ball\)"'):
@@ -291,4 +291,4 @@ def test_a_change_that_one_of_a_shared_library_cannot_follow_leaves_it_what_it_k
     bob.tick()
     bob.perform(None)
     bob.reload()
-    bob.perform(Use("Go"))
+    bob.perform(Term("Go"))

@@ -14,8 +14,8 @@ from hitab_core import (
     Feature,
     FeatureKind,
     Target,
+    Term,
     TrainingError,
-    Use,
     plain_domain,
 )
 from hitab_core.assistant import Question, training_costs
@@ -37,7 +37,7 @@ class Driven:
         self.domain = domain
         self.cycle = 0
         self.agent = self.made()
-        self.agent.begin(Curriculum("Shuttle", tuple(map(Use, features or ("Position",)))))
+        self.agent.begin(Curriculum("Shuttle", tuple(map(Term, features or ("Position",)))))
 
     def made(self) -> Agent:
         library = BehaviorLibrary(self.folder / "library", self.domain)
@@ -55,7 +55,7 @@ class Driven:
 
     def show(self, position: float, label: str, bump: float = 0.0) -> None:
         self.at(position, bump)
-        self.agent.command(Use(label))
+        self.agent.command(Term(label))
 
     def asked(self, kind: str) -> Question:
         """Return the question of a kind, after dismissing those before it."""
@@ -114,7 +114,7 @@ def test_a_training_without_features_can_be_asked_about(cart: Driven) -> None:
     cart.at(0.0)
     cart.agent.take_over()
     wrong = cart.session.running.active
-    cart.agent.command(Use("Right" if wrong != "Right" else "Left"))
+    cart.agent.command(Term("Right" if wrong != "Right" else "Left"))
     while questions := cart.session.questions.find():
         assert "where ," not in str(questions)
         cart.session.answer(questions[0].number)
@@ -122,7 +122,7 @@ def test_a_training_without_features_can_be_asked_about(cart: Driven) -> None:
 
 @pytest.mark.parametrize("features", [(), ("Position",)])
 def test_a_training_without_examples_has_no_question(cart: Driven, features: tuple[str]) -> None:
-    cart.agent.begin(Curriculum("Blank", tuple(map(Use, features))))
+    cart.agent.begin(Curriculum("Blank", tuple(map(Term, features))))
     assert cart.session.questions.find() == []
 
 
@@ -188,7 +188,7 @@ def confused(folder: Path) -> Driven:
     cart.at(0.0)
     cart.at(4.0)
     cart.agent.take_over()
-    cart.agent.command(Use("Left"))
+    cart.agent.command(Term("Left"))
     return cart
 
 
@@ -231,10 +231,10 @@ def test_a_feature_that_is_not_read_cannot_be_chosen_before_the_first_example(
     agent = Agent("ann", domain, BehaviorLibrary(tmp_path / "library", domain), tmp_path)
     session = agent.begin(Curriculum("Look", ()))
     with pytest.raises(TrainingError, match=r"Between\(ball, goal\) cannot be chosen any more"):
-        session.choose_features([Use.parse("Between(ball, goal)")])
-    session = agent.begin(Curriculum("Look", (Use.parse("Between(ball, goal)"),)))
+        session.choose_features([Term.parse("Between(ball, goal)")])
+    session = agent.begin(Curriculum("Look", (Term.parse("Between(ball, goal)"),)))
     agent.sense([0.0], [], 1, 0.1)
-    agent.command(Use("Right"))
+    agent.command(Term("Right"))
     assert session.examples[0].features == (1.0,)
 
 

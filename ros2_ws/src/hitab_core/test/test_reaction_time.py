@@ -14,8 +14,8 @@ from hitab_core import (
     Agent,
     BehaviorLibrary,
     HitabError,
+    Term,
     TrainingError,
-    Use,
     plain_domain,
 )
 from hitab_core.example import Example
@@ -34,7 +34,7 @@ class Driven:
         self.folder = folder
         self.cycle = 0
         self.agent = self.made()
-        self.agent.begin(Curriculum("Shuttle", (Use("Position"),)))
+        self.agent.begin(Curriculum("Shuttle", (Term("Position"),)))
 
     def made(self) -> Agent:
         library = BehaviorLibrary(self.folder / "library", CART)
@@ -49,7 +49,7 @@ class Driven:
             self.agent.tick()
 
     def command(self, label: str, ago: float = 0.0, seen: int = 0) -> Example:
-        return self.agent.command(Use(label), Given(ago=ago, seen=seen))[0]
+        return self.agent.command(Term(label), Given(ago=ago, seen=seen))[0]
 
     def examples(self) -> list[tuple[int, str, float, str, str]]:
         assert self.agent.session is not None
@@ -205,19 +205,19 @@ def test_features_are_exchanged_without_demonstrating_again(cart: Driven) -> Non
     session = cart.agent.session
     assert session is not None
     cart.agent.test()
-    session.choose_features((Use("Speed"),))
+    session.choose_features((Term("Speed"),))
     assert [e.features for e in session.examples][::2] == [(16.0,), (64.0,)]
     # What is being tested decides by the new feature at once.
     tree = session.running.automaton.features
-    assert tree == (Use("Speed"),)
+    assert tree == (Term("Speed"),)
     session.undo()
-    assert session.curriculum.features == (Use("Position"),)
+    assert session.curriculum.features == (Term("Position"),)
     assert [e.features for e in session.examples][::2] == [(4.0,), (8.0,)]
     session.redo()
     cart.restarted()
     session = cart.agent.session
     assert session is not None
-    assert session.curriculum.features == (Use("Speed"),)
+    assert session.curriculum.features == (Term("Speed"),)
 
 
 def test_what_was_saved_can_be_trained_again_with_other_features(cart: Driven) -> None:
@@ -229,7 +229,7 @@ def test_what_was_saved_can_be_trained_again_with_other_features(cart: Driven) -
     text = cart.agent.library.on_disk.file("Shuttle").read_text()
     assert "readable:" in text
     again = Agent("cart", CART, BehaviorLibrary(cart.folder / "library", CART))
-    again.begin(Curriculum("", (Use("Speed"), Use("Position"))), resume="Shuttle")
+    again.begin(Curriculum("", (Term("Speed"), Term("Position"))), resume="Shuttle")
     assert again.session is not None
     assert [e.features for e in again.session.examples][::2] == [(16.0, 4.0), (64.0, 8.0)]
 
@@ -255,7 +255,7 @@ def test_a_feature_without_any_value_is_refused_by_name(cart: Driven) -> None:
         )
     )
     with pytest.raises(TrainingError, match="have no value for Speed"):
-        session.choose_features((Use("Speed"),))
+        session.choose_features((Term("Speed"),))
     assert cart.examples() == before
 
 
@@ -282,7 +282,7 @@ def test_a_command_outranks_the_default_example_that_it_contradicts(cart: Driven
 def test_the_time_in_a_state_counts_from_when_its_command_was_due(cart: Driven) -> None:
     session = cart.agent.session
     assert session is not None
-    session.choose_features((Use("SecondsInState"),))
+    session.choose_features((Term("SecondsInState"),))
     cart.run(10)
     cart.command("Right", ago=0.4)
     cart.run(5)
@@ -309,7 +309,7 @@ def test_a_late_command_counts_for_now_if_nothing_was_perceived_since_the_traini
 ) -> None:
     """As in a paused world: nothing has changed since."""
     cart.run(5)
-    cart.agent.begin(Curriculum("Other", (Use("Position"),)))
+    cart.agent.begin(Curriculum("Other", (Term("Position"),)))
     taught = cart.command("Right", ago=0.3, seen=5)
     assert (taught.features, taught.ago) == ((5.0,), 0.0)
     with pytest.raises(TrainingError, match="cannot have been due 20 s ago"):
@@ -324,7 +324,7 @@ def test_a_state_that_the_agent_is_brought_into_teaches_nothing_and_is_what_is_c
     driven.command("Left")
     driven.run(5)
     taught = driven.examples()
-    assert driven.agent.command(Use("Right"), unrecorded=True) == []
+    assert driven.agent.command(Term("Right"), unrecorded=True) == []
     assert driven.agent.active_path == ["Right"]
     assert driven.examples() == taught
     assert driven.agent.session.note == "was brought into Right; no example was recorded"
@@ -343,8 +343,8 @@ def test_an_agent_is_brought_into_a_state_only_in_training_and_only_into_one_tha
     driven = Driven(tmp_path)
     driven.run()
     with pytest.raises(HitabError, match='unknown behavior "Rihgt"'):
-        driven.agent.command(Use("Rihgt"), unrecorded=True)
+        driven.agent.command(Term("Rihgt"), unrecorded=True)
     driven.command("Left")
     driven.agent.test()
     with pytest.raises(TrainingError, match="is being tested"):
-        driven.agent.command(Use("Right"), unrecorded=True)
+        driven.agent.command(Term("Right"), unrecorded=True)

@@ -17,7 +17,7 @@ from hitab_core import (
     LearningAgent,
     LibraryError,
     Scale,
-    Use,
+    Term,
     VocabularyError,
     numbers_of,
 )
@@ -87,7 +87,7 @@ def test_a_correction_changes_the_numbers_and_undo_takes_it_back():
 
 def test_a_moment_can_be_relabeled_with_other_numbers():
     agent = trained()
-    agent.agent.session.relabel([1], Use.parse("Sail(direction=20, speed=0.25)"))
+    agent.agent.session.relabel([1], Term.parse("Sail(direction=20, speed=0.25)"))
     agent.learn()
     assert agent.step([0.0, 9.0]) == pytest.approx((20.0, 0.25))
 
@@ -138,10 +138,10 @@ def test_wrong_numbers_are_refused_and_teach_nothing(command, wrong):
     "arguments", [(), ("40",), ("speed=0.2",), ("direction=200",), ("direction=3", "speed=x")]
 )
 def test_the_example_of_a_refusal_is_not_refused(arguments):
-    wanted = BOAT.numbers_of(Use("Sail"))
+    wanted = BOAT.numbers_of(Term("Sail"))
     with pytest.raises(VocabularyError) as refused:
-        numbers_of(Use("Sail", arguments), wanted)
-    example = Use.parse(str(refused.value).rpartition("for example ")[2])
+        numbers_of(Term("Sail", arguments), wanted)
+    example = Term.parse(str(refused.value).rpartition("for example ")[2])
     assert numbers_of(example, wanted)[1] == (0.2 if "speed=0.2" in arguments else 0.5)
     trained().step([0.0, 9.0], command=str(example))
 

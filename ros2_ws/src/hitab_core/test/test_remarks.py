@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hitab_core import Agent, BehaviorLibrary, Fix, RemarkKind, Use, plain_domain
+from hitab_core import Agent, BehaviorLibrary, Fix, RemarkKind, Term, plain_domain
 from hitab_core.training import Curriculum
 
 CART = plain_domain(
@@ -28,10 +28,10 @@ class Cart:
         self.cycle = 0
 
     def taught(self, *commands: tuple[float, str], features: tuple[str, ...] = ("Position",)):
-        self.agent.begin(Curriculum("Taught", tuple(map(Use, features))), discard=True)
+        self.agent.begin(Curriculum("Taught", tuple(map(Term, features))), discard=True)
         for position, label in commands:
             self.at(position)
-            self.agent.command(Use(label))
+            self.agent.command(Term(label))
         return self
 
     def at(self, position: float) -> None:
@@ -73,7 +73,7 @@ def test_commands_that_lead_back_to_each_other_in_one_situation_make_a_loop(
         remark.remedy
     )
     assert cart.agent.session is not None
-    cart.agent.session.relabel([3], Use("Stop"))
+    cart.agent.session.relabel([3], Term("Stop"))
     assert cart.remarks == []
     cart.tested(3.0, 3.0, 3.0, episodes=1)
     cart.at(3.0)

@@ -11,8 +11,8 @@ from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
 from hitab_core.orders.order import ALL_OTHERS, Order
 from hitab_core.orders.subordinate import Subordinate
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 
 
 class Cart:
@@ -107,7 +107,7 @@ def test_the_newest_order_is_performed_once_training_lets_it(tmp_path_factory, e
                     pending = known[0] if known else None
                     in_force = in_force if pending is None else pending
         elif event == "train":
-            agent.begin(Curriculum("Trip", (Use("Speed"),)), discard=True)
+            agent.begin(Curriculum("Trip", (Term("Speed"),)), discard=True)
             subordinate.settle()
             training, performs, pending = True, "", in_force
         elif event == "discard" and training:

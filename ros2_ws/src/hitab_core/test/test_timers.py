@@ -18,12 +18,12 @@ from hitab_core.repertoire import Repertoire
 from hitab_core.running import RunContext, performance
 from hitab_core.running.feature_cache import FeatureCache
 from hitab_core.running.live_features import live_features
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
 from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
 
-IN_STATE = Use("SecondsInState")
-SINCE_DONE, SINCE_FAILED = (Use("SecondsSince", (flag,)) for flag in FLAGS)
+IN_STATE = Term("SecondsInState")
+SINCE_DONE, SINCE_FAILED = (Term("SecondsSince", (flag,)) for flag in FLAGS)
 STEP = 0.25  # s; sums of it are exact
 
 
@@ -46,7 +46,7 @@ class Player:
         self.context = RunContext(
             repertoire, self.body, FeatureCache(self.body, domain), random.Random(1).random
         )
-        self.running: Any = performance(self.context, Use(automata[-1].name))
+        self.running: Any = performance(self.context, Term(automata[-1].name))
         self.running.start()
 
     def tick(self, seconds: float = STEP, x: float = 0.0) -> list[str]:
@@ -63,7 +63,9 @@ class Player:
 def hand(name: str, features: Any, **functions: Any) -> Automaton:
     """Return an automaton whose functions are written as functions of all features."""
     columns = tuple(range(len(features)))
-    states = tuple(map(Use, ("Wait", "Go", *FLAGS, *(("Child",) if "Child" in functions else ()))))
+    states = tuple(
+        map(Term, ("Wait", "Go", *FLAGS, *(("Child",) if "Child" in functions else ())))
+    )
     return Automaton(
         name,
         states,
@@ -118,7 +120,7 @@ def test_seconds_since_a_flag_count_from_where_it_was_last_seen_up() -> None:
     seen: list[Any] = []
     parent = hand(
         "T",
-        [SINCE_DONE, SINCE_FAILED, Use("Done")],
+        [SINCE_DONE, SINCE_FAILED, Term("Done")],
         Start=noting(seen, "Child"),
         Child=noting(seen, "Child"),
     )
@@ -165,10 +167,10 @@ def trained(folder: Path) -> Agent:
     agent = Agent("ann", domain, BehaviorLibrary(folder / "library", domain), folder)
     agent.begin(Curriculum("WaitAWhile", (IN_STATE,)))
     agent.sense([0.0], [], 1, 10.0)
-    agent.command(Use("Wait"))
+    agent.command(Term("Wait"))
     agent.tick()
     agent.sense([0.0], [], 2, 12.0)
-    agent.command(Use("Go"))
+    agent.command(Term("Go"))
     return agent
 
 
@@ -223,4 +225,4 @@ def test_flags_are_no_names_of_targets_and_parameters() -> None:
 @pytest.mark.parametrize("text", ["SecondsSince(Wait)", "SecondsSince", "SecondsInState(Done)"])
 def test_a_timer_of_anything_else_is_refused_with_what_there_is(text: str) -> None:
     with pytest.raises(VocabularyError, match="must read Seconds"):
-        robot().check_feature(Use.parse(text))
+        robot().check_feature(Term.parse(text))

@@ -11,8 +11,8 @@ from hitab_core.agent import Agent
 from hitab_core.assistant import training_costs, unsaved_cost
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.plain import plain_domain
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 
 DOMAIN = plain_domain("line", ["Left", "Right"], ["x"])
 MINUTE = 60.0
@@ -38,7 +38,7 @@ class Day:
         self.now += minutes * MINUTE
 
     def begin(self) -> None:
-        self.agent.begin(Curriculum("Chase", (Use("x"),)))
+        self.agent.begin(Curriculum("Chase", (Term("x"),)))
         self.agent.sense([0.0], [])
 
     def minutes(self) -> list[float]:
@@ -56,13 +56,13 @@ def test_a_training_in_which_nothing_was_done_is_not_counted(day: Day) -> None:
     day.begin()
     day.passes(2)
     assert day.minutes() == []
-    day.agent.command(Use("Left"))
+    day.agent.command(Term("Left"))
     assert day.minutes() == [2.0]
 
 
 def test_the_clock_of_a_training_runs_until_it_is_given_up(day: Day) -> None:
     day.begin()
-    day.agent.command(Use("Left"))
+    day.agent.command(Term("Left"))
     day.passes(1)
     assert day.minutes() == [1.0]
     day.agent.discard()
@@ -73,7 +73,7 @@ def test_the_clock_of_a_training_runs_until_it_is_given_up(day: Day) -> None:
 def test_the_time_while_the_process_is_down_does_not_count(day: Day) -> None:
     day.begin()
     day.passes(1)
-    day.agent.command(Use("Left"))
+    day.agent.command(Term("Left"))
     day.end()
     day.passes(3)
     day.start().sense([0.0], [])
@@ -81,7 +81,7 @@ def test_the_time_while_the_process_is_down_does_not_count(day: Day) -> None:
     assert day.minutes() == [1.0]
     day.passes(2)
     assert day.minutes() == [3.0]
-    day.agent.command(Use("Right"))
+    day.agent.command(Term("Right"))
     day.agent.save()
     day.passes(4)
     assert day.minutes() == [3.0]
@@ -93,7 +93,7 @@ def test_a_training_is_unsaved_from_its_beginning_until_it_is_saved_or_given_up(
     assert unsaved_cost(day.agent.journal) is None
     for ends in (day.agent.save, day.agent.discard):
         day.begin()
-        day.agent.command(Use("Left"))
+        day.agent.command(Term("Left"))
         unsaved = unsaved_cost(day.agent.journal)
         assert unsaved is not None
         assert unsaved.automaton == "Chase"

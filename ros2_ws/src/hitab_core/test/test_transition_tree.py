@@ -462,9 +462,9 @@ def test_infinite_values_are_refused_by_the_name_of_the_feature(bad):
     with pytest.raises(FeatureValueError, match=wanted):
         tree.fit([[1, 2], [1, bad]], ["Stop", "GoFast"])
     tree.fit([[1, 2], [1, 3]], ["Stop", "GoFast"])
-    for use in (tree.predict, tree.predict_proba):
+    for term in (tree.predict, tree.predict_proba):
         with pytest.raises(FeatureValueError, match=wanted):
-            use([[1, 2], [1, bad]])
+            term([[1, 2], [1, bad]])
     with pytest.raises(FeatureValueError, match='feature 1 "v"'):
         tree.explain([1, bad], ["d", "v"])
     with pytest.raises(FeatureValueError, match="feature 0 has value"):

@@ -14,7 +14,7 @@ from hitab_core.errors import VocabularyError
 from hitab_core.learning.trimming import rebind, trim
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.repertoire import Repertoire
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 Teach = Callable[..., Automaton]
 
@@ -194,7 +194,7 @@ def test_bindings_that_make_no_sense_are_refused(
 
 
 def test_what_is_unbound_is_refused_by_name(repertoire: Repertoire, approach: Automaton) -> None:
-    unbound = replace(approach, features=(Use("DistanceTo", ("X",)),))
+    unbound = replace(approach, features=(Term("DistanceTo", ("X",)),))
     with pytest.raises(VocabularyError) as refused:
         trim(unbound, repertoire)
     assert str(refused.value) == (

@@ -21,8 +21,8 @@ from hitab_core.example import Example
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.mode import Mode
 from hitab_core.running.observing import Change
+from hitab_core.term import Term
 from hitab_core.training import Curriculum
-from hitab_core.use import Use
 
 LASTING = ("Left", "Right", "Stay")
 LABELS = (*LASTING, "Beep", "Done")
@@ -50,7 +50,7 @@ class Trained:
         self._folder = folder
         self.changes: list[Change] = []
         self._start()
-        self.agent.begin(Curriculum("Home", (Use("x"),)))
+        self.agent.begin(Curriculum("Home", (Term("x"),)))
         self.see(0.0)
 
     def _start(self) -> None:
@@ -66,7 +66,7 @@ class Trained:
         return self.agent.body.act()[1]
 
     def command(self, label: str) -> None:
-        self.agent.command(Use(label))
+        self.agent.command(Term(label))
 
     def crash(self) -> None:
         self.agent.journal.close()  # as the end of the process does
@@ -168,7 +168,7 @@ def test_undo_restores_the_state_of_a_takeover(trained: Trained) -> None:
 def test_undo_while_something_else_is_performed_moves_nothing(trained: Trained) -> None:
     trained.command("Left")
     trained.command("Right")
-    trained.agent.perform(Use("Stay"))
+    trained.agent.perform(Term("Stay"))
     trained.do(1.0)
     trained.session.undo()
     assert trained.do(1.0) == "Stay"
@@ -317,7 +317,7 @@ def play(trained: Trained, model: Model, what: str, how: Any) -> None:
                             after = model.assume(after, e, label)
                         e[3] = label
                         e[4] = "correction" if e[4] in ("default", "superseded") else e[4]
-                assert accepted(session.relabel, [number], Use(label)) == model.edit(after)
+                assert accepted(session.relabel, [number], Term(label)) == model.edit(after)
         case "tick":
             model.x = how
             said = trained.do(how)
@@ -345,7 +345,7 @@ def play(trained: Trained, model: Model, what: str, how: Any) -> None:
             trained.agent.restart(1, 1)
             model.active = "Start"
         case "perform":
-            trained.agent.perform(Use("Stay"))
+            trained.agent.perform(Term("Stay"))
             model.away, model.active = True, "Start"
         case "crash":
             trained.crash()
@@ -387,20 +387,20 @@ def test_relabeling_a_command_takes_its_default_example_along(trained: Trained) 
     for label in ("Left", "Right"):
         trained.command(label)
     both = shown()
-    session.relabel([3], Use("Stay"))
+    session.relabel([3], Term("Stay"))
     assert shown() == [*both[:2], (3, "Left", "Stay"), (4, "Stay", "Stay")]
     assert session.examples[3].is_default
     assert [str(state) for state in session.states] == ["Left", "Stay"], "no state is left over"
     session.undo()
     for once in ("Beep", "Done"):  # as a command of these, it leaves no default example
-        session.relabel([3], Use(once))
+        session.relabel([3], Term(once))
         assert shown() == [*both[:2], (3, "Left", once)]
         assert session.log.history.done[-1].endswith("; deleted default example 4")
         session.undo()
-    session.relabel([3], Use("Left"))
+    session.relabel([3], Term("Left"))
     assert shown() == [*both[:2], (3, "Left", "Left")], "a command to stay leaves none either"
     session.undo()
-    session.relabel([3, 4], Use("Stay"))
+    session.relabel([3, 4], Term("Stay"))
     assert shown()[2:] == [(3, "Left", "Stay"), (4, "Right", "Stay")], "both were chosen"
 
 
@@ -408,7 +408,7 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
     for label in ("Left", "Right", "Beep"):
         trained.command(label)
     trained.session.delete([2])
-    trained.session.relabel([1, 3], Use("Stay"))
+    trained.session.relabel([1, 3], Term("Stay"))
     trained.session.undo()
     trained.session.undo()
     trained.session.undo()
@@ -457,7 +457,7 @@ def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(
             looks.clear()
             trained.command(("Left", "Right")[commands % 2])
             trained.session.delete([commands])
-            trained.session.relabel([commands - 1], Use("Stay"))
+            trained.session.relabel([commands - 1], Term("Stay"))
             trained.session.questions.known()
             command = len(looks)
             examples = trained.session.examples

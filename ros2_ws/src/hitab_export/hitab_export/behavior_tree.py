@@ -67,7 +67,7 @@ class _Writer:
 
     def __init__(self, hierarchy: Hierarchy) -> None:
         self._hierarchy = hierarchy
-        used = [str(automaton.use) for automaton in hierarchy.automata]
+        used = [str(automaton.term) for automaton in hierarchy.automata]
         self.names = identifiers([*used, *map(str, hierarchy.basics)], BUILT_IN.split())
         labels = [feature.label for feature in hierarchy.features]
         taken = {"drawn", "true", "false", *GIVEN}
@@ -79,18 +79,18 @@ class _Writer:
             self._prefix += "x_"
 
     def text(self, origin: str) -> str:
-        top = str(self._hierarchy.top.use)
+        top = str(self._hierarchy.top.term)
         root = Element("root", BTCPP_format="4", main_tree_to_execute=self.names[top])
-        begun = [self._begun(automaton.use) for automaton in self._hierarchy.automata]
+        begun = [self._begun(automaton.term) for automaton in self._hierarchy.automata]
         for automaton in reversed(self._hierarchy.automata):
-            body = SubElement(root, "BehaviorTree", ID=self.names[str(automaton.use)])
+            body = SubElement(root, "BehaviorTree", ID=self.names[str(automaton.term)])
             body = SubElement(body, "ReactiveSequence")
             if automaton is self._hierarchy.top:
                 _script(body, "hitab_begin == 0", "hitab_begin := 0.0", *begun, name="begin")
             self._query(body, automaton)
             self._decide(body, automaton)
             self._enter(body, automaton)
-            self._perform(body, automaton.states, self._entry(automaton.use, "state"))
+            self._perform(body, automaton.states, self._entry(automaton.term, "state"))
         indent(root)
         comment = tostring(Comment(self._head(origin)), encoding="unicode")
         tree = tostring(root, encoding="unicode")
@@ -98,8 +98,8 @@ class _Writer:
 
     def _head(self, origin: str) -> str:
         actions = [
-            f"  {self.names[str(use)]} = {use}{', once' * one_shot}"
-            for use, one_shot in self._hierarchy.basics.items()
+            f"  {self.names[str(term)]} = {term}{', once' * one_shot}"
+            for term, one_shot in self._hierarchy.basics.items()
         ]
         entries = []
         for feature in self._hierarchy.features:
@@ -111,23 +111,23 @@ class _Writer:
         head = HEAD.format(
             actions="\n".join(actions),
             entries="\n".join(entries),
-            top=self._entry(self._hierarchy.top.use, "")[:-1],
+            top=self._entry(self._hierarchy.top.term, "")[:-1],
         )
         return f"\n{origin}\n{head}".replace("--", "- -")
 
-    def _entry(self, use: object, what: str) -> str:
+    def _entry(self, term: object, what: str) -> str:
         """Return the blackboard entry of an automaton for its state, flags and times."""
-        return f"{self._prefix}{self.names[str(use)]}_{what}"
+        return f"{self._prefix}{self.names[str(term)]}_{what}"
 
-    def _begun(self, use: object) -> str:
+    def _begun(self, term: object) -> str:
         """Return the script that puts an automaton into Start."""
-        zero = [f"{self._entry(use, flag)} := 0.0" for flag in FLAGS]
-        times = [f"{self._entry(use, at)} := now" for at in ("entered", *_SEEN.values())]
-        return "; ".join([f"{self._entry(use, 'state')} := '{START}'", *zero, *times])
+        zero = [f"{self._entry(term, flag)} := 0.0" for flag in FLAGS]
+        times = [f"{self._entry(term, at)} := now" for at in ("entered", *_SEEN.values())]
+        return "; ".join([f"{self._entry(term, 'state')} := '{START}'", *zero, *times])
 
     def _query(self, body: Element, automaton: AutomatonForm) -> None:
         """Leave Start and flag states at once; read and lower the flags, and read the timers."""
-        use, state = automaton.use, self._entry(automaton.use, "state")
+        term, state = automaton.term, self._entry(automaton.term, "state")
         is_idle = _any(state, (s.label for s in automaton.states if s.performs is None))
         _script(body, "", f"{state} := ({is_idle}) ? '{START}' : {state}", name="leave flags")
         nodes = [node for form in automaton.states for node in form.tree or ()]
@@ -143,10 +143,10 @@ class _Writer:
                     lowered.append(f"{raised} := 0.0")
                 _script(body, f"!({_is(state, form.label)})", *seen, *lowered)
         for flag, seen_at in _SEEN.items():
-            at = self._entry(use, seen_at)
+            at = self._entry(term, seen_at)
             _script(body, f"{self._prefix}{flag} == 0", f"{at} := now")
             _script(body, "", f"{self._prefix}Since{flag} := now < {at} ? 0.0 : now - {at}")
-        entered = self._entry(use, "entered")
+        entered = self._entry(term, "entered")
         stays = f"({_is(state, START)} || now < {entered}) ? 0.0 : now - {entered}"
         _script(body, "", f"{self._prefix}SecondsInState := {stays}")
 
@@ -159,7 +159,7 @@ class _Writer:
 
     def _decide(self, body: Element, automaton: AutomatonForm) -> None:
         """Walk down the tree of the state; every node comes before its successors."""
-        state, node_at = self._entry(automaton.use, "state"), f"{self._prefix}node"
+        state, node_at = self._entry(automaton.term, "state"), f"{self._prefix}node"
         following = f"{self._prefix}next"
         begin = f"{following} := {state}; {node_at} := 0 - 1; drawn := 0.0 - 1.0"
         _script(body, "", begin, name="decide")
@@ -220,13 +220,13 @@ class _Writer:
         _script(body, elsewhere, *script, name=f"{above}{label}{below}?")
 
     def _enter(self, body: Element, automaton: AutomatonForm) -> None:
-        state, following = self._entry(automaton.use, "state"), f"{self._prefix}next"
+        state, following = self._entry(automaton.term, "state"), f"{self._prefix}next"
         for form in automaton.states[1:]:
-            script = [f"{self._entry(automaton.use, 'entered')} := now"]
+            script = [f"{self._entry(automaton.term, 'entered')} := now"]
             if form.is_automaton:
                 script.append(self._begun(form.performs))
             elif form.performs is None:
-                script.append(f"{self._entry(automaton.use, form.label)} := 1.0")
+                script.append(f"{self._entry(automaton.term, form.label)} := 1.0")
             stays = f"{following} == {state} || !({_is(following, form.label)})"
             _script(body, stays, *script, name=f"enter {form.label}")
         _script(body, "", f"{state} := {following}", name="change")

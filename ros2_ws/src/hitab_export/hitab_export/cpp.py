@@ -193,7 +193,7 @@ class Behavior {
 def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
     """Return the header's text; ``origin`` describes where the behavior comes from."""
     names = identifiers((feature.label for feature in hierarchy.features), _KEYWORDS.split())
-    top = str(hierarchy.top.use)
+    top = str(hierarchy.top.term)
     space = f"hitab_{identifiers([top])[top]}"
     members = "".join(
         f"\n  double {names[feature.label]} = NAN;  // {feature.label}"
@@ -206,9 +206,9 @@ def as_cpp(hierarchy: Hierarchy, origin: str) -> str:
         for feature in hierarchy.features
     ]
     basics = [
-        f"{json.dumps(use.name)}, {{{', '.join(map(json.dumps, use.arguments))}}}, "
+        f"{json.dumps(term.name)}, {{{', '.join(map(json.dumps, term.arguments))}}}, "
         f"{json.dumps(one_shot)}, false"
-        for use, one_shot in hierarchy.basics.items()
+        for term, one_shot in hierarchy.basics.items()
     ]
     automata, nodes, chances = _tables(hierarchy)
     required = [automaton.required for automaton in hierarchy.automata]
@@ -238,8 +238,8 @@ def _tables(hierarchy: Hierarchy) -> tuple[list[str], list[str], list[str]]:
     automata: list[str] = []
     nodes: list[str] = []
     chances: list[str] = []
-    numbers = {automaton.use: i for i, automaton in enumerate(hierarchy.automata)}
-    basics = {use: i for i, use in enumerate(hierarchy.basics)}
+    numbers = {automaton.term: i for i, automaton in enumerate(hierarchy.automata)}
+    basics = {term: i for i, term in enumerate(hierarchy.basics)}
     for automaton in hierarchy.automata:
         rows = []
         for state in automaton.states:
@@ -258,7 +258,7 @@ def _tables(hierarchy: Hierarchy) -> tuple[list[str], list[str], list[str]]:
                     yes, no = node.yes + first, node.no + first
                     limits = f"{node.period!r}, {low}, {high}"
                     nodes.append(f"{node.feature}, {limits}, {yes}, {no}, {node.share!r}")
-        automata.append(f"  // {automaton.use}\n     " + ",\n     ".join(rows))
+        automata.append(f"  // {automaton.term}\n     " + ",\n     ".join(rows))
     return automata, nodes, chances
 
 

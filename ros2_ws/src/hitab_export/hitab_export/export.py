@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from hitab_core import BehaviorLibrary, Use, VocabularyError, unknown
+from hitab_core import BehaviorLibrary, Term, VocabularyError, unknown
 from hitab_core.library import bundle_digest, tool_name
 from hitab_export.behavior_tree import as_behavior_tree
 from hitab_export.cpp import as_cpp
@@ -46,14 +46,14 @@ def exported(library: BehaviorLibrary, behavior: str, to: str) -> str:
     """
     if to not in LANGUAGES:
         raise VocabularyError(unknown("language", to, LANGUAGES))
-    loaded, use = library.loaded(strict=False), Use.parse(behavior)
-    hierarchy = hierarchy_of(loaded.repertoire, use)
+    loaded, term = library.loaded(strict=False), Term.parse(behavior)
+    hierarchy = hierarchy_of(loaded.repertoire, term)
     if not LANGUAGES[to].has_numbers:
         _refuse_numbers(hierarchy, to)
-    parts = [name for name in loaded.repertoire.needed_by(use.name) if name in loaded.files]
+    parts = [name for name in loaded.repertoire.needed_by(term.name) if name in loaded.files]
     digest = bundle_digest(tuple((name, loaded.files[name].text) for name in parts))
     origin = (
-        f"{use}, exported by {tool_name()} from the library "
+        f"{term}, exported by {tool_name()} from the library "
         f"{library.folder.resolve().name} of domain {library.domain.name}, "
         f"version {library.domain.version}.\n"
         f"Digest of {', '.join(parts)}:\n{digest}"
@@ -66,6 +66,6 @@ def _refuse_numbers(hierarchy: Hierarchy, to: str) -> None:
         for state in automaton.states:
             if state.numbers is not None:
                 raise VocabularyError(
-                    f'"{automaton.use.name}" cannot be exported to {to}: "{state.label}" in it '
+                    f'"{automaton.term.name}" cannot be exported to {to}: "{state.label}" in it '
                     "takes numbers; export it to python, or have HiTAB perform it"
                 )

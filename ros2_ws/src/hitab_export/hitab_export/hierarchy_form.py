@@ -17,9 +17,9 @@ from hitab_core import (
     Automaton,
     BoundedNumber,
     Repertoire,
+    Term,
     TransitionFunction,
     TransitionTree,
-    Use,
     VocabularyError,
     in_order,
 )
@@ -111,7 +111,7 @@ class StateForm:
     """
 
     label: str
-    performs: Use | None
+    performs: Term | None
     is_automaton: bool
     one_shot: bool
     tree: Tree | None
@@ -126,7 +126,7 @@ class AutomatonForm:
         required: indices of the features without which it does nothing, whatever its state.
     """
 
-    use: Use
+    term: Term
     states: tuple[StateForm, ...]
     required: tuple[int, ...]
 
@@ -144,7 +144,7 @@ class Hierarchy:
         return self.automata[-1]
 
     @property
-    def basics(self) -> dict[Use, bool]:
+    def basics(self) -> dict[Term, bool]:
         """The basic behaviors that the robot needs, and whether each is pulsed only once."""
         return {
             state.performs: state.one_shot
@@ -154,24 +154,24 @@ class Hierarchy:
         }
 
 
-def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
+def hierarchy_of(repertoire: Repertoire, term: Term) -> Hierarchy:
     """Return a behavior with all its parts.
 
     Args:
         repertoire: the robot's repertoire.
-        use: a learned behavior, its parameters bound to targets.
+        term: a learned behavior, its parameters bound to targets.
 
     Raises:
         VocabularyError: if the behavior does not exist, or naming a part that cannot be exported.
     """
-    repertoire.check_performable(use)
-    if use.name not in repertoire.automata:
+    repertoire.check_performable(term)
+    if term.name not in repertoire.automata:
         raise VocabularyError(
-            f'"{use.name}" is a basic behavior, which the robot has already; export a learned one'
+            f'"{term.name}" is a basic behavior, which the robot has already; export a learned one'
         )
 
     def automata_of(label: str) -> list[str]:
-        bound, parameters = _bound(repertoire, Use.parse(label))
+        bound, parameters = _bound(repertoire, Term.parse(label))
         return [
             str(state.bound(parameters))
             for state in bound.states
@@ -180,30 +180,30 @@ def hierarchy_of(repertoire: Repertoire, use: Use) -> Hierarchy:
 
     slots: dict[str, int] = {label: slot for slot, label in enumerate(INTERNAL)}
     forms = [
-        _automaton(repertoire, Use.parse(label), slots)
-        for label in in_order([str(use)], automata_of)
+        _automaton(repertoire, Term.parse(label), slots)
+        for label in in_order([str(term)], automata_of)
     ]
     features = []
     for label in list(slots)[len(INTERNAL) :]:
-        feature = repertoire.domain.features[Use.parse(label).name]
-        checks = checks_of(Use.parse(label), feature)
+        feature = repertoire.domain.features[Term.parse(label).name]
+        checks = checks_of(Term.parse(label), feature)
         features.append(FeatureForm(*checks, feature.scale.period, feature.unit))
     return Hierarchy(tuple(forms), tuple(features))
 
 
-def _bound(repertoire: Repertoire, use: Use) -> tuple[Automaton, dict[str, str]]:
-    automaton = repertoire.automata[use.name]
-    return automaton, dict(zip(automaton.parameters, use.arguments, strict=True))
+def _bound(repertoire: Repertoire, term: Term) -> tuple[Automaton, dict[str, str]]:
+    automaton = repertoire.automata[term.name]
+    return automaton, dict(zip(automaton.parameters, term.arguments, strict=True))
 
 
-def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> AutomatonForm:
-    automaton, parameters = _bound(repertoire, use)
+def _automaton(repertoire: Repertoire, term: Term, slots: dict[str, int]) -> AutomatonForm:
+    automaton, parameters = _bound(repertoire, term)
     features = [str(feature.bound(parameters)) for feature in automaton.features]
     indices = {label: index for index, label in enumerate((START, *automaton.labels))}
     trees: dict[str, Tree] = {}
     for label, function in automaton.transitions.items():
         if not isinstance(function, TransitionTree):
-            _refuse(use.name, function)
+            _refuse(term.name, function)
         for used in function.features_used:
             slots.setdefault(features[used], len(slots))
         trees[label] = _tree(function, [slots.get(name, -1) for name in features], indices)
@@ -219,8 +219,8 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
             continue
         if isinstance(repertoire.get(state.name), ActionBehavior):
             raise VocabularyError(
-                f'"{use.name}" cannot be exported: "{state.name}" in it is an action, whose goals '
-                "and results are handled by HiTAB; export a behavior that does without, or have "
+                f'"{term.name}" cannot be exported: "{state.name}" in it is an action, whose '
+                "goals and results are handled by HiTAB; export a behavior that does without, or have "
                 "HiTAB perform this one"
             )
         performs = state.bound(parameters)
@@ -228,7 +228,7 @@ def _automaton(repertoire: Repertoire, use: Use, slots: dict[str, int]) -> Autom
         numbers = _numbers(automaton, label, repertoire.domain.numbers_of(state), features, slots)
         tree = trees.get(label)
         states.append(StateForm(label, performs, is_automaton, one_shot, tree, numbers))
-    return AutomatonForm(use, tuple(states), tuple(required))
+    return AutomatonForm(term, tuple(states), tuple(required))
 
 
 def _numbers(

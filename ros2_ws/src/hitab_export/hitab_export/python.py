@@ -26,7 +26,7 @@ def as_python(hierarchy: Hierarchy, origin: str) -> str:
     there = {node.name for node in parsed.body if isinstance(node, (ast.ClassDef))}
     own = ["AUTOMATA", "FEATURES", "FLAGS", "REQUIRED", "inf", "math"]
     reserved = {*keyword.kwlist, *there, *own}
-    top = str(hierarchy.top.use)
+    top = str(hierarchy.top.term)
     name = identifiers([top], reserved)[top]
     lines = [f'"""{origin}\n', USE.format(name=name), '"""']
     lines += runtime.splitlines()[parsed.body[0].end_lineno :]
@@ -38,12 +38,12 @@ def as_python(hierarchy: Hierarchy, origin: str) -> str:
     ]
     lines.append("]")
     for automaton in hierarchy.automata:
-        lines.append(f"AUTOMATA[{str(automaton.use)!r}] = (")
+        lines.append(f"AUTOMATA[{str(automaton.term)!r}] = (")
         for state in automaton.states:
             lines += _state(state)
         lines.append(")")
         if automaton.required:
-            lines.append(f"REQUIRED[{str(automaton.use)!r}] = {automaton.required!r}")
+            lines.append(f"REQUIRED[{str(automaton.term)!r}] = {automaton.required!r}")
     lines += ["", "", f"class {name}(Behavior):", f'    """Performs {top}."""', ""]
     return "\n".join([*lines, f"    NAME = {top!r}", ""])
 

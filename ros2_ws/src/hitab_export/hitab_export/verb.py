@@ -10,7 +10,7 @@ import typer
 from hitab_cli import Library, opened, write_new
 from hitab_client import console
 from hitab_client.cli_options import SwarmName
-from hitab_core import LibraryError, Use
+from hitab_core import LibraryError, Term
 
 
 def register(app: typer.Typer) -> None:
@@ -47,7 +47,7 @@ def export(
             'targets is one argument, such as "Carry(squad_box)"'
         )
     *agent, name = behavior
-    there = opened(library, agent[0] if agent else None, swarm, Use.parse(name).name)
+    there = opened(library, agent[0] if agent else None, swarm, Term.parse(name).name)
     text = exported(there, name, to)
     path = output or Path(name.split("(")[0] + LANGUAGES[to].suffix)
     if path.is_dir():

@@ -26,7 +26,7 @@ from hitab_core import (
     FeatureKind,
     HandWritten,
     Target,
-    Use,
+    Term,
     VocabularyError,
 )
 from hitab_core.learning import learn_transitions
@@ -59,7 +59,7 @@ def library(tmp_path: Path) -> BehaviorLibrary:
         ],
         targets=[Target("home", nothing)],
         automata=[
-            Automaton("Pace", (Use("Walk"),), (), {START: HandWritten(lambda: "Walk")}),
+            Automaton("Pace", (Term("Walk"),), (), {START: HandWritten(lambda: "Walk")}),
         ],
     )
     library = BehaviorLibrary(tmp_path / "library", domain)
@@ -78,11 +78,13 @@ def library(tmp_path: Path) -> BehaviorLibrary:
             for index, state in enumerate(leaving or (START, *states))
             for number, (values, following) in enumerate(rows, 1)
         )
-        uses = tuple(map(Use, FEATURES))
-        learned = learn_transitions(examples, [domain.scale_of(use) for use in uses], classifier)
+        terms = tuple(map(Term, FEATURES))
+        learned = learn_transitions(
+            examples, [domain.scale_of(term) for term in terms], classifier
+        )
         parameters = (parameter,) if parameter else ()
-        used = tuple(map(Use.parse, states))
-        automaton = Automaton(name, used, uses, learned, parameters, examples)
+        used = tuple(map(Term.parse, states))
+        automaton = Automaton(name, used, terms, learned, parameters, examples)
         library.save(automaton, classifier=classifier)
 
     teach("Roam", "Walk", "Rest")

@@ -10,7 +10,7 @@ from sensor_msgs.msg import Joy
 
 from hitab_client import RosLink
 from hitab_client.demonstrating import Demonstrator, Pressed
-from hitab_core import BoundedNumber, Use, quantity, with_numbers
+from hitab_core import BoundedNumber, Term, quantity, with_numbers
 from hitab_gamepad.joystick_mapping import Mapping
 from hitab_gamepad.stick import Stick
 from hitab_ros import qos, steady_timer
@@ -102,7 +102,7 @@ class JoystickInput:
             behavior = named
         if not behavior:
             return
-        wanted = demonstrator.words.open_numbers(Use.parse(behavior))
+        wanted = demonstrator.words.open_numbers(Term.parse(behavior))
         if wanted and all(number.name in self._mapping.numbers for number in wanted):
             demonstrator.let_go()
             self._held = _Held(button, behavior, wanted, demonstrator.pressed(behavior))
@@ -123,8 +123,8 @@ class JoystickInput:
             )
             return
         given = [round(value, 3) for value in values if value is not None]
-        use = with_numbers(Use.parse(held.behavior), given, held.wanted)
-        self._demonstrator.press_behavior(str(use), held.first)
+        term = with_numbers(Term.parse(held.behavior), given, held.wanted)
+        self._demonstrator.press_behavior(str(term), held.first)
 
     def _look(self) -> None:
         """Stop driving by hand when the joystick is lost."""

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
 from hitab_client import DescriptionError
 from hitab_client.demonstrating import KEY_ACTIONS
-from hitab_core import BoundedNumber, Use, VocabularyError, has
+from hitab_core import BoundedNumber, Term, VocabularyError, has
 from hitab_core.library import kind_of
 from hitab_core.library.yaml_models import NONE_IS_EMPTY, Format, Record, among, open_record
 from hitab_core.library.yaml_places import Complaints, Place, read_text, read_yaml
@@ -117,7 +117,7 @@ def _behavior(value: Any) -> str | int:
     if isinstance(value, int) and not isinstance(value, bool) and value >= 1:
         return value
     with suppress(VocabularyError):
-        return str(Use.parse(value if isinstance(value, str) else ""))
+        return str(Term.parse(value if isinstance(value, str) else ""))
     raise ValueError(
         f"must be a behavior, such as Forward or GoTo(ball), or the number of one, from 1, "
         f"not {kind_of(value)}"
@@ -217,11 +217,11 @@ def parse_mapping(text: str, path: Path) -> Mapping:
         first = next(other for other, same in buttons.items() if same == button)
         if first != name:
             complaints.add(("buttons", name), f"`{name}:` is the same button as {first}")
-    uses: list[tuple[Place, str, str]] = [(("hold",), mapping.hold, "hold")]
-    uses += [(("behaviors", name), name, "a behavior") for name in mapping.behaviors]
-    uses += [(("actions", name), name, action) for name, action in mapping.actions.items()]
+    terms: list[tuple[Place, str, str]] = [(("hold",), mapping.hold, "hold")]
+    terms += [(("behaviors", name), name, "a behavior") for name in mapping.behaviors]
+    terms += [(("actions", name), name, action) for name, action in mapping.actions.items()]
     used: dict[str, str] = {}
-    for place, name, what in uses:
+    for place, name, what in terms:
         if name not in buttons:
             complaints.add(place, f"`{name}` is not among the buttons {has(buttons, name)}")
         elif name in used:

@@ -20,7 +20,7 @@ from hitab_core import (
     RemarkKind,
     Remedy,
     Scale,
-    Use,
+    Term,
 )
 from hitab_core.assistant import TrainingCost
 from hitab_core.orders import Order, Report
@@ -119,20 +119,20 @@ def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
 def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumber, ...]]:
     """Return the numbers of the behaviors in messages that take some, by name."""
     return {
-        Use.parse(behavior.name).name: tuple(data_of(BoundedNumber, n) for n in behavior.numbers)
+        Term.parse(behavior.name).name: tuple(data_of(BoundedNumber, n) for n in behavior.numbers)
         for behavior in messages
         if behavior.numbers
     }
 
 
-def use_of(name: str, arguments: Sequence[str]) -> Use:
+def term_of(name: str, arguments: Sequence[str]) -> Term:
     """Return a behavior with its targets, which may be in the name, as in ``GoTo(ball)``.
 
     Raises:
         VocabularyError: if the name has another form.
     """
-    use = Use.parse(name)
-    return Use(use.name, (*use.arguments, *arguments))
+    term = Term.parse(name)
+    return Term(term.name, (*term.arguments, *arguments))
 
 
 def order_message(commander: str, order: Order) -> msg.Order:

@@ -17,7 +17,7 @@ from typing import Any
 from hitab_msgs.msg import TransitionEvent
 
 from hitab_client import Learned, SwarmClient, SwarmError, Training
-from hitab_core import FLAGS, START, Use
+from hitab_core import FLAGS, START, Term
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import blocking
 from hitab_studio.learned import (
@@ -25,7 +25,7 @@ from hitab_studio.learned import (
     Effect,
     Vocabulary,
     effect,
-    uses,
+    terms,
 )
 
 HISTORY = 120
@@ -140,16 +140,16 @@ class AgentWatch:
             self._next_read = now + READ_SECONDS
             words, also = self.known.vocabulary, []
             if self._probing or not status.active_path:
-                also = [str(use) for _, use in uses(words.features, words.targets)]
+                also = [str(term) for _, term in terms(words.features, words.targets)]
             read = SwarmClient.read_features
             self._ask("features", read, self._take_features, also[:PROBED_MAX])
 
     def _needed(self, status: Any) -> set[str]:
         """Return the agent's learned behaviors, the active ones and their parts."""
         known, training, seen = self.known, self.training, set(self._wanted)
-        waiting = [Use.parse(s).name for s in [status.behavior, *status.active_path] if s]
+        waiting = [Term.parse(s).name for s in [status.behavior, *status.active_path] if s]
         if training is not None:
-            waiting += [Use.parse(s).name for s in training.states]
+            waiting += [Term.parse(s).name for s in training.states]
         while waiting:
             name = waiting.pop()
             if name in seen or name in FLAGS or name == START:
@@ -159,7 +159,7 @@ class AgentWatch:
             seen.add(name)
             behavior = known.behaviors.get(name)
             if behavior is not None:
-                waiting += [Use.parse(s).name for s in behavior.states]
+                waiting += [Term.parse(s).name for s in behavior.states]
         shelf = sorted(known.vocabulary.trained)[:SHELF_MAX]
         trained = training.name if training is not None else ""
         return seen | {name for name in shelf if name != trained}
@@ -194,7 +194,7 @@ class AgentWatch:
 
     def _take_vocabulary(self, answer: Any) -> None:
         words = Vocabulary.of(answer)
-        there = {Use.parse(label).name for label in words.behaviors}
+        there = {Term.parse(label).name for label in words.behaviors}
         kept = {name: it for name, it in self.known.behaviors.items() if name in there}
         self._know(vocabulary=words, behaviors=MappingProxyType(kept))
         self._changed()

@@ -14,7 +14,7 @@ from hitab_core import (
     START,
     BoundedNumber,
     Example,
-    Use,
+    Term,
     contradictions,
     with_numbers,
 )
@@ -55,8 +55,8 @@ class Vocabulary:
             domain=answer.domain,
             behaviors=tuple(b.name for b in answer.behaviors),
             behavior_descriptions=_by_name(answer.behaviors, "description"),
-            trained=frozenset(Use.parse(b.name).name for b in answer.behaviors if b.trained),
-            one_shot=frozenset(Use.parse(b.name).name for b in answer.behaviors if b.one_shot),
+            trained=frozenset(Term.parse(b.name).name for b in answer.behaviors if b.trained),
+            one_shot=frozenset(Term.parse(b.name).name for b in answer.behaviors if b.one_shot),
             numbers=numbers_of_behaviors(answer.behaviors),
             features=tuple(f.name for f in answer.features),
             units=_by_name(answer.features, "unit"),
@@ -67,33 +67,33 @@ class Vocabulary:
 
     def numbers_of(self, behavior: str) -> tuple[BoundedNumber, ...]:
         """Return the numbers that a behavior takes."""
-        return self.numbers.get(Use.parse(behavior).name, ())
+        return self.numbers.get(Term.parse(behavior).name, ())
 
     def commandable(self, behavior: str) -> str:
         """Return a behavior with numbers to begin with, in the middle of their bounds."""
-        use, numbers = Use.parse(behavior), self.numbers_of(behavior)
-        return str(with_numbers(use, [(n.low + n.high) / 2.0 for n in numbers], numbers))
+        term, numbers = Term.parse(behavior), self.numbers_of(behavior)
+        return str(with_numbers(term, [(n.low + n.high) / 2.0 for n in numbers], numbers))
 
 
-def uses(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Use]]:
+def terms(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Term]]:
     """Return behaviors or features with each choice of targets, each after its label without.
 
     A feature of the engine's own has none: ``SecondsSince(Done)`` names a flag.
     """
     found = []
     for label in labels:
-        use = Use.parse(label)
-        if use in OWN_FEATURES:
-            found.append((label, use))
+        term = Term.parse(label)
+        if term in OWN_FEATURES:
+            found.append((label, term))
         else:
-            choices = product(arguments, repeat=len(use.arguments))
-            found += [(label, Use(use.name, choice)) for choice in choices]
+            choices = product(arguments, repeat=len(term.arguments))
+            found += [(label, Term(term.name, choice)) for choice in choices]
     return found
 
 
 def _by_name(words: Sequence[Any], what: str) -> Mapping[str, str]:
     """Return the description of each behavior or feature, by name without parameters."""
-    return MappingProxyType({Use.parse(word.name).name: getattr(word, what) for word in words})
+    return MappingProxyType({Term.parse(word.name).name: getattr(word, what) for word in words})
 
 
 def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:

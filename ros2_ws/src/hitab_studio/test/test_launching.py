@@ -15,7 +15,7 @@ def run(script: str, monkeypatch, after=lambda launcher: None) -> Launcher:
     """Run a script in place of the command until it ends."""
     monkeypatch.setattr(launching, "command", lambda: [sys.executable, "-c", script])
 
-    async def use() -> Launcher:
+    async def term() -> Launcher:
         launcher = Launcher()
         launcher.run("up", "keepaway")
         after(launcher)
@@ -25,7 +25,7 @@ def run(script: str, monkeypatch, after=lambda launcher: None) -> Launcher:
             await asyncio.sleep(0.01)
         return launcher
 
-    return asyncio.run(use())
+    return asyncio.run(term())
 
 
 def test_what_a_command_that_fails_has_said_is_kept_until_it_is_dismissed(monkeypatch):

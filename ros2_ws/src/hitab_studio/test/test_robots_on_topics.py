@@ -52,12 +52,12 @@ class OpenPage:
         return re.sub(r"\s+", " ", render(panel, self.page))
 
 
-def at_a_page(robot: Any, use: Callable[[OpenPage], Awaitable[None]]) -> None:
+def at_a_page(robot: Any, term: Callable[[OpenPage], Awaitable[None]]) -> None:
     async def run() -> None:
         studio = Studio(lambda: robot.target)
         await studio.start()
         try:
-            await use(OpenPage(studio))
+            await term(OpenPage(studio))
         finally:
             await studio.stop()
 
@@ -68,7 +68,7 @@ def test_a_robot_is_drawn_where_its_odometry_is_and_what_it_scans_where_that_is(
     robot.stand(3.0, 1.0, math.pi / 2)
     robot.see(math.nan, 0.05, 2.0, math.inf)  # one return, straight ahead of the scanner
 
-    async def use(page: OpenPage) -> None:
+    async def term(page: OpenPage) -> None:
         await page.until(lambda: page.stands(3.0, 1.0, math.pi / 2))
         # The scanner faces left of the robot (scan.yaw), and the robot faces y: so it faces -x.
         await page.until(lambda: np.allclose([*page.points(), 0, 0][:2], [1.0, 1.0], atol=1e-5))
@@ -82,14 +82,14 @@ def test_a_robot_is_drawn_where_its_odometry_is_and_what_it_scans_where_that_is(
         robot.odometry = None
         await page.until(lambda: page.known.doing()[ROBOT][0] == "silent")
 
-    at_a_page(robot, use)
+    at_a_page(robot, term)
 
 
 def test_what_needs_a_world_is_not_offered_for_robots_and_one_is_seen_when_its_agent_has_ended(
     robot,
 ):
 
-    async def use(page: OpenPage) -> None:
+    async def term(page: OpenPage) -> None:
         await page.until(lambda: page.stands(0.0, 0.0, 0.0))
         await page.until(lambda: "real robots" in page.shown("top"))
         assert 'data-test="pause"' not in page.shown("top")
@@ -105,7 +105,7 @@ def test_what_needs_a_world_is_not_offered_for_robots_and_one_is_seen_when_its_a
         await page.until(lambda: page.stands(2.0, 0.0, 0.0))
         await page.until(lambda: page.known.doing()[ROBOT][0] == "silent")
 
-    at_a_page(robot, use)
+    at_a_page(robot, term)
 
 
 def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
@@ -113,7 +113,7 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
     robot.film(b"no picture")
     robot.draw_map([[0, 100]], 0.5, -1.0, 0.0, 0.0)
 
-    async def use(page: OpenPage) -> None:
+    async def term(page: OpenPage) -> None:
         await page.until(lambda: "is neither JPEG nor PNG" in page.shown("overlay"))
         robot.film(robot.png(4, 3))
         await page.until(lambda: {"map", f"camera {ROBOT}"} <= page.page.layers().keys())
@@ -129,4 +129,4 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
         page.page.connected = False
         await page.until(lambda: robot.listeners("odometry") == 1)  # the agent's
 
-    at_a_page(robot, use)
+    at_a_page(robot, term)

@@ -36,12 +36,12 @@ WORDS = Vocabulary(
 )
 
 
-def page(known: SwarmState, use: Any) -> Any:
+def page(known: SwarmState, term: Any) -> Any:
     async def made() -> Any:
         page = Studio(lambda: SwarmTarget(0)).open()
         page.studio.known = known
         page.agent = ONE
-        return await use(page)
+        return await term(page)
 
     return asyncio.run(made())
 
@@ -68,7 +68,7 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
     async def edit(*_: Any) -> None:
         done.append("undo")
 
-    async def use(page: Page) -> None:
+    async def term(page: Page) -> None:
         async def ask_agent(job: Any) -> None:
             await job(SimpleNamespace(agents=SimpleNamespace(_edit=edit), world=None), ONE)
 
@@ -98,13 +98,13 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
         requests.close()
         await performing
 
-    page(keeper(status), use)
+    page(keeper(status), term)
 
 
 def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
     """It would be the key of a behavior otherwise, which nobody meant."""
 
-    async def use(page: Page) -> None:
+    async def term(page: Page) -> None:
         done: list[str] = []
 
         async def commanded(page: Page, behavior: str, seen: int) -> None:
@@ -119,14 +119,14 @@ def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
         assert done == ["GoTo(ball)", "GoFast"]
         assert page.missing_targets is None
 
-    page(keeper(), use)
+    page(keeper(), term)
 
 
 # -- a name that is taken ---------------------------------------------------------------------
 
 
 def test_who_begins_before_that_was_said_is_told_and_may_begin_then(monkeypatch):
-    async def use(page: Page) -> None:
+    async def term(page: Page) -> None:
         begun = []
 
         async def ask_agent(job: Any) -> None:
@@ -144,15 +144,15 @@ def test_who_begins_before_that_was_said_is_told_and_may_begin_then(monkeypatch)
         assert len(begun) == 1
         assert page.messages.shown[-1].text == "keeper_1 is being trained: FetchBall"
 
-    page(keeper(), use)
+    page(keeper(), term)
 
 
 def test_what_was_typed_last_opens_no_dialog_that_is_closed():
     """An empty dialog took the Esc that was meant for the training."""
 
-    async def use(page: Page) -> None:
+    async def term(page: Page) -> None:
         for late in ("new-name", "new-parameter"):
             await perform(page, {"do": late, "value": "A"})
             assert page.dialog == {}
 
-    page(keeper(), use)
+    page(keeper(), term)

@@ -26,7 +26,7 @@ async def until(true: Callable[[], Any], what: str) -> None:
         await asyncio.sleep(0.005)
 
 
-def in_the_server(find: Callable[[], Any], use: Callable[[Studio], Awaitable[None]]) -> None:
+def in_the_server(find: Callable[[], Any], term: Callable[[Studio], Awaitable[None]]) -> None:
     """Run a studio, and use it in its server's loop."""
 
     async def run() -> None:
@@ -34,7 +34,7 @@ def in_the_server(find: Callable[[], Any], use: Callable[[Studio], Awaitable[Non
         await studio.start()
         try:
             await until(lambda: studio.present.frame, "the field is shown")
-            await use(studio)
+            await term(studio)
         finally:
             await studio.stop()
 
@@ -61,7 +61,7 @@ async def at_once(swarm: Any) -> str:
 def test_while_one_page_waits_for_an_answer_the_field_moves_and_others_get_theirs(stand_in):
     """A question that spins the node itself would stop the stream and all others."""
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         one, two, released = studio.open(), studio.open(), threading.Event()
         waits = asyncio.create_task(one.ask(waiting(released)))
         await until(lambda: one.busy, "it has begun")
@@ -73,14 +73,14 @@ def test_while_one_page_waits_for_an_answer_the_field_moves_and_others_get_their
         released.set()
         assert await asyncio.wait_for(waits, SECONDS) == "done"
 
-    in_the_server(lambda: stand_in.target, use)
+    in_the_server(lambda: stand_in.target, term)
 
 
 def test_what_was_asked_of_a_swarm_that_goes_down_ends_with_the_reason(stand_in):
     """Else its page is busy until the last of its own deadlines has passed."""
     target = stand_in.target
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         nonlocal target
         page, other = studio.open(), studio.open()
         waits = asyncio.create_task(page.ask(waiting(threading.Event()), "keeper_1"))
@@ -93,13 +93,13 @@ def test_what_was_asked_of_a_swarm_that_goes_down_ends_with_the_reason(stand_in)
         assert not page.busy
         assert await asyncio.wait_for(page.ask(at_once), SECONDS) == "at once"
 
-    in_the_server(lambda: target, use)
+    in_the_server(lambda: target, term)
 
 
 def test_what_blocks_for_minutes_has_a_thread_and_a_node_and_ends_with_its_swarm(stand_in):
     target = stand_in.target
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         nonlocal target
         begun = threading.Event()
 
@@ -116,12 +116,12 @@ def test_what_blocks_for_minutes_has_a_thread_and_a_node_and_ends_with_its_swarm
         with pytest.raises(SwarmError, match=r'"stand_in" went down .* look whether'):
             await asyncio.wait_for(doing, SECONDS)
 
-    in_the_server(lambda: target, use)
+    in_the_server(lambda: target, term)
 
 
 @pytest.mark.parametrize("error", [ValueError, StopIteration, SystemError])
 def test_whatever_a_question_raises_reaches_its_page_and_ends_nothing(stand_in, error):
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         page, other = studio.open(), studio.open()
 
         async def mistaken(swarm: Any) -> None:
@@ -133,7 +133,7 @@ def test_whatever_a_question_raises_reaches_its_page_and_ends_nothing(stand_in, 
         await until(lambda: studio.present.frames > before, "the field stands still")
         assert await asyncio.wait_for(other.ask(at_once), SECONDS) == "at once"
 
-    in_the_server(lambda: stand_in.target, use)
+    in_the_server(lambda: stand_in.target, term)
 
 
 def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
@@ -145,21 +145,21 @@ def test_a_swarm_that_cannot_be_found_out_for_a_moment_is_found_later(stand_in):
             raise PermissionError("somebody else's run folder")
         return stand_in.target
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         page = studio.open()
         failing.set()
         await until(lambda: any("run folder" in m.text for m in page.messages.shown), "not told")
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
 
-    in_the_server(find, use)
+    in_the_server(find, term)
 
 
 def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(stand_in):
     """Else the pages show old values for ever, and nobody knows why."""
     stand_in.nonsense = True
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         looks, other = studio.open(), studio.open()
         await until(lambda: studio.known.answers("keeper_2"), "it is there")
         other.look_at("keeper_1")
@@ -174,7 +174,7 @@ def test_an_agent_that_answers_nonsense_is_told_to_the_pages_that_look_at_it(sta
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
 
-    in_the_server(lambda: stand_in.target, use)
+    in_the_server(lambda: stand_in.target, term)
 
 
 def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
@@ -188,7 +188,7 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
 
     monkeypatch.setattr(bag_file, "Writer", Full)
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         page, other = studio.open(), studio.open()
         path = str(tmp_path / "run.mcap")
         studio.link.observer.start_recording(path, page.id)
@@ -200,7 +200,7 @@ def test_a_recording_for_which_there_is_no_room_ends_and_its_page_is_told(
         before = studio.present.frames
         await until(lambda: studio.present.frames > before, "the field stands still")
 
-    in_the_server(lambda: stand_in.target, use)
+    in_the_server(lambda: stand_in.target, term)
 
 
 # -- what a page asks for -------------------------------------------------------------------

@@ -48,7 +48,7 @@ def test_placements_cannot_be_undone_in_another_episode():
 
 
 def test_where_nothing_has_a_place_what_an_agent_perceives_is_plotted_instead():
-    async def use() -> None:
+    async def term() -> None:
         studio = Studio(lambda: SwarmTarget(0))
         page = studio.open()
         page.agent = "pump"
@@ -67,7 +67,7 @@ def test_where_nothing_has_a_place_what_an_agent_perceives_is_plotted_instead():
         assert "21.50" not in render("overlay", page)
         assert "21.50" in render("side", page), "an idle agent perceives all the same"
 
-    asyncio.run(use())
+    asyncio.run(term())
 
 
 def example(number: int, state: str, value: float, to: str, kind: str = "demonstrated") -> Example:
@@ -174,7 +174,7 @@ def test_a_token_is_made_where_other_machines_reach_the_page():
 
 
 def test_an_agent_is_commanded_by_one_demonstrator_until_another_takes_it():
-    async def use() -> None:
+    async def term() -> None:
         studio = Studio(lambda: SwarmTarget(0))
         anna, ben = studio.open("Anna"), studio.open("Ben")
         anna.agent = ben.agent = "keeper_1"
@@ -189,7 +189,7 @@ def test_an_agent_is_commanded_by_one_demonstrator_until_another_takes_it():
         await perform(ben, {"do": "release"})
         assert not studio.held
 
-    asyncio.run(use())
+    asyncio.run(term())
 
 
 # -- moments --------------------------------------------------------------------------------

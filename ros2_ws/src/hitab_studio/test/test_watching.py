@@ -51,32 +51,32 @@ class Seen:
         return self.asked > 0
 
 
-def seen(use: Callable[[Seen], Awaitable[None]]) -> None:
+def seen(term: Callable[[Seen], Awaitable[None]]) -> None:
     async def run() -> None:
         agent = Seen()
         assert await agent.look()
-        await use(agent)
+        await term(agent)
 
     asyncio.run(run())
 
 
 def test_what_was_learned_is_asked_for_when_the_digest_changes_or_something_was_distributed():
-    async def use(agent: Seen) -> None:
+    async def term(agent: Seen) -> None:
         assert not await agent.look()
         assert not await agent.look(mode=AgentStatus.PERFORMING)
         assert await agent.look(library_digest="two")
         assert await agent.look(distribution=5)
         assert not await agent.look()
 
-    seen(use)
+    seen(term)
 
 
 def test_a_behavior_that_is_saved_again_as_it_was_is_asked_for():
     """Its digest is the same, but its version and description may not be."""
 
-    async def use(agent: Seen) -> None:
+    async def term(agent: Seen) -> None:
         assert not await agent.look(mode=AgentStatus.TRAINING, training="Chase")
         assert not await agent.look(mode=AgentStatus.PERFORMING)
         assert await agent.look(training="")
 
-    seen(use)
+    seen(term)

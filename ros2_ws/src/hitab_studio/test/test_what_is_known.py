@@ -55,18 +55,18 @@ def test_nothing_is_said_of_an_agent_whose_swarm_has_ended(tab):
     assert "does not answer" not in said
 
 
-def in_a_studio(use: Callable[[Studio, Page], None]) -> None:
+def in_a_studio(term: Callable[[Studio, Page], None]) -> None:
     async def made() -> None:
         studio = Studio(lambda: SwarmTarget(0))
         page = studio.open()
         studio.take(SwarmState(UP, 1, statuses=hears(ONE)))
-        use(studio, page)
+        term(studio, page)
 
     asyncio.run(made())
 
 
 def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
-    def use(studio: Studio, page: Page) -> None:
+    def term(studio: Studio, page: Page) -> None:
         page.dialog = {"kind": "distribute", "name": "Chase", "agent": ONE}
         studio.take(SwarmState(UP, 2, statuses=hears(ONE, "keeper_2")))
         assert page.dialog, "its swarm is there"
@@ -80,7 +80,7 @@ def test_a_dialog_about_a_swarm_closes_when_that_ends_and_the_page_says_so():
         studio.take(SwarmState(UP, 4))
         assert page.dialog, "it is about no swarm"
 
-    in_a_studio(use)
+    in_a_studio(term)
 
 
 def test_a_refusal_is_shown_in_the_dialog_that_asked_for_it():
@@ -158,7 +158,7 @@ def test_the_emergency_stop_is_large_where_robots_may_do_harm_and_when_it_is_eng
 
 
 def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_not(stand_in):
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         stand_in.alive = ("world", "nobody")
         deadline = time.monotonic() + 60.0
         while (observer := studio.link._observer) is None or len(observer._signs._heard) < 2:
@@ -174,7 +174,7 @@ def test_a_world_whose_cycles_come_is_not_silent_even_if_its_signs_of_life_do_no
         studio = Studio(lambda: stand_in.target)
         await studio.start()
         try:
-            await use(studio)
+            await term(studio)
         finally:
             await studio.stop()
 

@@ -143,14 +143,14 @@ def test_swarms_in_other_domains_are_not_offered_if_a_domain_is_given(ups, monke
 
 def in_a_studio(
     find: Callable[[], SwarmTarget],
-    use: Callable[[Studio], Awaitable[None]],
+    term: Callable[[Studio], Awaitable[None]],
     choose: Callable[[str], None] = lambda folder: None,
 ) -> None:
     async def run() -> None:
         studio = Studio(find, choose=choose)
         await studio.start()
         try:
-            await use(studio)
+            await term(studio)
         finally:
             await studio.stop()
 
@@ -174,7 +174,7 @@ def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_s
 ):
     stand_in.belong_to(ELSEWHERE)
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         page = studio.open()
         await until(lambda: studio.known.elsewhere == (ELSEWHERE,), "it is noticed")
         await until(lambda: studio.known.scene is None, "its world is not shown")
@@ -187,19 +187,19 @@ def test_a_swarm_that_was_started_elsewhere_is_left_alone_and_how_to_use_it_is_s
             with pytest.raises(SwarmError, match=f"{ELSEWHERE}, which was not started from here"):
                 await page.ask(ask)
 
-    in_a_studio(lambda: nodes, use)
+    in_a_studio(lambda: nodes, term)
 
 
 @pytest.mark.parametrize("identity", [ELSEWHERE, ""])
 def test_whom_no_command_has_started_or_who_was_named_is_shown(stand_in, nodes, identity):
     stand_in.belong_to(identity)
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         await until(lambda: len(studio.known.statuses) == 2, "its agents")
         await until(lambda: studio.known.scene, "its world")
         assert studio.known.elsewhere == ()
 
-    in_a_studio(lambda: replace(nodes, identity=identity or STARTED_BY_HAND), use)
+    in_a_studio(lambda: replace(nodes, identity=identity or STARTED_BY_HAND), term)
 
 
 def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_chosen(
@@ -210,7 +210,7 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
     targets = [replace(nodes, identity=STARTED_BY_HAND)]
     chosen = []
 
-    async def use(studio: Studio) -> None:
+    async def term(studio: Studio) -> None:
         await until(lambda: studio.known.scene, "its world")
         targets.append(
             SwarmTarget(nodes.domain_id, "red", ("a",), 1, "", "red-0", choices=(choice,))
@@ -228,4 +228,4 @@ def test_nodes_started_by_hand_stay_until_they_have_gone_or_another_swarm_is_cho
         await until(lambda: not studio.present.frame, "no other world is shown")
         assert studio.known.agents == ("a",)
 
-    in_a_studio(lambda: targets[-1], use, chosen.append)
+    in_a_studio(lambda: targets[-1], term, chosen.append)

@@ -20,7 +20,7 @@ from collections.abc import Callable, Mapping
 from random import Random
 from typing import Any, Protocol
 
-from hitab_core import Repertoire, Use, agent_seed
+from hitab_core import Repertoire, Term, agent_seed
 from hitab_core.running import FeatureCache, RunContext, performance
 from hitab_world.world import EpisodeResult, World
 
@@ -67,20 +67,20 @@ class AutomatonPlayer:
 
     Args:
         repertoire: the available behaviors.
-        use: the behavior to perform, bound to targets.
+        term: the behavior to perform, bound to targets.
         name: name of the agent.
         time: returns the simulated time, s, for timers.
     """
 
     def __init__(
-        self, repertoire: Repertoire, use: Use, name: str, *, time: Callable[[], float] = float
+        self, repertoire: Repertoire, term: Term, name: str, *, time: Callable[[], float] = float
     ) -> None:
         self.body = repertoire.domain.body(name)
         self._name = name
         self._random = Random()
         self._feature_cache = FeatureCache(self.body, repertoire.domain)
         context = RunContext(repertoire, self.body, self._feature_cache, self._random.random)
-        self.running = performance(context, use)
+        self.running = performance(context, term)
         self._clock = context.clock
         self._time = time
 
@@ -98,14 +98,14 @@ class AutomatonPlayer:
         self.running.tick()
 
 
-def perform(world: World, repertoire: Repertoire, behavior: str | Use) -> dict[str, Player]:
+def perform(world: World, repertoire: Repertoire, behavior: str | Term) -> dict[str, Player]:
     """Return players that perform the same behavior with all agents of a world."""
-    use = Use.parse(behavior) if isinstance(behavior, str) else behavior
+    term = Term.parse(behavior) if isinstance(behavior, str) else behavior
 
     def time() -> float:
         return world.episode_cycle * world.cycle_seconds
 
-    return {name: AutomatonPlayer(repertoire, use, name, time=time) for name in world.agents}
+    return {name: AutomatonPlayer(repertoire, term, name, time=time) for name in world.agents}
 
 
 def play(

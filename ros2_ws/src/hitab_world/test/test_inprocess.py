@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from hitab_core import START, Automaton, BasicBehavior, Domain, HandWritten, Repertoire, Use
+from hitab_core import START, Automaton, BasicBehavior, Domain, HandWritten, Repertoire, Term
 from hitab_world.inprocess import perform
 
 
@@ -19,8 +19,8 @@ def test_timers_count_the_worlds_seconds_anew_in_each_episode() -> None:
     )
     waits = Automaton(
         "T",
-        (Use("Wait"), Use("Go")),
-        (Use("SecondsInState"),),
+        (Term("Wait"), Term("Go")),
+        (Term("SecondsInState"),),
         {
             START: HandWritten(lambda: "Wait", ()),
             "Wait": HandWritten(lambda seconds: "Go" if seconds >= 0.5 else "Wait", (0,)),

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from hitab_core import START, Automaton, Domain, HandWritten, Use
+from hitab_core import START, Automaton, Domain, HandWritten, Term
 from keepaway_world.domain import DOMAIN as KEEPAWAY_WORDS
 
 OFF = math.radians(9.0)  # the keeper turns if the ball is farther off its heading
@@ -75,16 +75,16 @@ _IN_CONTROL = ("GotoBall", "Stop")
 
 GOTO_BALL = Automaton(
     "GotoBall",
-    tuple(Use(state) for state in _GOING),
-    (Use("DistanceTo", ("ball",)), Use("DirectionTo", ("ball",))),
+    tuple(Term(state) for state in _GOING),
+    (Term("DistanceTo", ("ball",)), Term("DirectionTo", ("ball",))),
     dict.fromkeys((START, *_GOING), HandWritten(goto_ball, (0, 1))),
     description="servo on the ball and approach it (hand-written)",
 )
 
 CONTROL_BALL = Automaton(
     "ControlBall",
-    tuple(Use(state) for state in (*_IN_CONTROL, "Pass", "Done")),
-    (Use("DistanceTo", ("closest_taker",)), Use("BallIsKickable")),
+    tuple(Term(state) for state in (*_IN_CONTROL, "Pass", "Done")),
+    (Term("DistanceTo", ("closest_taker",)), Term("BallIsKickable")),
     {
         **dict.fromkeys((START, *_IN_CONTROL), HandWritten(control_ball, (0, 1))),
         "Pass": HandWritten(lambda: "Done"),
@@ -94,8 +94,8 @@ CONTROL_BALL = Automaton(
 
 KEEPAWAY_AUTOMATON = Automaton(
     "Keepaway",
-    (Use("GetOpen"), Use("ControlBall")),
-    (Use("ATeammateIsCloserToBall"), Use("IWasYelledAt"), Use("Done")),
+    (Term("GetOpen"), Term("ControlBall")),
+    (Term("ATeammateIsCloserToBall"), Term("IWasYelledAt"), Term("Done")),
     {
         START: HandWritten(begin_keepaway, (0,)),
         "GetOpen": HandWritten(await_pass, (1,)),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from hitab_core import START, Automaton, HandWritten, Use
+from hitab_core import START, Automaton, HandWritten, Term
 
 RUN_DISTANCE = 3.0  # m: the keeper runs beyond this distance
 SLOW_DISTANCE = 1.7  # m: the keeper slows down within this distance
@@ -39,8 +39,8 @@ _SERVO = HandWritten(servo, (0, 1, 2))
 
 SERVO_BALL = Automaton(
     "ServoBall",
-    tuple(Use(state) for state in _STATES),
-    (Use("DistanceTo", ("ball",)), Use("DirectionTo", ("ball",)), Use("BallIsKickable")),
+    tuple(Term(state) for state in _STATES),
+    (Term("DistanceTo", ("ball",)), Term("DirectionTo", ("ball",)), Term("BallIsKickable")),
     dict.fromkeys((START, *_STATES), _SERVO),
     description="go to where the ball is and stop within kicking range (hand-written)",
 )

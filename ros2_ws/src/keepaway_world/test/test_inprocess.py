@@ -4,8 +4,8 @@ import math
 
 from hitab_core.automaton import START, Automaton
 from hitab_core.repertoire import Repertoire
+from hitab_core.term import Term
 from hitab_core.transition_function import HandWritten
-from hitab_core.use import Use
 from hitab_world.inprocess import perform, play, play_on
 from hitab_world.world import Placement
 from keepaway_world.domain import DOMAIN
@@ -17,16 +17,16 @@ def automaton(name, states, features, choose):
     function = HandWritten(choose, tuple(range(len(features))))
     return Automaton(
         name,
-        tuple(Use.parse(state) for state in states),
-        tuple(Use.parse(feature) for feature in features),
+        tuple(Term.parse(state) for state in states),
+        tuple(Term.parse(feature) for feature in features),
         dict.fromkeys((START, *states), function),
     )
 
 
 CONTROL_BALL = Automaton(
     "ControlBall",
-    tuple(Use(state) for state in ("ServoBall", "Stop", "Pass", "Done")),
-    (Use.parse("DistanceTo(closest_taker)"), Use("BallIsKickable")),
+    tuple(Term(state) for state in ("ServoBall", "Stop", "Pass", "Done")),
+    (Term.parse("DistanceTo(closest_taker)"), Term("BallIsKickable")),
     {
         **dict.fromkeys(
             (START, "ServoBall", "Stop"),

@@ -4,7 +4,7 @@ import math
 import random
 from collections.abc import Sequence
 
-from hitab_core import Automaton, Repertoire, Use
+from hitab_core import Automaton, Repertoire, Term
 from hitab_core.running import FeatureCache, RunContext, performance
 from hitab_core.training import Curriculum, Trainer
 from keepaway_world.domain import DOMAIN
@@ -37,7 +37,7 @@ class Keeper:
         self.cache.forget()
 
     def trainer(self, name: str, features: str) -> Trainer:
-        return Trainer(self.context(), Curriculum(name, tuple(map(Use.parse, features.split()))))
+        return Trainer(self.context(), Curriculum(name, tuple(map(Term.parse, features.split()))))
 
     def save(self, trainer: Trainer) -> None:
         trainer.test(restart=True)
@@ -46,7 +46,7 @@ class Keeper:
 
     def performs(self, name: str, *percepts: list[float]) -> list[str]:
         """Return the states that an automaton is in after each percept."""
-        running, states = performance(self.context(), Use(name)), []
+        running, states = performance(self.context(), Term(name)), []
         running.start()
         for values in percepts:
             self.see(values)
@@ -57,7 +57,7 @@ class Keeper:
     def teach(self, trainer: Trainer, *lesson: tuple[str, list[float]]) -> None:
         for behavior, values in lesson:
             self.see(values)
-            trainer.command(Use(behavior))
+            trainer.command(Term(behavior))
             trainer.tick()
 
 
@@ -100,9 +100,9 @@ def taught() -> Keeper:
         keepaway.tick()
     assert keepaway.running.active_path == ["ControlBall", "Done"], "it passes, and stays there"
     keepaway.take_over()
-    keepaway.command(Use("GetOpen"))
+    keepaway.command(Term("GetOpen"))
     keeper.see(BEHIND, ["pass 1"])
-    keepaway.command(Use("ControlBall"))
+    keepaway.command(Term("ControlBall"))
     assert [e.kind.value for e in keepaway.examples if not e.is_default][-2:] == ["correction"] * 2
     keeper.save(keepaway)
     return keeper
@@ -124,7 +124,7 @@ def test_an_automaton_uses_those_that_were_trained_before_it() -> None:
     keeper = taught()
     assert keeper.known["Keepaway"].behaviors_used == {"ControlBall", "GetOpen"}
     assert keeper.known["ControlBall"].behaviors_used == {"GotoBall", "Stop", "Pass"}
-    running = performance(keeper.context(), Use("Keepaway"))
+    running = performance(keeper.context(), Term("Keepaway"))
     running.start()
     for _ in range(2):  # it turns to the ball first
         keeper.see(percept(12.0))

@@ -19,7 +19,7 @@ from hitab_core import (
     Domain,
     FeedbackFeature,
     HitabError,
-    Use,
+    Term,
     VocabularyError,
     action_behaviors,
     calls_of,
@@ -74,7 +74,7 @@ class ActionClients:
             client = ActionClient(node, kind, behavior.action)
             changed = partial(self._look_at, key)
             server = self._servers[key] = Server(client, label, limits, node.guard, changed)
-            orphaned = ActionCall(behavior, Use(behavior.name), {}, left=True)
+            orphaned = ActionCall(behavior, Term(behavior.name), {}, left=True)
             remembered = self._remembered(behavior.action)
             server.goals += [Goal(orphaned, None, server, one) for one in remembered]
         calls_of(agent.body).carrier = self
@@ -116,7 +116,7 @@ class ActionClients:
         """Show a failure as a fault, or clear the fault of an earlier call."""
         fault, faults = f"action {call.behavior.name}", self._node.guard.faults
         if call.why and not call.left:
-            text = f'{self._agent.name}: "{call.use}" failed: {call.why}'
+            text = f'{self._agent.name}: "{call.term}" failed: {call.why}'
             if faults.text(fault) != text:
                 self._node.guard.log(text)
                 faults.set(fault, text)

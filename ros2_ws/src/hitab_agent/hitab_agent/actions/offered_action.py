@@ -10,11 +10,11 @@ from hitab_msgs.action import Perform
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.task import Future
 
-from hitab_core import FLAGS, Agent, Fix, Mode, TrainingError, Use
+from hitab_core import FLAGS, Agent, Fix, Mode, Term, TrainingError
 from hitab_ros import GuardedNode, names
 from hitab_ros.answering import Answered, remedies_for, what_went_wrong
 from hitab_ros.checks import check
-from hitab_ros.conversions import use_of
+from hitab_ros.conversions import term_of
 
 DONE, FAILED = FLAGS
 
@@ -25,13 +25,13 @@ class _Goal:
 
     Attributes:
         handle: the server's handle of the goal.
-        use: the performed behavior.
+        term: the performed behavior.
         ended: receives the outcome (empty if the goal was canceled) and a message.
         path: the active states that were published last.
     """
 
     handle: Any
-    use: Use
+    term: Term
     ended: Future
     path: list[str] = field(default_factory=list)
 
@@ -76,16 +76,16 @@ class OfferedAction:
         request = handle.request
         try:
             check(request)
-            use = use_of(request.behavior, request.targets)
+            term = term_of(request.behavior, request.targets)
             self._check_free()
-            self._agent.perform(use)
+            self._agent.perform(term)
         except Exception as error:
             handle.abort()
             self._answered(error)
             ways = map(str, remedies_for(error))
             return Perform.Result(message="; ".join((what_went_wrong(error), *ways)))
-        self._end(Perform.Result.REPLACED, f'"{use}" was asked for')
-        goal = self._goal = _Goal(handle, use, Future(executor=self._node.executor))
+        self._end(Perform.Result.REPLACED, f'"{term}" was asked for')
+        goal = self._goal = _Goal(handle, term, Future(executor=self._node.executor))
         self._answered(None)
         outcome, message = await goal.ended
         if outcome == Perform.Result.DONE:
@@ -128,13 +128,13 @@ class OfferedAction:
             return
         agent = self._agent
         raised = agent.raised
-        if agent.mode is not Mode.PERFORMING or agent.top != goal.use:
+        if agent.mode is not Mode.PERFORMING or agent.top != goal.term:
             now = f'{agent.mode} "{agent.behavior}"' if agent.behavior else str(agent.mode)
             self._end(Perform.Result.REPLACED, f"{agent.name} is {now}")
         elif raised:
             flag = FAILED if FAILED in raised else DONE
             outcome = Perform.Result.FAILED if flag == FAILED else Perform.Result.DONE
-            self._end(outcome, f'"{goal.use}" raised {flag}')
+            self._end(outcome, f'"{goal.term}" raised {flag}')
             self._rest()
         elif agent.active_path != goal.path:
             goal.path = agent.active_path

@@ -12,7 +12,7 @@ from hitab_core import (
     Domain,
     FeatureKind,
     LibraryError,
-    Use,
+    Term,
     has,
     shown_unit,
     shown_value,
@@ -59,7 +59,7 @@ def expected(
     for label, known in ((state, (START, *automaton.labels)), (to, automaton.labels)):
         if label not in known:
             raise LibraryError(unknown("state", label, known, f" in {file.name}"))
-    chosen = [str(use) for use in automaton.features]
+    chosen = [str(term) for term in automaton.features]
     features = {}
     for text in situation:
         feature, equals, value = text.rpartition("=")
@@ -78,7 +78,7 @@ def value_of(text: str, feature: str, domain: Domain) -> float:
         LibraryError: if it is none.
         VocabularyError: if there is no such feature.
     """
-    name = Use.parse(feature).name
+    name = Term.parse(feature).name
     if name not in (*domain.features, *OWN_NAMES):
         raise LibraryError(unknown("feature", name, domain.features))
     word = domain.feature(name)
@@ -120,7 +120,7 @@ def in_words(one: Expectation, domain: Domain) -> str:
 
 
 def _shown(feature: str, value: float, domain: Domain) -> str:
-    word = domain.feature(Use.parse(feature).name)
+    word = domain.feature(Term.parse(feature).name)
     if word.kind is FeatureKind.BOOLEAN:
         return f"{feature} {'yes' if value else 'no'}"
     if word.kind is FeatureKind.CATEGORICAL:

@@ -13,7 +13,7 @@ from hitab_bringup.swarm_files.swarm_description import AgentDescription, Comman
 from hitab_bringup.swarm_files.swarm_lines import CommanderLine
 from hitab_bringup.swarm_files.swarm_vocabulary import SwarmVocabulary
 from hitab_commander import CommanderKind, OrderMap
-from hitab_core import Use, has, unknown
+from hitab_core import Term, has, unknown
 from hitab_core.orders import ALL_OTHERS
 
 Member = TypeVar("Member", bound=AgentDescription)
@@ -170,16 +170,16 @@ class CommanderTree:
         for receiver in {member.role, order.parameter or ALL_OTHERS}:
             if not (behavior := order.for_role(receiver)):
                 continue
-            use, known = Use.parse(behavior), self._words.repertoire(member)
-            if use.name in known and len(known[use.name]) != len(use.arguments):
-                wanted = ", ".join(known[use.name]) or "none"
-                count = len(known[use.name])
+            term, known = Term.parse(behavior), self._words.repertoire(member)
+            if term.name in known and len(known[term.name]) != len(term.arguments):
+                wanted = ", ".join(known[term.name]) or "none"
+                count = len(known[term.name])
                 yield (
                     f'gives role "{member.role}" "{behavior}", which takes {count} target(s) '
                     f"({wanted})"
                 )
-            elif use.name not in known and not self._words.may_have(member, use.name):
-                yield f'gives role "{member.role}" the {unknown("behavior", use.name, known)}'
+            elif term.name not in known and not self._words.may_have(member, term.name):
+                yield f'gives role "{member.role}" the {unknown("behavior", term.name, known)}'
 
 
 def in_hosts(

@@ -11,7 +11,7 @@ from hitab_core import (
     ENTRY_POINT_GROUP,
     BehaviorLibrary,
     HitabError,
-    Use,
+    Term,
     has,
     load_domain,
     unknown,
@@ -60,7 +60,7 @@ class SwarmVocabulary:
         if not member.behavior:
             return ""
         try:
-            name = Use.parse(member.behavior).name
+            name = Term.parse(member.behavior).name
         except HitabError as error:
             return str(error)
         names = {*self._own(member), *(name for f in _folders(member) for name in _in(f))}

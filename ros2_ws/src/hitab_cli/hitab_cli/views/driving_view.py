@@ -96,13 +96,13 @@ def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
     assert asked is not None
     if asked.number is not None:
         yield console.line(
-            f"{asked.use}: {asked.number}?  {asked.typed}_   Enter, Esc none", "bold"
+            f"{asked.term}: {asked.number}?  {asked.typed}_   Enter, Esc none", "bold"
         )
         return
-    parameter = asked.use.arguments[asked.place]
+    parameter = asked.term.arguments[asked.place]
     there = enumerate(asked.targets[:9], 1)
     targets = "   ".join(f"{number} {target}" for number, target in there)
-    yield console.line(f"{asked.use}: which target is {parameter}?  {targets}   Esc none", "bold")
+    yield console.line(f"{asked.term}: which target is {parameter}?  {targets}   Esc none", "bold")
 
 
 def _help() -> Iterator[Text]:

@@ -11,7 +11,7 @@ from hitab_client.demonstrating.behavior_keys import Keys
 from hitab_client.demonstrating.pressed import Pressed, Prompt
 from hitab_client.errors import SwarmError
 from hitab_client.swarm_client import SwarmClient
-from hitab_core import FLAGS, BoundedNumber, Use, some, without_numbers
+from hitab_core import FLAGS, BoundedNumber, Term, some, without_numbers
 from hitab_ros.conversions import numbers_of_behaviors
 
 
@@ -35,17 +35,17 @@ class AgentVocabulary:
     training: str = ""
     numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=dict)
 
-    def open_numbers(self, use: Use) -> list[BoundedNumber]:
+    def open_numbers(self, term: Term) -> list[BoundedNumber]:
         """Return the numbers that a behavior takes and is not given."""
-        given = {argument.partition("=")[0] for argument in use.arguments if "=" in argument}
-        return [n for n in self.numbers.get(use.name, ()) if n.name not in given]
+        given = {argument.partition("=")[0] for argument in term.arguments if "=" in argument}
+        return [n for n in self.numbers.get(term.name, ()) if n.name not in given]
 
-    def open_parameter(self, use: Use) -> int | None:
+    def open_parameter(self, term: Term) -> int | None:
         """Return the place of a parameter that is bound to no target; None if there is none."""
-        use = without_numbers(use)
-        for declared in map(Use.parse, self.behaviors):
-            if declared.name == use.name and len(declared.arguments) == len(use.arguments):
-                pairs = enumerate(zip(use.arguments, declared.arguments, strict=True))
+        term = without_numbers(term)
+        for declared in map(Term.parse, self.behaviors):
+            if declared.name == term.name and len(declared.arguments) == len(term.arguments):
+                pairs = enumerate(zip(term.arguments, declared.arguments, strict=True))
                 return next(
                     (i for i, (a, own) in pairs if a == own and a not in self.targets), None
                 )
@@ -53,25 +53,25 @@ class AgentVocabulary:
 
     def open_part(self, pressed: Pressed) -> Prompt | None:
         """Return what a person can be asked for, of a behavior that needs a target or a number."""
-        use = Use.parse(pressed.behavior)
-        place, numbers = self.open_parameter(use), self.open_numbers(use)
+        term = Term.parse(pressed.behavior)
+        place, numbers = self.open_parameter(term), self.open_numbers(term)
         if place is not None:
-            return Prompt(use, pressed, place, self.targets) if self.targets else None
-        return Prompt(use, pressed, number=numbers[0]) if numbers else None
+            return Prompt(term, pressed, place, self.targets) if self.targets else None
+        return Prompt(term, pressed, number=numbers[0]) if numbers else None
 
-    def check_bound(self, use: Use, agent: str) -> None:
+    def check_bound(self, term: Term, agent: str) -> None:
         """Check that a behavior of an agent has all its targets.
 
         Raises:
             SwarmError: naming the targets that there are.
         """
-        if (place := self.open_parameter(use)) is None:
+        if (place := self.open_parameter(term)) is None:
             return
-        needs = f"{use} needs a target for {use.arguments[place]}"
+        needs = f"{term} needs a target for {term.arguments[place]}"
         if not self.targets:
             raise SwarmError(f"{needs}, and {agent} has none")
         raise SwarmError(
-            f"{needs}: name the behavior with one, such as {use.name}({self.targets[0]}); the "
+            f"{needs}: name the behavior with one, such as {term.name}({self.targets[0]}); the "
             f"targets are {some(self.targets)}"
         )
 
@@ -121,7 +121,7 @@ class WordsOfAgents:
         if training is not None:
             targets += [p for p in training.parameters if p not in targets]
         behaviors = [b.name for b in told.behaviors]
-        trained = {Use.parse(b.name).name for b in told.behaviors if b.trained}
+        trained = {Term.parse(b.name).name for b in told.behaviors if b.trained}
         there = self._keys.commandable(told.domain, behaviors, trained, training)
         keys = ((self._keys.of(told.domain, name), name) for name in there)
         return AgentVocabulary(

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import yaml
 
 from hitab_client.run_folder import state_home
-from hitab_core import FLAGS, Use
+from hitab_core import FLAGS, Term
 from hitab_core.library.durable_files import write_durably
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ def in_order(behaviors: Iterable[str], trained: Container[str]) -> list[str]:
     """
 
     def place(behavior: str) -> tuple[bool, bool, str]:
-        use = Use.parse(behavior)
-        return use.name in trained, bool(use.arguments), behavior
+        term = Term.parse(behavior)
+        return term.name in trained, bool(term.arguments), behavior
 
     return sorted(behaviors, key=place)
 
@@ -100,7 +100,7 @@ class Keys:
         self.give(domain, there)
         if training is not None:
             bound = [state for state in training.states if state not in there]
-            there = [b for b in [*there, *bound] if Use.parse(b).name != training.name]
+            there = [b for b in [*there, *bound] if Term.parse(b).name != training.name]
             there = [b for b in training.chosen or there if b not in FLAGS]
             self.give(domain, there)
         there.sort(key=lambda b: KEYS.index(key) if (key := self.of(domain, b)) else len(KEYS))

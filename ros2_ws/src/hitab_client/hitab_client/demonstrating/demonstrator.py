@@ -25,7 +25,7 @@ from hitab_client.errors import SwarmError
 from hitab_client.stops import Stops
 from hitab_client.swarm_client import SwarmClient
 from hitab_client.world_client import WorldClient
-from hitab_core import START, HitabError, Use, natural, numbers_of, some
+from hitab_core import START, HitabError, Term, natural, numbers_of, some
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names
 
 KEY_AGE_MAX_S = 1.0
@@ -189,13 +189,13 @@ class Demonstrator:
         elif key in ENTERS:
             given = f"{number.name}={prompt.typed}"
             try:
-                numbers_of(Use(prompt.use.name, (given,)), [number])
+                numbers_of(Term(prompt.term.name, (given,)), [number])
             except HitabError as error:
                 self.tell(str(error), failed=True)
                 self.prompt = replace(prompt, typed="")
                 return
-            use = Use(prompt.use.name, (*prompt.use.arguments, given))
-            self.press_behavior(str(use), prompt.pressed)
+            term = Term(prompt.term.name, (*prompt.term.arguments, given))
+            self.press_behavior(str(term), prompt.pressed)
 
     def steer(self, velocity: Sequence[float], seconds: float) -> None:
         """Drive the robot by hand for so long, unless it is said again; zeros: not any more.
@@ -321,9 +321,9 @@ class Demonstrator:
         words = self._words.ask(agent)
         if self._ask(pressed, words):
             return ""
-        use = Use.parse(pressed.behavior)
-        words.check_bound(use, agent)
-        return command(agents, self._world, agent, str(use), seen=pressed.seen, seconds=TAKEN_S)
+        term = Term.parse(pressed.behavior)
+        words.check_bound(term, agent)
+        return command(agents, self._world, agent, str(term), seen=pressed.seen, seconds=TAKEN_S)
 
     def _ask(self, pressed: Pressed, words: AgentVocabulary) -> bool:
         """Ask for a target or a number that is still to be given; return whether one is."""

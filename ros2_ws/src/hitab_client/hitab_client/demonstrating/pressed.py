@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 
 from hitab_client.errors import SwarmError
-from hitab_core import BoundedNumber, Use
+from hitab_core import BoundedNumber, Term
 
 KEY_ACTIONS = {
     "test": "test what was learned; again: take over",
@@ -48,7 +48,7 @@ class Prompt:
     """A behavior of which a target or a number is still to be given.
 
     Attributes:
-        use: the behavior, with its parameters, and what was given so far.
+        term: the behavior, with its parameters, and what was given so far.
         pressed: the key that commanded it.
         place: of the parameter in question.
         targets: among which to choose.
@@ -56,18 +56,18 @@ class Prompt:
         typed: of the number so far.
     """
 
-    use: Use
+    term: Term
     pressed: Pressed
     place: int = 0
     targets: tuple[str, ...] = ()
     number: BoundedNumber | None = None
     typed: str = ""
 
-    def with_target(self, target: str) -> Use:
+    def with_target(self, target: str) -> Term:
         """Return the behavior with a target in the place of the parameter."""
-        arguments = list(self.use.arguments)
+        arguments = list(self.term.arguments)
         arguments[self.place] = target
-        return Use(self.use.name, tuple(arguments))
+        return Term(self.term.name, tuple(arguments))
 
 
 class UnseenOutcomes:

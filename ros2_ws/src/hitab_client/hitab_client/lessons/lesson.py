@@ -33,7 +33,7 @@ from pydantic import Field, PlainValidator
 
 from hitab_client.errors import LessonError
 from hitab_client.lessons.conditions import Condition, Passed
-from hitab_core import Use
+from hitab_core import Term
 from hitab_core.library.yaml_models import (
     NONE_IS_EMPTY,
     Format,
@@ -53,11 +53,11 @@ WITHIN = 20.0
 """Default simulated seconds within which an awaited condition must hold."""
 
 
-def _use_or_none(text: Any) -> Use | None:
+def _term_or_none(text: Any) -> Term | None:
     return None if text == "nothing" else read_use(str(text))
 
 
-Behavior = Annotated[Use, PlainValidator(lambda text: read_use(str(text)))]
+Behavior = Annotated[Term, PlainValidator(lambda text: read_use(str(text)))]
 
 
 class ThingPlacement(Record):
@@ -128,7 +128,7 @@ class Begin(Step):
 class Command(Step):
     """Command a behavior."""
 
-    use: Behavior = Field(alias="command")
+    term: Behavior = Field(alias="command")
 
 
 class Until(Step):
@@ -189,7 +189,7 @@ class Save(Step):
 class Distribute(Step):
     """Send a behavior to other agents; ``start`` makes them perform it."""
 
-    use: Behavior = Field(alias="distribute")
+    term: Behavior = Field(alias="distribute")
     receivers: Texts = ()
     start: bool = False
 
@@ -197,7 +197,7 @@ class Distribute(Step):
 class Perform(Step):
     """Make agents perform a behavior, or nothing."""
 
-    use: Annotated[Use | None, PlainValidator(_use_or_none)] = Field(alias="perform")
+    term: Annotated[Term | None, PlainValidator(_term_or_none)] = Field(alias="perform")
     agents: Texts = ()
 
 

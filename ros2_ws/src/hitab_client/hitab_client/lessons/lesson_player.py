@@ -193,8 +193,8 @@ class LessonPlayer:
             self.begun[step.agent] = step.automaton
 
     def _command(self, step: Command) -> None:
-        use = step.use
-        self.swarm.command(step.agent, use.name, use.arguments, world=self.world)
+        term = step.term
+        self.swarm.command(step.agent, term.name, term.arguments, world=self.world)
         self.report.commands += 1
 
     def _told_now(self, step: Until) -> str:
@@ -254,8 +254,8 @@ class LessonPlayer:
     def _distribute(self, step: Distribute) -> None:
         report = self.swarm.distribute(
             step.agent,
-            step.use.name,
-            arguments=step.use.arguments,
+            step.term.name,
+            arguments=step.term.arguments,
             receivers=step.receivers,
             start=step.start,
         )
@@ -264,13 +264,13 @@ class LessonPlayer:
 
     def _perform(self, step: Perform) -> None:
         for agent in step.agents:
-            if step.use is None:
+            if step.term is None:
                 self.swarm.perform(agent, "")
                 self._performing.pop(agent, None)
                 continue
             # Noted before it is confirmed: an interruption may come in between.
-            self._performing[agent] = str(step.use)
-            self.swarm.perform(agent, step.use.name, step.use.arguments)
+            self._performing[agent] = str(step.term)
+            self.swarm.perform(agent, step.term.name, step.term.arguments)
 
     def _say(self, step: Say) -> None:
         """Do nothing: the progress report has shown the text."""
@@ -291,11 +291,11 @@ def _told(step: Step) -> str:
         case Say():
             return step.text
         case Command():
-            return f"{step.agent}: {step.use}"
+            return f"{step.agent}: {step.term}"
         case Until():
             return f"{step.kind} {step.condition.describe()}"
         case Begin():
             return f"{step.agent} begins {step.automaton}"
         case Distribute():
-            return f"distribute {step.use}"
+            return f"distribute {step.term}"
     return step.kind.replace("_", " ")

@@ -103,7 +103,7 @@ class _Looping:
         """Return the states between which it changes forever; none if it need not."""
         if any(map(math.isnan, values)):
             return ()
-        ends = {str(use) for use in automaton.states if self.repertoire.is_one_shot(use)}
+        ends = {str(term) for term in automaton.states if self.repertoire.is_one_shot(term)}
         names = list(map(str, automaton.features))
         follow: dict[str, Mapping[str, float]] = {}
         waiting = [state]
@@ -123,9 +123,9 @@ class _Looping:
 
     def words(self, values: Sequence[float]) -> str:
         """Return a situation in words."""
-        uses, domain = self.automaton.features, self.repertoire.domain
-        scales, units = map(domain.scale_of, uses), [domain.feature(u.name).unit for u in uses]
-        evidence = Evidence.of("", (), tuple(scales), list(map(str, uses)), units)
+        terms, domain = self.automaton.features, self.repertoire.domain
+        scales, units = map(domain.scale_of, terms), [domain.feature(u.name).unit for u in terms]
+        evidence = Evidence.of("", (), tuple(scales), list(map(str, terms)), units)
         return situation_in_words(evidence, values, range(len(values))) or "no feature chosen"
 
     def remedy(self, state: str, values: tuple[float, ...], states: Sequence[str]) -> Remedy:

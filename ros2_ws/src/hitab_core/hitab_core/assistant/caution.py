@@ -155,8 +155,8 @@ class CautionMonitor:
         features, state = running.automaton.features, running.active
         rated = self._rated.get((id(function), state))
         if rated is None or rated[0] is not function:
-            scales = [context.repertoire.domain.scale_of(use) for use in features]
-            evidence = Evidence.of(state, examples, scales, [str(use) for use in features])
+            scales = [context.repertoire.domain.scale_of(term) for term in features]
+            evidence = Evidence.of(state, examples, scales, [str(term) for term in features])
             rated = function, Confidences(function, evidence)
             self._rated[id(function), state] = rated
         values = list(map(running.look, features))

@@ -33,7 +33,7 @@ from hitab_core.training.undo import Edit
 from hitab_core.vocabulary import has
 from hitab_core.wording import numbered
 
-TIMERS = tuple(use for use in OWN_FEATURES if use.name not in FLAGS)
+TIMERS = tuple(term for term in OWN_FEATURES if term.name not in FLAGS)
 """Timers are excluded: their reset is not an event in the world."""
 
 CORRECTED = 2
@@ -62,7 +62,7 @@ class _Material:
         self.labels = tuple(trainer.states)
         self.goals = tuple(map(str, chosen.states)) or self.labels
         self.met = [(m.state, in_moment(m, features)) for m in situations]
-        units = tuple(domain.feature(use.name).unit for use in features)
+        units = tuple(domain.feature(term.name).unit for term in features)
         scales, names = tuple(map(domain.scale_of, features)), tuple(map(str, features))
         self._about = scales, names, units, chosen.classifier
 
@@ -90,9 +90,9 @@ class Questions:
         domain, features = trainer.context.repertoire.domain, trainer.curriculum.features
         readable = trainer.history.readable
         self._discrete = [
-            readable.index(use)
-            for use in features
-            if use not in TIMERS and not domain.scale_of(use).kind.is_measured
+            readable.index(term)
+            for term in features
+            if term not in TIMERS and not domain.scale_of(term).kind.is_measured
         ]
         self._numbers: dict[tuple[Any, ...], int] = {}
         self._dismissed: set[tuple[str, ...]] = set()

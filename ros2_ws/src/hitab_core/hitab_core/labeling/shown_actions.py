@@ -16,7 +16,7 @@ from hitab_core.errors import VocabularyError
 from hitab_core.labeling.labels import Run, Told, untold
 from hitab_core.labeling.likelihood import apart
 from hitab_core.running.feature_cache import FeatureCache, resolved, value_or_nan
-from hitab_core.use import Use
+from hitab_core.term import Term
 from hitab_core.vocabulary import has
 
 
@@ -42,7 +42,7 @@ class ShownAction:
     did: Sequence[float] | None
 
 
-def behaviors_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Use, ...]:
+def behaviors_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Term, ...]:
     """Return the behaviors that moments may have been; if none are chosen, all without targets.
 
     Raises:
@@ -53,40 +53,40 @@ def behaviors_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Use, ...]:
         for name, behavior in domain.behaviors.items()
         if not (behavior.numbers or isinstance(behavior, ActionBehavior))
     }
-    uses = tuple(dict.fromkeys(map(Use.parse, chosen)))
-    for use in uses:
-        domain.check_use(use, known, what="basic behavior without numbers")
-    uses = uses or tuple(Use(name) for name, parameters in known.items() if not parameters)
-    if len(uses) < 2:
+    terms = tuple(dict.fromkeys(map(Term.parse, chosen)))
+    for term in terms:
+        domain.check_use(term, known, what="basic behavior without numbers")
+    terms = terms or tuple(Term(name) for name, parameters in known.items() if not parameters)
+    if len(terms) < 2:
         raise VocabularyError(f"choose at least two basic behaviors to tell apart {has(known)}")
-    return uses
+    return terms
 
 
-def features_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Use, ...]:
+def features_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Term, ...]:
     """Return the features by which the behaviors may have been chosen.
 
     Raises:
         VocabularyError: naming what does not exist, or is not known before the behaviors are.
     """
-    uses = tuple(dict.fromkeys(map(Use.parse, chosen)))
-    for use in uses:
-        if use.name in FLAGS_AND_TIMERS:
+    terms = tuple(dict.fromkeys(map(Term.parse, chosen)))
+    for term in terms:
+        if term.name in FLAGS_AND_TIMERS:
             raise VocabularyError(
-                f'"{use}" depends on which behavior was active, which is what is looked for; '
+                f'"{term}" depends on which behavior was active, which is what is looked for; '
                 f"choose other features {has(domain.features)}"
             )
-        domain.check_feature(use)
-    if not uses:
+        domain.check_feature(term)
+    if not terms:
         raise VocabularyError(f"choose at least one feature {has(domain.features)}")
-    return uses
+    return terms
 
 
 def runs_of(
     moments: Sequence[ShownAction],
     domain: Domain,
     agent: str,
-    behaviors: Sequence[Use],
-    features: Sequence[Use],
+    behaviors: Sequence[Term],
+    features: Sequence[Term],
     told: Told = untold,
 ) -> tuple[list[Run], Floats]:
     """Return the episodes of some moments as runs to label, and what was done, shape (n, d).
@@ -104,12 +104,12 @@ def runs_of(
     """
     body = domain.body(agent)
     feature_cache = FeatureCache(body, domain)
-    pulses = [_pulsed(domain, agent, use) for use in behaviors]
+    pulses = [_pulsed(domain, agent, term) for term in behaviors]
     seen, did, would = [], [], []
     for done, moment in enumerate(moments, 1):
         body.sense(moment.values, moment.heard)
         feature_cache.forget()
-        seen.append([value_or_nan(feature_cache.look, use) for use in features])
+        seen.append([value_or_nan(feature_cache.look, term) for term in features])
         did.append(moment.did)
         would.append([pulse(moment) for pulse in pulses])
         told(done, len(moments), "asking each behavior")
@@ -126,11 +126,11 @@ def runs_of(
     return runs, acted
 
 
-def _pulsed(domain: Domain, agent: str, use: Use) -> Callable[[ShownAction], Sequence[float]]:
+def _pulsed(domain: Domain, agent: str, term: Term) -> Callable[[ShownAction], Sequence[float]]:
     """Return what tells what a behavior would do at a moment; nothing if it cannot."""
-    body, behavior = domain.body(agent), domain.behaviors[use.name]
-    pulse = resolved(behavior.pulse, body, domain, use)
-    begin = resolved(behavior.start, body, domain, use)
+    body, behavior = domain.body(agent), domain.behaviors[term.name]
+    pulse = resolved(behavior.pulse, body, domain, term)
+    begin = resolved(behavior.start, body, domain, term)
     begun = False
 
     def does(moment: ShownAction) -> Sequence[float]:

@@ -16,8 +16,8 @@ from hitab_core.labeling.labels import Run, Told, label, untold
 from hitab_core.labeling.shown_actions import ShownAction, behaviors_meant, features_meant, runs_of
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.saving import SavedBehavior
+from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.use import Use
 from hitab_core.vocabulary import check_known
 from hitab_core.wording import quantity
 
@@ -107,7 +107,7 @@ class Strip:
             known = {i - begin: which for i, which in self.known.items() if begin <= i < end}
             runs.append(replace(run, known=known))
             begin = end
-        scales = [self.domain.scale_of(use) for use in self._features]
+        scales = [self.domain.scale_of(term) for term in self._features]
         shown = label(runs, self.behaviors, scales, told=told)
         unexplained = np.concatenate(shown.unexplained)
         unexplained[[*self.known]] = False
@@ -190,17 +190,17 @@ class Strip:
             )
         agent = Agent(self.agent, self.domain, library)
         agent.begin(Curriculum(name, self._features))
-        for moment, use, begins in self._changes():
+        for moment, term, begins in self._changes():
             agent.sense(moment.values, moment.heard, moment.cycle, moment.time)
             if begins:
                 agent.restart(0, moment.episode)
-            if use is not None:
-                agent.command(use)
+            if term is not None:
+                agent.command(term)
         said = f", {quantity(len(self.known), 'moment')} corrected" if self.known else ""
         note = f"labeled from {source}: {quantity(len(self.moments), 'moment')}{said}"
         return agent.save(note=note)
 
-    def _changes(self) -> Iterator[tuple[ShownAction, Use | None, bool]]:
+    def _changes(self) -> Iterator[tuple[ShownAction, Term | None, bool]]:
         """Yield each moment, the behavior that is commanded then, and if an episode begins."""
         episode, before = None, -1
         for moment, which in zip(self.moments, self.labels.tolist(), strict=True):

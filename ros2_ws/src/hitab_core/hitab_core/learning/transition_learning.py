@@ -68,8 +68,8 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
 
 def relearned(automaton: Automaton, domain: Domain, classifier: str = TREE) -> Automaton:
     """Return an automaton learned from its examples; see `learn_transitions` for errors."""
-    scales = [domain.scale_of(use) for use in automaton.features]
-    names = [str(use) for use in automaton.features]
+    scales = [domain.scale_of(term) for term in automaton.features]
+    names = [str(term) for term in automaton.features]
     transitions = learn_transitions(automaton.examples, scales, classifier, names)
     numbers = learn_numbers(automaton.states, scales, automaton.examples, domain.numbers_of)
     return replace(automaton, transitions=transitions, numbers=numbers)

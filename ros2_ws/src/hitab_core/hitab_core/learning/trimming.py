@@ -17,8 +17,8 @@ from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.learning.tree_nodes import described, nodes
 from hitab_core.repertoire import Repertoire
+from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term
 from hitab_core.transition_function import TransitionFunction
-from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use
 from hitab_core.vocabulary import has
 
 
@@ -67,7 +67,7 @@ def trim(
             )
     if len(columns) < len(automaton.features):
         trimmed = replace(trimmed, chosen=automaton.features)
-    mentioned = {a for use in (*trimmed.states, *trimmed.features) for a in use.arguments}
+    mentioned = {a for term in (*trimmed.states, *trimmed.features) for a in term.arguments}
     notes += [
         f'kept parameter "{parameter}", which nothing uses'
         for parameter in automaton.parameters
@@ -101,8 +101,8 @@ def rebind(
             would become the same.
     """
     targets = repertoire.domain.targets
-    uses = (*automaton.states, *automaton.features)
-    there = {a for use in uses for a in use.arguments} | {str(use) for use in uses}
+    terms = (*automaton.states, *automaton.features)
+    there = {a for term in terms for a in term.arguments} | {str(term) for term in terms}
     there |= {*automaton.parameters}
     for old, new in bindings.items():
         if old not in there:
@@ -114,26 +114,26 @@ def rebind(
                 f'"{new}" cannot be a target or parameter; {VOCABULARY_NAME_RULE}'
             )
 
-    def bound(use: Use) -> Use:
-        whole = bindings.get(str(use)) if use.arguments else None
+    def bound(term: Term) -> Term:
+        whole = bindings.get(str(term)) if term.arguments else None
         if whole is None:
-            return use.bound(bindings)
-        new = Use.parse(whole)
-        if new.name != use.name:
-            raise VocabularyError(f'"{use}" cannot become "{new}": only its targets can be bound')
+            return term.bound(bindings)
+        new = Term.parse(whole)
+        if new.name != term.name:
+            raise VocabularyError(f'"{term}" cannot become "{new}": only its targets can be bound')
         return new
 
     def label(old: str) -> str:
-        return old if old in (START, *FLAGS) else str(bound(Use.parse(old)))
+        return old if old in (START, *FLAGS) else str(bound(Term.parse(old)))
 
     states = _distinct(automaton.states, bound, "state")
     features = _distinct(automaton.features, bound, "feature")
-    mentioned = [a for use in (*states, *features) for a in use.arguments]
+    mentioned = [a for term in (*states, *features) for a in term.arguments]
     parameters = [p for p in automaton.parameters if p in mentioned or p not in bindings]
     parameters += [a for a in mentioned if a not in targets and a in bindings.values()]
     parameters += [a for a in _arguments(bindings) if a in mentioned and a not in targets]
     # Two readings that become the same were of the same target.
-    read = {bound(use): i for i, use in reversed([*enumerate(automaton.readable)])}
+    read = {bound(term): i for i, term in reversed([*enumerate(automaton.readable)])}
     kept = sorted(read.values())
     rebound = Automaton(
         automaton.name,
@@ -164,38 +164,40 @@ def check_bound(automaton: Automaton, domain: Domain) -> None:
         VocabularyError: naming what is bound to neither a target nor a parameter.
     """
     there = [*domain.targets, *automaton.parameters]
-    features = [use for use in automaton.features if use not in OWN_FEATURES]
-    for use in (*automaton.states, *features):
-        for argument in use.arguments:
+    features = [term for term in automaton.features if term not in OWN_FEATURES]
+    for term in (*automaton.states, *features):
+        for argument in term.arguments:
             if argument not in there:
                 raise VocabularyError(
-                    f'"{argument}" in "{use}" of automaton "{automaton.name}" is unbound; bind it '
-                    f"to a target, or make it a parameter {has(there, argument)}"
+                    f'"{argument}" in "{term}" of automaton "{automaton.name}" is unbound; bind '
+                    f"it to a target, or make it a parameter {has(there, argument)}"
                 )
 
 
 def _arguments(bindings: Mapping[str, str]) -> list[str]:
     """Return the arguments of the whole uses in bindings."""
-    return [a for old, new in bindings.items() if "(" in old for a in Use.parse(new).arguments]
+    return [a for old, new in bindings.items() if "(" in old for a in Term.parse(new).arguments]
 
 
-def _distinct(uses: Sequence[Use], bound: Any, what: str) -> tuple[Use, ...]:
-    became: dict[Use, Use] = {}
-    for use in uses:
-        new = bound(use)
+def _distinct(terms: Sequence[Term], bound: Any, what: str) -> tuple[Term, ...]:
+    became: dict[Term, Term] = {}
+    for term in terms:
+        new = bound(term)
         if new in became:
             raise VocabularyError(
-                f'{what}s "{became[new]}" and "{use}" would both become "{new}"; '
+                f'{what}s "{became[new]}" and "{term}" would both become "{new}"; '
                 "bind one of them to something else"
             )
-        became[new] = use
+        became[new] = term
     return tuple(became)
 
 
 def _columns_used(automaton: Automaton, domain: Domain) -> set[int]:
     if automaton.numbers:  # a moment is near in all features
         return {*range(len(automaton.features))}
-    required = {i for i, use in enumerate(automaton.features) if domain.feature(use.name).required}
+    required = {
+        i for i, term in enumerate(automaton.features) if domain.feature(term.name).required
+    }
     return required.union(*(one.features_used for one in automaton.transitions.values()))
 
 

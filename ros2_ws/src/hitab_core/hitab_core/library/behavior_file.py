@@ -16,7 +16,7 @@ from hitab_core.library.behavior_text import behavior_text
 from hitab_core.library.digests import checksum
 from hitab_core.library.expectation import KEY, Expectation, broken_expectations
 from hitab_core.library.provenance import Provenance
-from hitab_core.use import Use
+from hitab_core.term import Term
 from hitab_core.wording import quantity
 
 BEHAVIOR_FORMAT = 3
@@ -82,10 +82,10 @@ def file_name(name: str) -> str:
     return name + BEHAVIOR_SUFFIX
 
 
-def meaning_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -> dict[str, str]:
+def meaning_of(states: Sequence[Term], features: Sequence[Term], domain: Domain) -> dict[str, str]:
     """Return the version and the signature of the words of a domain that an automaton uses."""
     behaviors, read = {state.name for state in states}, {feature.name for feature in features}
-    targets = {target for use in (*states, *features) for target in use.arguments}
+    targets = {target for term in (*states, *features) for target in term.arguments}
     of = domain.version_of
     return {
         "version": domain.version if of is None else of(behaviors | read | targets),
@@ -93,12 +93,12 @@ def meaning_of(states: Sequence[Use], features: Sequence[Use], domain: Domain) -
     }
 
 
-def feature_record(use: Use, domain: Domain) -> dict[str, Any]:
+def feature_record(term: Term, domain: Domain) -> dict[str, Any]:
     """Return a feature's entry in a file: all that is needed to interpret its values."""
-    if use.name in FLAGS:
-        return {"feature": str(use), "kind": FLAG}
-    feature = domain.feature(use.name)
-    record: dict[str, Any] = {"feature": str(use), "kind": feature.kind.value}
+    if term.name in FLAGS:
+        return {"feature": str(term), "kind": FLAG}
+    feature = domain.feature(term.name)
+    record: dict[str, Any] = {"feature": str(term), "kind": feature.kind.value}
     if feature.unit:
         record["unit"] = feature.unit
     if feature.kind is FeatureKind.TOROIDAL:
@@ -142,7 +142,7 @@ def text_of(
     }
     optional = {
         KEY: [one.record() for one in expectations],
-        "chosen": [str(use) for use in automaton.chosen],
+        "chosen": [str(term) for term in automaton.chosen],
         "numbers": [
             {"example": e.number, "values": list(e.numbers)}
             for e in automaton.examples
@@ -158,7 +158,7 @@ def _readings(automaton: Automaton) -> dict[str, Any]:
     """Return the readings of each command; all its examples have the same."""
     by_command = {e.command: e.readings for e in automaton.examples if e.readings}
     return {
-        "readable": [str(use) for use in automaton.readable] if by_command else [],
+        "readable": [str(term) for term in automaton.readable] if by_command else [],
         "readings": [
             {"command": command, "values": value_records(readings)}
             for command, readings in by_command.items()

@@ -16,7 +16,7 @@ from hitab_core.example import CYCLE_MAX, ExampleKind
 from hitab_core.library.behavior_file import FLAG
 from hitab_core.library.yaml_models import Record, among, read_use
 from hitab_core.library.yaml_places import kind_of
-from hitab_core.use import VOCABULARY_NAME_RULE
+from hitab_core.term import VOCABULARY_NAME_RULE
 
 
 def _matching(pattern: str, told: str) -> AfterValidator:

@@ -27,8 +27,8 @@ from hitab_core.library.provenance import Provenance
 from hitab_core.library.yaml_places import Complaints, Document, Place, read_yaml
 from hitab_core.number import wrong_with
 from hitab_core.regression import learn_numbers
+from hitab_core.term import Term
 from hitab_core.transition_function import LearnedTransition
-from hitab_core.use import Use
 from hitab_core.vocabulary import has, unknown
 from hitab_core.wording import quantity
 
@@ -141,7 +141,7 @@ class _Reader:
             )
             self._complaints.raise_any()
 
-    def _check_meaning(self, states: Sequence[Use], features: Sequence[Use]) -> None:
+    def _check_meaning(self, states: Sequence[Term], features: Sequence[Term]) -> None:
         """Check that all used words mean the same as before; unused ones may have changed."""
         stated, domain = self._content["domain"], self._domain
         ours = meaning_of(states, features, domain)
@@ -181,8 +181,8 @@ class _Reader:
                     i,
                 )
 
-    def _states(self) -> list[Use]:
-        states: list[Use] = self._record.states
+    def _states(self) -> list[Term]:
+        states: list[Term] = self._record.states
         self._check_distinct("states", states)
         arguments = {*self._domain.targets, *self._content["parameters"]}
         for i, state in enumerate(states):
@@ -198,23 +198,23 @@ class _Reader:
                     )
         return states
 
-    def _features(self) -> tuple[list[Use], list[Scale]]:
+    def _features(self) -> tuple[list[Term], list[Scale]]:
         records = self._content["features"]
-        features: list[Use] = [record.feature for record in self._record.features]
+        features: list[Term] = [record.feature for record in self._record.features]
         self._check_distinct("features", features)
         scales = []
-        for i, (use, record) in enumerate(zip(features, records, strict=True)):
+        for i, (term, record) in enumerate(zip(features, records, strict=True)):
             try:
-                self._domain.check_feature(use, self._content["parameters"])
-                scales.append(self._domain.scale_of(use))
+                self._domain.check_feature(term, self._content["parameters"])
+                scales.append(self._domain.scale_of(term))
             except VocabularyError as error:
                 way = "correct it, or give the behavior up and train it again"
                 self._complain(f"{error}; {way}", "features", i)
                 continue
-            for key, value in feature_record(use, self._domain).items():
+            for key, value in feature_record(term, self._domain).items():
                 if key != "feature" and record.get(key) != value:
                     self._complain(
-                        f'"{key}" of feature "{use}" is {record.get(key)} here but {value} in '
+                        f'"{key}" of feature "{term}" is {record.get(key)} here but {value} in '
                         "the domain, so its values mean something else; give it up and train it "
                         "again",
                         "features",
@@ -222,15 +222,15 @@ class _Reader:
                     )
         return features, scales
 
-    def _check_distinct(self, key: str, uses: Sequence[Use]) -> None:
-        for i, use in enumerate(uses):
-            if use in uses[:i]:
-                self._complain(f'has "{use}" twice; remove one', key, i)
+    def _check_distinct(self, key: str, uses: Sequence[Term]) -> None:
+        for i, term in enumerate(uses):
+            if term in uses[:i]:
+                self._complain(f'has "{term}" twice; remove one', key, i)
 
-    def _readings(self) -> tuple[list[Use], dict[int, Sequence[float | None]]]:
+    def _readings(self) -> tuple[list[Term], dict[int, Sequence[float | None]]]:
         """Return the names of the readings, and the readings by command."""
         # What the domain has no more is not an error here: only who chooses it must have it.
-        readable: list[Use] = self._record.readable
+        readable: list[Term] = self._record.readable
         self._check_distinct("readable", readable)
         readings: dict[int, Sequence[float | None]] = {}
         for i, record in enumerate(self._content["readings"]):
@@ -247,7 +247,7 @@ class _Reader:
 
     def _examples(
         self,
-        states: Sequence[Use],
+        states: Sequence[Term],
         scales: Sequence[Scale],
         readings: Mapping[int, Sequence[float | None]],
     ) -> list[Example]:
@@ -290,9 +290,9 @@ class _Reader:
         return tuple(found.values())
 
     def _learn(
-        self, examples: Sequence[Example], features: Sequence[Use], scales: Sequence[Scale]
+        self, examples: Sequence[Example], features: Sequence[Term], scales: Sequence[Scale]
     ) -> Mapping[str, LearnedTransition]:
-        names = [str(use) for use in features]
+        names = [str(term) for term in features]
         try:
             return learn_transitions(examples, scales, self._content["classifier"], names)
         except HitabError as error:

@@ -55,7 +55,7 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
 def _section(key: str, value: Any, rules: Rules, content: Mapping[str, Any]) -> Iterable[str]:
     match key:
         case "states" | "readable":
-            lines = [f"- {scalar(use)}" for use in value]
+            lines = [f"- {scalar(term)}" for term in value]
         case "features":
             lines = [f"- {_flow(feature)}" for feature in value]
         case "examples":

@@ -11,7 +11,7 @@ from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError
 from hitab_core.library.behavior_file import BehaviorFile, file_name
 from hitab_core.remedies import Fix, Remedy
-from hitab_core.use import VOCABULARY_NAME
+from hitab_core.term import VOCABULARY_NAME
 from hitab_core.wording import quantity
 
 

@@ -51,7 +51,7 @@ def _facts(file: BehaviorFile) -> list[str]:
 
 def _examples(file: BehaviorFile, domain: Domain) -> list[str]:
     uses = file.automaton.features
-    units = [domain.feature(use.name).unit for use in uses]
+    units = [domain.feature(term.name).unit for term in uses]
     scales = tuple(map(domain.scale_of, uses))
     # By name, so that examples compare equal after another feature was trimmed.
     evidence = Evidence.of("", (), scales, list(map(str, uses)), units)

@@ -44,9 +44,9 @@ class Expectation:
         """Return what an automaton decides instead, in words; "" if it decides what is expected.
 
         Examples:
-            >>> from hitab_core import HandWritten, Use
+            >>> from hitab_core import HandWritten, Term
             >>> walk = HandWritten(lambda ahead: "Stop" if ahead < 1.0 else "Go", (0,))
-            >>> states, features = (Use("Go"), Use("Stop")), (Use("Ahead"),)
+            >>> states, features = (Term("Go"), Term("Stop")), (Term("Ahead"),)
             >>> patrol = Automaton("Patrol", states, features, {"Go": walk})
             >>> Expectation("wall", "Go", {"Ahead": 0.5}, "Stop").broken(patrol)
             ''

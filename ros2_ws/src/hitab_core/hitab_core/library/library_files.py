@@ -16,7 +16,7 @@ from hitab_core.library.contents import LibraryContents, LostBehaviors
 from hitab_core.library.durable_files import file_errors
 from hitab_core.library.loaded_library import LibraryReader, LoadedLibrary
 from hitab_core.library.yaml_places import read_text
-from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE
+from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE
 from hitab_core.vocabulary import has
 
 VERSIONS = ".versions"

@@ -13,7 +13,7 @@ from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_core.library.behavior_file import BehaviorFile
 from hitab_core.library.change import LibraryChange
-from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use
+from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term
 from hitab_core.vocabulary import has
 
 
@@ -79,10 +79,10 @@ def plan_renaming(
 def _renamed(file: BehaviorFile, domain: Domain, old: str, new: str) -> Automaton:
     automaton = file.automaton
 
-    def use(state: Use) -> Use:
-        return Use(new, state.arguments) if state.name == old else state
+    def term(state: Term) -> Term:
+        return Term(new, state.arguments) if state.name == old else state
 
-    labels = {str(state): str(use(state)) for state in automaton.states}
+    labels = {str(state): str(term(state)) for state in automaton.states}
     examples = tuple(
         replace(
             example,
@@ -94,7 +94,7 @@ def _renamed(file: BehaviorFile, domain: Domain, old: str, new: str) -> Automato
     renamed = replace(
         automaton,
         name=new if automaton.name == old else automaton.name,
-        states=tuple(use(state) for state in automaton.states),
+        states=tuple(term(state) for state in automaton.states),
         examples=examples,
         transitions={},
     )

@@ -27,7 +27,7 @@ from pydantic import (
 
 from hitab_core.errors import HitabError, newer_format
 from hitab_core.library.yaml_places import Complaints, Document, Place, kind_of
-from hitab_core.use import Use
+from hitab_core.term import Term
 from hitab_core.vocabulary import has
 
 
@@ -119,10 +119,10 @@ class MappingOr:
         return handler.generate_schema(Annotated[mapping | other, Discriminator(tag)])
 
 
-def read_use(text: str) -> Use:
-    """Return the use of a behavior, feature or target; a ValueError says what is wrong."""
+def read_use(text: str) -> Term:
+    """Return the term of a behavior, feature or target; a ValueError says what is wrong."""
     try:
-        return Use.parse(text)
+        return Term.parse(text)
     except HitabError as error:
         raise ValueError(str(error)) from None
 

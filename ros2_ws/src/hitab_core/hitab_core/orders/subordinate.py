@@ -12,7 +12,7 @@ from hitab_core.errors import HitabError, LostBehaviorError
 from hitab_core.mode import Mode
 from hitab_core.orders.order import Order, Report
 from hitab_core.running.feature_cache import resolved, value_or_nan
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 NAN = math.nan
 
@@ -94,9 +94,9 @@ class Subordinate:
         if not self.waits or self.ordered is None:
             return False
         try:
-            use = Use.parse(self.ordered) if self.ordered else None
-            if not self._performs(use):
-                agent.perform(use)
+            term = Term.parse(self.ordered) if self.ordered else None
+            if not self._performs(term):
+                agent.perform(term)
         except Exception as error:  # starting and stopping run domain code
             name = self.order.name if self.order is not None else ""
             why = str(error)
@@ -111,10 +111,10 @@ class Subordinate:
         self.waits, self.refusal = False, ""
         return True
 
-    def _performs(self, use: Use | None) -> bool:
-        if use is None:
+    def _performs(self, term: Term | None) -> bool:
+        if term is None:
             return self.agent.mode is Mode.IDLE
-        return self.agent.mode is Mode.PERFORMING and self.agent.top == use
+        return self.agent.mode is Mode.PERFORMING and self.agent.top == term
 
     @property
     def is_asked(self) -> bool:
@@ -218,13 +218,13 @@ class Subordinate:
         """Return a function that reads a feature; None if the feature or target is missing."""
         domain = self.agent.domain
         try:
-            use = Use.parse(text)
+            term = Term.parse(text)
             known = {name: feature.parameters for name, feature in domain.features.items()}
-            domain.check_use(use, known, what="feature")
+            domain.check_use(term, known, what="feature")
         except HitabError:
             return None
         read: Callable[[], float] = resolved(
-            domain.features[use.name].read, self.agent.body, domain, use
+            domain.features[term.name].read, self.agent.body, domain, term
         )
         return read
 

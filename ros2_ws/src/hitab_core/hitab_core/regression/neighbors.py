@@ -24,7 +24,7 @@ from hitab_core.domain import Scale
 from hitab_core.example import Example
 from hitab_core.number import BoundedNumber
 from hitab_core.spread import spreads
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 NEAREST = 3
 MOMENTS_MAX = 1000
@@ -238,10 +238,10 @@ def _apart(places: Floats) -> list[int]:
 
 
 def learn_numbers(
-    states: Iterable[Use],
+    states: Iterable[Term],
     scales: Sequence[Scale],
     examples: Iterable[Example],
-    numbers_of: Callable[[Use], Sequence[BoundedNumber]],
+    numbers_of: Callable[[Term], Sequence[BoundedNumber]],
 ) -> dict[str, Neighbors]:
     """Return what gives the numbers of each state whose behavior takes some, by label.
 

@@ -10,8 +10,8 @@ from typing import Any, ParamSpec
 
 from hitab_core.domain import Domain, Feature, FeatureKind
 from hitab_core.errors import FeatureValueError, HitabError, NoValueError, VocabularyError
+from hitab_core.term import Term
 from hitab_core.transition_function import Values
-from hitab_core.use import Use
 
 P = ParamSpec("P")
 
@@ -21,12 +21,12 @@ ON_CIRCLE = -1
 NO_PERCEPT_YET = "nothing perceived yet; let the world run, or wait for the robot's sensors"
 
 
-def resolved(function: Callable[..., Any], body: Any, domain: Domain, use: Use) -> Any:
+def resolved(function: Callable[..., Any], body: Any, domain: Domain, term: Term) -> Any:
     """Return ``function`` bound to the body and to ``use``'s targets, resolved at each call."""
-    for argument in use.arguments:
+    for argument in term.arguments:
         if argument not in domain.targets:
-            raise VocabularyError(f'"{argument}" in "{use}" is not bound to a target')
-    resolvers = [domain.targets[argument].resolve for argument in use.arguments]
+            raise VocabularyError(f'"{argument}" in "{term}" is not bound to a target')
+    resolvers = [domain.targets[argument].resolve for argument in term.arguments]
     if not resolvers:
         return partial(function, body)
     if len(resolvers) == 1:
@@ -50,28 +50,28 @@ class FeatureCache:
     def __init__(self, body: Any, domain: Domain) -> None:
         self.values: Values = []
         self.perceived = False
-        self.missed: dict[Use, str] = {}
-        self._failing: dict[Use, Exception] | None = None
+        self.missed: dict[Term, str] = {}
+        self._failing: dict[Term, Exception] | None = None
         self._missing: dict[int, NoValueError] = {}
         self._blank: Values = []
         self._readers: list[Callable[[], float]] = []
-        self._slots: dict[Use, int] = {}
-        self._made: dict[Use, Callable[[], float]] = {}
+        self._slots: dict[Term, int] = {}
+        self._made: dict[Term, Callable[[], float]] = {}
         self._body = body
         self._domain = domain
 
-    def slot(self, use: Use) -> int:
+    def slot(self, term: Term) -> int:
         """Return the slot of a feature bound to targets, making it on first use."""
-        if use not in self._slots:
-            self._slots[use] = self._new(self._reader(use))
-        return self._slots[use]
+        if term not in self._slots:
+            self._slots[term] = self._new(self._reader(term))
+        return self._slots[term]
 
-    def _reader(self, use: Use) -> Callable[[], float]:
-        reader = self._made.get(use)
+    def _reader(self, term: Term) -> Callable[[], float]:
+        reader = self._made.get(term)
         if reader is None:
-            feature = self._domain.features[use.name]
-            read = resolved(feature.read, self._body, self._domain, use)
-            reader = self._made[use] = partial(checked, read, *checks_of(use, feature))
+            feature = self._domain.features[term.name]
+            read = resolved(feature.read, self._body, self._domain, term)
+            reader = self._made[term] = partial(checked, read, *checks_of(term, feature))
         return reader
 
     def own_slot(self) -> int:
@@ -104,8 +104,8 @@ class FeatureCache:
             self.values[slot] = value
         return value
 
-    def _use_of(self, slot: int) -> Use:
-        return next(use for use, at in self._slots.items() if at == slot)
+    def _use_of(self, slot: int) -> Term:
+        return next(term for term, at in self._slots.items() if at == slot)
 
     def known(self, slot: int) -> float | None:
         """Return a value that was read in this tick; NaN if it was missing, None if not read."""
@@ -117,18 +117,18 @@ class FeatureCache:
         A feature is listed from the first decision that had to do without until it has a value
         again, whether decisions still need it or not.
         """
-        for use in list(self.missed):
+        for term in list(self.missed):
             try:
-                self.look(use)
+                self.look(term)
             except NoValueError as error:
-                self.missed[use] = str(error)
+                self.missed[term] = str(error)
             except Exception:  # domain code: a decision on the feature will report it
                 pass
             else:
-                del self.missed[use]
+                del self.missed[term]
         return list(self.missed.values())
 
-    def look(self, use: Use) -> float:
+    def look(self, term: Term) -> float:
         """Return a feature's value for an observer, without caching it.
 
         A value already read by a decision is returned as it is. Any other is read now, and a later
@@ -137,29 +137,29 @@ class FeatureCache:
         Raises:
             FeatureValueError: if the feature's value is missing or not a number.
         """
-        slot = self._slots.get(use)
+        slot = self._slots.get(term)
         value = None if slot is None else self.values[slot]
         try:
-            return self._reader(use)() if value is None else value
+            return self._reader(term)() if value is None else value
         except FeatureValueError:
             raise
         except Exception as error:
             # The distance of a target from itself is of no use.
-            if self._failing is not None and len({*use.arguments}) == len(use.arguments):
-                self._failing[use] = error
+            if self._failing is not None and len({*term.arguments}) == len(term.arguments):
+                self._failing[term] = error
             raise
 
-    def failing(self) -> Mapping[Use, Exception]:
+    def failing(self) -> Mapping[Term, Exception]:
         """Return what the domain's code raises where it reads features, instead of a value.
 
         The first percept reads each feature; later ones read those that failed, used or not.
         """
         if not self.perceived:
             return {}
-        uses = _one_of_each(self._domain) if self._failing is None else self._failing
+        terms = _one_of_each(self._domain) if self._failing is None else self._failing
         self._failing = {}
-        for use in uses:
-            value_or_nan(self.look, use)
+        for term in terms:
+            value_or_nan(self.look, term)
         return self._failing
 
     def forget(self) -> None:
@@ -186,13 +186,13 @@ class FeatureCache:
             raise FeatureValueError(f"{NO_PERCEPT_YET} ({error!r})") from error
 
 
-def _one_of_each(domain: Domain) -> Iterator[Use]:
+def _one_of_each(domain: Domain) -> Iterator[Term]:
     """Yield each feature with each target once, not with all combinations of targets."""
     targets = sorted(domain.targets)
     for feature in domain.features.values():
         wanted = len(feature.parameters)
         for first in range(len(targets) if wanted else 1):
-            yield Use(feature.name, tuple((targets * wanted)[first : first + wanted]))
+            yield Term(feature.name, tuple((targets * wanted)[first : first + wanted]))
 
 
 def value_or_nan(read: Callable[P, float], *args: P.args, **kwargs: P.kwargs) -> float:
@@ -246,9 +246,9 @@ def _check_possible(value: float, name: str, categories: int) -> None:
         )
 
 
-def checks_of(use: Use, feature: Feature) -> tuple[str, int, bool]:
+def checks_of(term: Term, feature: Feature) -> tuple[str, int, bool]:
     """Return the arguments of `checked` for a feature bound to targets."""
     categories = len(feature.categories) if feature.kind is FeatureKind.CATEGORICAL else 0
     if feature.kind is FeatureKind.TOROIDAL:
         categories = ON_CIRCLE
-    return str(use), categories, feature.required
+    return str(term), categories, feature.required

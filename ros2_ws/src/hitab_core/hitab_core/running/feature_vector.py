@@ -13,7 +13,7 @@ from hitab_core.automaton import FLAGS, OWN_NAMES
 from hitab_core.errors import NoValueError
 from hitab_core.running.feature_cache import value_or_nan
 from hitab_core.running.run_context import RunContext, Running
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 
 class FeatureVector:
@@ -34,7 +34,7 @@ class FeatureVector:
     """
 
     def __init__(
-        self, context: RunContext, bindings: Mapping[str, str], features: Sequence[Use]
+        self, context: RunContext, bindings: Mapping[str, str], features: Sequence[Term]
     ) -> None:
         self.bindings = dict(bindings)
         self._clock = context.clock
@@ -45,7 +45,7 @@ class FeatureVector:
         self.start()
         self.choose(features)
 
-    def choose(self, features: Sequence[Use]) -> None:
+    def choose(self, features: Sequence[Term]) -> None:
         """Consist of these features from now on."""
         self.features = tuple(features)
         self.slots: list[int] = []
@@ -134,7 +134,7 @@ class FeatureVector:
             self.values[slot] = self._seconds_since(flag, child)
         return self.read()
 
-    def look(self, feature: Use, child: Running | None) -> float:
+    def look(self, feature: Term, child: Running | None) -> float:
         """Return the value of any feature, in the automaton's terms, or NaN; change nothing."""
         if feature.name not in OWN_NAMES:
             return value_or_nan(self._cache.look, feature.bound(self.bindings))

@@ -13,14 +13,14 @@ from hitab_core.automaton import OWN_FEATURES
 from hitab_core.running.feature_cache import value_or_nan
 from hitab_core.running.run_context import RunContext, Running
 from hitab_core.running.running_automaton import RunningAutomaton
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 Reading = tuple[str, str, float]
 """Label of an automaton, one of its features bound to targets, and its current value or NaN."""
 
 
 def live_features(
-    running: Running | None, context: RunContext, also: Sequence[Use] = ()
+    running: Running | None, context: RunContext, also: Sequence[Term] = ()
 ) -> list[Reading]:
     """Return the features of each active automaton, outermost first; leave flags up.
 
@@ -32,8 +32,8 @@ def live_features(
     Raises:
         VocabularyError: if one of ``also`` does not exist.
     """
-    for use in also:
-        context.repertoire.domain.check_feature(use)
+    for term in also:
+        context.repertoire.domain.check_feature(term)
     readings: list[Reading] = []
     while isinstance(running, RunningAutomaton):
         readings += [
@@ -45,9 +45,9 @@ def live_features(
     readings += [
         (
             "",
-            str(use),
-            math.nan if use in OWN_FEATURES else value_or_nan(context.feature_cache.look, use),
+            str(term),
+            math.nan if term in OWN_FEATURES else value_or_nan(context.feature_cache.look, term),
         )
-        for use in also
+        for term in also
     ]
     return readings

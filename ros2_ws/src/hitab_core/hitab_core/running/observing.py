@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import ParamSpec, TypeVar
 
+from hitab_core.term import Term
 from hitab_core.transition_function import Explanation, TransitionFunction
-from hitab_core.use import Use
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -29,7 +29,7 @@ class Change:
         automata: labels of the automata, from the top level to the one that changes.
         source, destination: labels of the states.
         commanded: whether by the demonstrator rather than by a transition function.
-        uses: the automaton's features, in its own terms.
+        terms: the automaton's features, in its own terms.
         bindings: of its parameters to targets.
         values: of each feature; None if not read in this tick, NaN if it was missing. Empty if
             commanded.
@@ -40,7 +40,7 @@ class Change:
     source: str
     destination: str
     commanded: bool
-    uses: Sequence[Use] = ()
+    terms: Sequence[Term] = ()
     bindings: Mapping[str, str] | None = None
     values: Sequence[float | None] = ()
     function: TransitionFunction | None = None
@@ -48,7 +48,7 @@ class Change:
     @property
     def features(self) -> list[str]:
         """The automaton's features, bound to targets."""
-        return [str(use.bound(self.bindings or {})) for use in self.uses]
+        return [str(term.bound(self.bindings or {})) for term in self.terms]
 
     def explanation(self) -> Explanation | None:
         """Return why, from the values that the decision read; None if commanded."""

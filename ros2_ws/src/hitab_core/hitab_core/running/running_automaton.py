@@ -37,20 +37,20 @@ from hitab_core.running.running_basic import (
     RunningBasicBehavior,
     RunningWithNumbers,
 )
+from hitab_core.term import Term
 from hitab_core.transition_function import Decide, NumberFunction, TransitionFunction
-from hitab_core.use import Use
 
 
-def performance(context: RunContext, use: Use, above: RunningAutomaton | None = None) -> Running:
+def performance(context: RunContext, term: Term, above: RunningAutomaton | None = None) -> Running:
     """Return a performance of a behavior, not started; all arguments must be targets."""
-    behavior = context.repertoire.get(use.name)
+    behavior = context.repertoire.get(term.name)
     if isinstance(behavior, ActionBehavior):
-        return RunningAction(context.repertoire.domain, context.body, behavior, use)
+        return RunningAction(context.repertoire.domain, context.body, behavior, term)
     if isinstance(behavior, BasicBehavior):
         kind = RunningWithNumbers if behavior.numbers else RunningBasicBehavior
-        return kind(context.repertoire.domain, context.body, behavior, use)
-    bindings = dict(zip(behavior.parameters, use.arguments, strict=True))
-    return RunningAutomaton(context, behavior, bindings, above, str(use))
+        return kind(context.repertoire.domain, context.body, behavior, term)
+    bindings = dict(zip(behavior.parameters, term.arguments, strict=True))
+    return RunningAutomaton(context, behavior, bindings, above, str(term))
 
 
 class RunningAutomaton:
@@ -183,7 +183,7 @@ class RunningAutomaton:
         if index != self._active:
             self._enter(index, commanded=True)
 
-    def add_state(self, state: Use) -> None:
+    def add_state(self, state: Term) -> None:
         """Add a state, as training does when a behavior is first commanded."""
         label = str(state)
         if label in self._index:
@@ -210,7 +210,7 @@ class RunningAutomaton:
                 self.vector.slots, self._index, most_probable=self.context.most_probable
             )
 
-    def set_features(self, features: Sequence[Use]) -> None:
+    def set_features(self, features: Sequence[Term]) -> None:
         """Use other features; transition functions must follow."""
         self.automaton = replace(self.automaton, features=tuple(features), transitions={})
         self.vector.choose(features)
@@ -227,6 +227,6 @@ class RunningAutomaton:
         if self.child is not None:
             self.vector.take_down(self.child.raised)
 
-    def look(self, feature: Use) -> float:
+    def look(self, feature: Term) -> float:
         """Return the current value of a feature in its own terms, or NaN; change nothing."""
         return self.vector.look(feature, self.child)

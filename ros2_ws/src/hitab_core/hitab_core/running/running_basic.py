@@ -9,7 +9,7 @@ from hitab_core.action_behavior import ActionBehavior, ActionCall, calls_of, goa
 from hitab_core.domain import BasicBehavior, Domain
 from hitab_core.number import numbers_of, without_numbers
 from hitab_core.running.feature_cache import resolved
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 
 class RunningBasicBehavior:
@@ -17,10 +17,10 @@ class RunningBasicBehavior:
 
     __slots__ = ("_one_shot", "_pulse", "_pulsed", "_start", "_stop", "raised")
 
-    def __init__(self, domain: Domain, body: Any, behavior: BasicBehavior, use: Use) -> None:
-        self._start = resolved(behavior.start, body, domain, use)
-        self._pulse = resolved(behavior.pulse, body, domain, use)
-        self._stop = resolved(behavior.stop, body, domain, use)
+    def __init__(self, domain: Domain, body: Any, behavior: BasicBehavior, term: Term) -> None:
+        self._start = resolved(behavior.start, body, domain, term)
+        self._pulse = resolved(behavior.pulse, body, domain, term)
+        self._stop = resolved(behavior.stop, body, domain, term)
         self._one_shot = behavior.one_shot
         self._pulsed = False
         self.raised: set[str] = set()
@@ -57,9 +57,9 @@ class RunningWithNumbers(RunningBasicBehavior):
 
     __slots__ = ("_halted", "numbers")
 
-    def __init__(self, domain: Domain, body: Any, behavior: BasicBehavior, use: Use) -> None:
-        targets = without_numbers(use)
-        self.numbers = () if targets == use else numbers_of(use, behavior.numbers)
+    def __init__(self, domain: Domain, body: Any, behavior: BasicBehavior, term: Term) -> None:
+        targets = without_numbers(term)
+        self.numbers = () if targets == term else numbers_of(term, behavior.numbers)
         self._halted = False
 
         def pulse(body: Any, *targets: Any) -> None:
@@ -104,14 +104,14 @@ class RunningAction(RunningBasicBehavior):
 
     __slots__ = ("_behavior", "_call", "_calls", "_goal", "_use")
 
-    def __init__(self, domain: Domain, body: Any, behavior: ActionBehavior, use: Use) -> None:
-        super().__init__(domain, body, behavior, use)
+    def __init__(self, domain: Domain, body: Any, behavior: ActionBehavior, term: Term) -> None:
+        super().__init__(domain, body, behavior, term)
         self._behavior = behavior
-        self._use = use
+        self._use = term
         self._calls = calls_of(body)
         self._call: ActionCall | None = None
         self._goal = resolved(
-            lambda body, *targets: goal_of(behavior, body, targets), body, domain, use
+            lambda body, *targets: goal_of(behavior, body, targets), body, domain, term
         )
 
     def start(self) -> None:

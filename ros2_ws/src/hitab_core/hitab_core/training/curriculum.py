@@ -10,7 +10,7 @@ from hitab_core.automaton import FLAGS, Automaton
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.learning.transition_learning import learner
 from hitab_core.repertoire import Repertoire
-from hitab_core.use import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Use
+from hitab_core.term import VOCABULARY_NAME, VOCABULARY_NAME_RULE, Term
 from hitab_core.vocabulary import check_known, did_you_mean, has, unknown
 from hitab_core.wording import quantity
 
@@ -29,8 +29,8 @@ class Curriculum:
     """
 
     name: str
-    features: tuple[Use, ...]
-    states: tuple[Use, ...] = ()
+    features: tuple[Term, ...]
+    states: tuple[Term, ...] = ()
     parameters: tuple[str, ...] = ()
     arguments: tuple[str, ...] = ()
     classifier: str = "tree"
@@ -70,12 +70,12 @@ class Curriculum:
         Examples:
             >>> wanted = Curriculum.parse("GoTo", ["DistanceTo(A)"], [], ["A"], ["ball"], "tree")
             >>> wanted.features
-            (Use(name='DistanceTo', arguments=('A',)),)
+            (Term(name='DistanceTo', arguments=('A',)),)
         """
         return cls(
             name,
-            tuple(map(Use.parse, features)),
-            tuple(map(Use.parse, states)),
+            tuple(map(Term.parse, features)),
+            tuple(map(Term.parse, states)),
             tuple(parameters),
             tuple(arguments),
             classifier,
@@ -103,8 +103,8 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
         check_known("target", argument, repertoire.domain.targets)
     if len(set(curriculum.features)) < len(curriculum.features):
         raise VocabularyError(f'"{name}" has a feature twice')
-    for use in (*curriculum.features, *curriculum.states):
-        _check_arguments(use, {*repertoire.domain.targets, *curriculum.parameters})
+    for term in (*curriculum.features, *curriculum.states):
+        _check_arguments(term, {*repertoire.domain.targets, *curriculum.parameters})
     for feature in curriculum.features:
         repertoire.domain.check_feature(feature, curriculum.parameters)
     for state in curriculum.states:
@@ -115,17 +115,17 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
     learner(curriculum.classifier, [repertoire.domain.scale_of(f) for f in curriculum.features])
 
 
-def _check_arguments(use: Use, known: Collection[str]) -> None:
-    for argument in use.arguments:
+def _check_arguments(term: Term, known: Collection[str]) -> None:
+    for argument in term.arguments:
         if argument not in known and not did_you_mean(argument, known):
-            where = f' in "{use}"'
+            where = f' in "{term}"'
             raise VocabularyError(
                 f"{unknown('target', argument, known, where)}; if it is a parameter, give the "
                 f"target that it stands for in training, as `-p {argument}=TARGET` does"
             )
 
 
-def check_state(state: Use, curriculum: Curriculum, repertoire: Repertoire) -> None:
+def check_state(state: Term, curriculum: Curriculum, repertoire: Repertoire) -> None:
     """Check that a behavior can be a state of the automaton in training.
 
     Raises:

@@ -13,18 +13,18 @@ from dataclasses import replace
 from hitab_core.automaton import CLEARED
 from hitab_core.errors import TrainingError
 from hitab_core.example import Example
+from hitab_core.term import Term
 from hitab_core.training.trainer import Trainer
 from hitab_core.training.undo import Edit
-from hitab_core.use import Use
 from hitab_core.vocabulary import has
 from hitab_core.wording import quantity, some
 
 
 def exchanged(
     examples: Sequence[Example],
-    before: Sequence[Use],
-    features: Sequence[Use],
-    readable: Sequence[Use],
+    before: Sequence[Term],
+    features: Sequence[Term],
+    readable: Sequence[Term],
     name: str,
 ) -> list[Example]:
     """Return the same examples with the values of other features.
@@ -42,20 +42,22 @@ def exchanged(
     Raises:
         TrainingError: if no example has a value of a feature.
     """
-    column = {use: i for i, use in enumerate(before)}
-    reading = {use: i for i, use in enumerate(readable)}
+    column = {term: i for i, term in enumerate(before)}
+    reading = {term: i for i, term in enumerate(readable)}
 
-    def value(example: Example, use: Use) -> float:
-        if use in column:
-            return example.features[column[use]]
-        if use in reading and example.readings:
-            return 0.0 if example.is_default and use in CLEARED else example.readings[reading[use]]
+    def value(example: Example, term: Term) -> float:
+        if term in column:
+            return example.features[column[term]]
+        if term in reading and example.readings:
+            return (
+                0.0 if example.is_default and term in CLEARED else example.readings[reading[term]]
+            )
         return math.nan
 
-    after = [replace(e, features=tuple(value(e, use) for use in features)) for e in examples]
+    after = [replace(e, features=tuple(value(e, term) for term in features)) for e in examples]
     missing = [
-        str(use)
-        for i, use in enumerate(features)
+        str(term)
+        for i, term in enumerate(features)
         if after and all(math.isnan(e.features[i]) for e in after)
     ]
     if missing:
@@ -69,7 +71,7 @@ def exchanged(
     return after
 
 
-def exchange(trainer: Trainer, features: Sequence[Use]) -> Edit:
+def exchange(trainer: Trainer, features: Sequence[Term]) -> Edit:
     """Prepare to learn from other features; see `exchanged`."""
     before, name = trainer.curriculum.features, trainer.curriculum.name
     after = exchanged(trainer.examples, before, features, trainer.history.readable, name)
@@ -82,7 +84,7 @@ def exchange(trainer: Trainer, features: Sequence[Use]) -> Edit:
 
 
 def realigned(
-    examples: Sequence[Example], names: Sequence[Use], readable: Sequence[Use]
+    examples: Sequence[Example], names: Sequence[Term], readable: Sequence[Term]
 ) -> tuple[Example, ...]:
     """Return examples with their readings in another order.
 
@@ -93,12 +95,12 @@ def realigned(
     """
     if tuple(names) == tuple(readable):
         return tuple(examples)
-    column: Mapping[Use, int] = {use: i for i, use in enumerate(names)}
+    column: Mapping[Term, int] = {term: i for i, term in enumerate(names)}
 
     def readings(example: Example) -> tuple[float, ...]:
         if not example.readings:
             return ()
         own = example.readings
-        return tuple(own[column[use]] if use in column else math.nan for use in readable)
+        return tuple(own[column[term]] if term in column else math.nan for term in readable)
 
     return tuple(replace(e, readings=readings(e)) for e in examples)

@@ -18,8 +18,8 @@ from hitab_core.automaton import as_entered
 from hitab_core.domain import Domain
 from hitab_core.errors import FeatureValueError, TrainingError
 from hitab_core.running.running_automaton import RunningAutomaton
+from hitab_core.term import Term
 from hitab_core.training.percepts import PerceptRecord, nearest, readable, state_of
-from hitab_core.use import Use
 
 KEPT_SECONDS = 10.0
 """Simulated time for which percepts are kept."""
@@ -47,8 +47,8 @@ class PerceptHistory:
         self,
         domain: Domain,
         parameters: Sequence[str],
-        chosen: Sequence[Use],
-        names: Sequence[Use] = (),
+        chosen: Sequence[Term],
+        names: Sequence[Term] = (),
     ) -> None:
         """Keep nothing yet.
 
@@ -60,10 +60,10 @@ class PerceptHistory:
                 NaN.
         """
         found = tuple(names) or readable(domain, parameters)
-        self.readable = (*found, *(use for use in chosen if use not in found))
+        self.readable = (*found, *(term for term in chosen if term not in found))
         self._kept: list[PerceptRecord] = []
         self._windows: dict[int, tuple[float, tuple[PerceptRecord, ...]]] = {}
-        self._column = {use: i for i, use in enumerate(self.readable)}
+        self._column = {term: i for i, term in enumerate(self.readable)}
         self._entered: PerceptRecord | None = None
 
     @property
@@ -155,7 +155,12 @@ class PerceptHistory:
         return begun
 
     def due(
-        self, running: RunningAutomaton, features: Sequence[Use], cycle: int, ago: float, seen: int
+        self,
+        running: RunningAutomaton,
+        features: Sequence[Term],
+        cycle: int,
+        ago: float,
+        seen: int,
     ) -> PerceptRecord:
         """Return the moment for which a command is meant.
 
@@ -227,16 +232,16 @@ class PerceptHistory:
             return self._kept
         return (entered, *(moment for moment in self._kept if moment.time > entered.time))
 
-    def in_moment(self, moment: PerceptRecord, features: Sequence[Use]) -> tuple[float, ...]:
+    def in_moment(self, moment: PerceptRecord, features: Sequence[Term]) -> tuple[float, ...]:
         """Return the values of features in a moment; NaN where there is none."""
         return tuple(moment.readings[self._column[feature]] for feature in features)
 
-    def shows(self, moment: PerceptRecord, features: Sequence[Use]) -> bool:
+    def shows(self, moment: PerceptRecord, features: Sequence[Term]) -> bool:
         """Return whether there can be an example of a moment: one of some features has a value."""
         values = self.in_moment(moment, features)
         return not values or not all(map(math.isnan, values))
 
-    def values(self, moment: PerceptRecord, features: Sequence[Use]) -> tuple[float, ...]:
+    def values(self, moment: PerceptRecord, features: Sequence[Term]) -> tuple[float, ...]:
         """Return the values of features in a moment.
 
         Raises:

@@ -11,7 +11,7 @@ from typing import Any
 from hitab_core.automaton import FLAGS, OWN_FEATURES, START
 from hitab_core.domain import Domain
 from hitab_core.example_codec import value_records, values_of
-from hitab_core.use import Use
+from hitab_core.term import Term
 
 READABLE_MAX = 500
 """With more readings, features of two and more parameters are left out."""
@@ -54,7 +54,7 @@ class PerceptRecord:
         )
 
 
-def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Use, ...]:
+def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Term, ...]:
     """Return what can be read in every moment: the domain's features, flags and timers.
 
     Features of the domain are read for all targets and parameters.
@@ -67,12 +67,12 @@ def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Use, ...]:
     features = sorted(domain.features.values(), key=lambda feature: feature.name)
     if sum(len(things) ** len(f.parameters) for f in features) > READABLE_MAX:
         features = [feature for feature in features if len(feature.parameters) < 2]
-    uses = [
-        Use(feature.name, arguments)
+    terms = [
+        Term(feature.name, arguments)
         for feature in features
         for arguments in product(things, repeat=len(feature.parameters))
     ]
-    return (*uses, *OWN_FEATURES)
+    return (*terms, *OWN_FEATURES)
 
 
 def nearest(moments: Sequence[PerceptRecord], time: float) -> PerceptRecord:

@@ -11,10 +11,10 @@ from hitab_core.domain import BasicBehavior
 from hitab_core.errors import TrainingError, VocabularyError
 from hitab_core.example import Example
 from hitab_core.repertoire import Repertoire
+from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum
 from hitab_core.training.exchange import exchanged, realigned
 from hitab_core.training.percepts import readable
-from hitab_core.use import Use
 
 
 def resumed(
@@ -50,15 +50,15 @@ def resumed(
     return completed, realigned(examples, earlier.readable, names)
 
 
-def _chosen(earlier: Automaton, repertoire: Repertoire) -> tuple[Use, ...]:
+def _chosen(earlier: Automaton, repertoire: Repertoire) -> tuple[Term, ...]:
     """Return the features chosen for a saved training that are still there for its examples."""
 
-    def is_there(use: Use) -> bool:
-        if use in earlier.features:
+    def is_there(term: Term) -> bool:
+        if term in earlier.features:
             return True
         with suppress(VocabularyError, TrainingError):
-            repertoire.domain.check_feature(use, earlier.parameters)
-            exchanged(earlier.examples, earlier.features, [use], earlier.readable, earlier.name)
+            repertoire.domain.check_feature(term, earlier.parameters)
+            exchanged(earlier.examples, earlier.features, [term], earlier.readable, earlier.name)
             return True
         return False
 

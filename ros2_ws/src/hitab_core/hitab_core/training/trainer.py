@@ -42,13 +42,13 @@ from hitab_core.learning.transition_learning import relearned
 from hitab_core.learning.trimming import check_bound, rebind, trim
 from hitab_core.running.run_context import RunContext
 from hitab_core.running.running_automaton import RunningAutomaton
+from hitab_core.term import Term
 from hitab_core.training.curriculum import Curriculum, check_curriculum, check_state
 from hitab_core.training.events import NOW, CommandGiven, Given, Proposal, TrainingEvents
 from hitab_core.training.example_log import ExampleLog, states_in
 from hitab_core.training.percept_history import PerceptHistory
 from hitab_core.training.percepts import PerceptRecord
 from hitab_core.training.undo import Direction, Edit
-from hitab_core.use import Use
 
 Record = Mapping[str, Any]
 """A step of a training, as its journal keeps it."""
@@ -84,7 +84,7 @@ class Trainer:
         curriculum: Curriculum,
         examples: Iterable[Example] = (),
         journal: Journal = lambda record: None,
-        names: Sequence[Use] = (),
+        names: Sequence[Term] = (),
     ) -> None:
         """Start in training mode, in Start.
 
@@ -113,7 +113,7 @@ class Trainer:
     def _perform(self) -> RunningAutomaton:
         """Return the automaton with the states of the examples, in Start."""
         given = self.curriculum
-        states = tuple(map(Use.parse, self.states))
+        states = tuple(map(Term.parse, self.states))
         blank = Automaton(given.name, states, given.features, {}, given.parameters)
         bindings = dict(zip(given.parameters, given.arguments, strict=True))
         return RunningAutomaton(self.context, blank, bindings)
@@ -130,7 +130,7 @@ class Trainer:
 
     # -- training mode ----------------------------------------------------------------------
 
-    def command(self, state: Use, given: Given = NOW) -> list[Example]:
+    def command(self, state: Term, given: Given = NOW) -> list[Example]:
         """Perform a behavior now and record the resulting examples.
 
         Args:
@@ -160,7 +160,7 @@ class Trainer:
         return taught
 
     def _examples(
-        self, state: Use, numbers: tuple[float, ...], moment: PerceptRecord
+        self, state: Term, numbers: tuple[float, ...], moment: PerceptRecord
     ) -> list[Example]:
         """Return the example of a command in a moment, and the default example, if it has one."""
         features, log = self.curriculum.features, self.log
@@ -173,7 +173,7 @@ class Trainer:
             return [example]
         return [example, default_example(example, as_entered(features, f_t))]
 
-    def _go_to(self, state: Use, numbers: tuple[float, ...], moment: PerceptRecord) -> None:
+    def _go_to(self, state: Term, numbers: tuple[float, ...], moment: PerceptRecord) -> None:
         """Begin to perform a commanded state, as if since the moment in which it was due."""
         label, running = str(state), self.running
         self.history.enter(label, moment)
@@ -244,8 +244,8 @@ class Trainer:
                 f'"{given.name}" cannot be {done}: no example leaves {START}; '
                 f"{first}command the behavior to begin with"
             )
-        states = tuple(map(Use.parse, states_in(examples)))
-        chosen = given.features if features is None else tuple(map(Use.parse, features))
+        states = tuple(map(Term.parse, states_in(examples)))
+        chosen = given.features if features is None else tuple(map(Term.parse, features))
         blank = Automaton(given.name, states, chosen, {}, given.parameters, examples)
         domain, readable = self.context.repertoire.domain, self.history.readable
         return relearned(replace(blank, readable=readable), domain, given.classifier)
@@ -313,7 +313,7 @@ class Trainer:
         if self.testing:  # before the step is made, since learning may be refused
             learned = self._learned(self.log.after(edit), "tested after this", edit.features)
         for label in (*states_in(edit.came), edit.entered or START):  # they may be gone by now
-            self.running.add_state(Use.parse(label))
+            self.running.add_state(Term.parse(label))
         self._do(record, edit)
         if learned is not None:
             self.running.set_transitions(learned.transitions, learned.numbers)

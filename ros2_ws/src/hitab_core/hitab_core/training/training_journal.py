@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from hitab_core.errors import FolderInUseError, HitabError, LibraryError, TrainingError
 from hitab_core.example import Example
 from hitab_core.example_codec import example_record
+from hitab_core.term import Term
 from hitab_core.training.agent_database import MOVE_AWAY, AgentDatabase
 from hitab_core.training.curriculum import Curriculum
-from hitab_core.use import Use
 
 if TYPE_CHECKING:
     import sqlite3
@@ -55,7 +55,7 @@ class TrainingJournal:
         self._domain = domain
 
     def begin(
-        self, curriculum: Curriculum, examples: Iterable[Example], readable: Iterable[Use]
+        self, curriculum: Curriculum, examples: Iterable[Example], readable: Iterable[Term]
     ) -> None:
         """Begin the journal of a training, in place of the one before.
 
@@ -74,7 +74,7 @@ class TrainingJournal:
             "domain": self._domain,
             "curriculum": curriculum.to_record(),
             "examples": [example_record(e) for e in examples],
-            "readable": [str(use) for use in readable],
+            "readable": [str(term) for term in readable],
             "at": time.time(),
         }
         if self.damage:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hitab_client import SwarmClient, SwarmError
-from hitab_core import Use, numbered, with_numbers
+from hitab_core import Term, numbered, with_numbers
 from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.page import Page
@@ -103,7 +103,7 @@ async def renumber(page: Page, data: Data) -> None:
     found = [e for e in training.examples if e.number == number] if training else []
     if training is None or not found:
         return
-    state = Use.parse(found[0].next_state)
+    state = Term.parse(found[0].next_state)
     numbers = training.numbers_of(state)
     given = {n.name: value for n, value in zip(numbers, found[0].numbers, strict=True)}
     name = str(data["name"])

@@ -13,7 +13,7 @@ from hitab_client import (
     demonstrating,
     is_answered,
 )
-from hitab_core import Use, with_numbers
+from hitab_core import Term, with_numbers
 from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.page import CHOOSE_FIRST, Page
@@ -33,13 +33,13 @@ async def command(page: Page, data: Data) -> None:
         return
     page.shown_numbers = page.missing_targets = None
     behavior, seen = str(data["behavior"]), int(data.get("seen") or 0)
-    parameters = Use.parse(behavior).arguments
+    parameters = Term.parse(behavior).arguments
     open_ = [p for p in parameters if p not in page.watched.vocabulary.targets]
     training = page.training
     if training is not None:
         open_ = [p for p in open_ if p not in training.parameters]
     if open_:
-        page.missing_targets = MissingTargets(Use.parse(behavior).name, tuple(parameters), seen)
+        page.missing_targets = MissingTargets(Term.parse(behavior).name, tuple(parameters), seen)
         return
     if numbers := page.watched.vocabulary.numbers_of(behavior):
         begin = {n.name: min(max(0.0, n.low), n.high) for n in numbers}
@@ -58,7 +58,7 @@ async def show(page: Page, data: Data) -> None:
         shown.values[name] = number_from(data["values"], name)
     numbers = page.watched.vocabulary.numbers_of(shown.behavior)
     given = [shown.values[number.name] for number in numbers]
-    meant = with_numbers(Use.parse(shown.behavior), given, numbers)
+    meant = with_numbers(Term.parse(shown.behavior), given, numbers)
     await _commanded(page, str(meant), int(data.get("seen") or 0))
 
 
@@ -159,7 +159,7 @@ async def give_target(page: Page, target: str) -> None:
     missing.targets = (*missing.targets, target)
     if len(missing.targets) == len(missing.parameters):
         page.missing_targets = None
-        meant = str(Use(missing.behavior, missing.targets))
+        meant = str(Term(missing.behavior, missing.targets))
         await command(page, {"behavior": meant, "seen": missing.seen})
 
 

@@ -6,10 +6,10 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from hitab_core import FLAGS, FeatureKind, Use, shown_unit
+from hitab_core import FLAGS, FeatureKind, Term, shown_unit
 from hitab_studio.actions.library_changes import users_of
 from hitab_studio.graph import Graph, graph
-from hitab_studio.learned import uses
+from hitab_studio.learned import terms
 from hitab_studio.page import Page
 from hitab_studio.people import LONGEST_NAME
 from hitab_studio.views.numbers import counted, measure
@@ -38,8 +38,8 @@ def context(page: Page) -> dict[str, Any]:
         found |= {
             "features": _features(page, arguments),
             "states": [
-                (str(use), _described(vocabulary.behavior_descriptions, text, use))
-                for text, use in uses(vocabulary.behaviors, arguments)
+                (str(term), _described(vocabulary.behavior_descriptions, text, term))
+                for text, term in terms(vocabulary.behaviors, arguments)
             ],
             "running": world is not None and world.mode != "paused",
             "others": sorted({p.name for p in page.studio.held.values() if not page.is_same(p)}),
@@ -71,7 +71,7 @@ def context(page: Page) -> dict[str, Any]:
         found["users"] = users_of(page, dialog["name"])
     if kind == "save":
         training = dialog["training"]
-        used = {a for f in (*training.features, *training.states) for a in Use.parse(f).arguments}
+        used = {a for f in (*training.features, *training.states) for a in Term.parse(f).arguments}
         found["bindable"] = sorted(used - set(training.parameters))
     return found
 
@@ -89,7 +89,7 @@ def _features(page: Page, arguments: Sequence[str]) -> list[Feature]:
     """Return the features to choose from, with these targets and parameters."""
     words = page.watched.vocabulary
     return [
-        *(_feature(page, text, use) for text, use in uses(words.features, arguments)),
+        *(_feature(page, text, term) for text, term in terms(words.features, arguments)),
         *((flag, FLAG_DESCRIPTION.format(flag), "boolean", "") for flag in FLAGS),
     ]
 
@@ -102,22 +102,22 @@ def _graph(page: Page) -> Graph | None:
     return graph(preview.automaton, [*page.watched.behaviors])
 
 
-def _feature(page: Page, text: str, use: Use) -> Feature:
+def _feature(page: Page, text: str, term: Term) -> Feature:
     """Return a feature of the vocabulary with targets, as the dialog offers it."""
     watched = page.watched
-    vocabulary, name, label = watched.vocabulary, use.name, str(use)
+    vocabulary, name, label = watched.vocabulary, term.name, str(term)
     kind, unit = vocabulary.kinds.get(name, ""), vocabulary.units.get(name, "")
     now = ""
     if history := watched.readings.get(("", label)):
         now = measure(history[-1], kind, unit)
-    about = _described(vocabulary.feature_descriptions, text, use)
+    about = _described(vocabulary.feature_descriptions, text, term)
     kind = "circular" if kind == FeatureKind.TOROIDAL else kind
     return label, about, f"{kind}, {shown_unit(unit)}" if unit else kind, now
 
 
-def _described(descriptions: Mapping[str, str], text: str, use: Use) -> str:
+def _described(descriptions: Mapping[str, str], text: str, term: Term) -> str:
     """Return a description, with the targets of a use in place of the parameters."""
-    said = descriptions.get(use.name, "")
-    for parameter, target in zip(Use.parse(text).arguments, use.arguments, strict=True):
+    said = descriptions.get(term.name, "")
+    for parameter, target in zip(Term.parse(text).arguments, term.arguments, strict=True):
         said = re.sub(rf"\b{re.escape(parameter)}\b", target, said)
     return said

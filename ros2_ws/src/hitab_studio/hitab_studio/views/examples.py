@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from hitab_client import Learned
-from hitab_core import BoundedNumber, Example, Use, shown_unit
+from hitab_core import BoundedNumber, Example, Term, shown_unit
 from hitab_studio.learned import is_contradicted, most_probable, superseding
 from hitab_studio.page import Page
 from hitab_studio.page_parts import ExamplesTable
@@ -27,7 +27,7 @@ def context(page: Page) -> dict[str, Any]:
     states = [
         b
         for b in (*training.states, *page.watched.vocabulary.behaviors)
-        if not set(Use.parse(b).arguments) - given
+        if not set(Term.parse(b).arguments) - given
     ]
     return {
         "lines": lines,
@@ -56,7 +56,7 @@ def _decided(training: Learned, example: Example) -> str:
 
 def _numbers(training: Learned, example: Example) -> list[tuple[BoundedNumber, float]]:
     """Return the numbers that an example was commanded with."""
-    wanted = training.numbers_of(Use.parse(example.next_state))
+    wanted = training.numbers_of(Term.parse(example.next_state))
     return list(zip(wanted, example.numbers, strict=False))
 
 

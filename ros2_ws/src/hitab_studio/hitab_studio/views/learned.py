@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from hitab_client import Learned
-from hitab_core import FLAGS, START, Use, with_numbers
+from hitab_core import FLAGS, START, Term, with_numbers
 from hitab_studio.graph import graph
 from hitab_studio.page import Page
 from hitab_studio.tree_rows import tree_rows
@@ -67,14 +67,14 @@ def _levels(page: Page) -> list[dict[str, Any]]:
     found: dict[str, dict[str, Any]] = {}
 
     def visit(label: str, depth: int, *, active: bool) -> None:
-        name = Use.parse(label).name
+        name = Term.parse(label).name
         behavior = _behavior(page, name)
         if name in found or behavior is None or not behavior.is_automaton or depth > LEVELS_MAX:
             return
         state = path[depth] if active and depth < len(path) else ""
         found[name] = {"name": name, "label": label, "depth": depth, "state": state}
         for inner in behavior.states or ():
-            if Use.parse(inner).name not in FLAGS:
+            if Term.parse(inner).name not in FLAGS:
                 visit(inner, depth + 1, active=active and inner == state)
 
     if top:
@@ -101,8 +101,8 @@ def _numbers(behavior: Learned | None, state: str, values: list[float]) -> str:
     give = None if behavior is None or not values else behavior.numbers.get(state)
     if behavior is None or give is None:
         return ""
-    use = Use.parse(state)
-    here = with_numbers(use, give(values), behavior.numbers_of(use))
+    term = Term.parse(state)
+    here = with_numbers(term, give(values), behavior.numbers_of(term))
     like = [f"{m.example} ({m.weight:.0%})" for m in give.nearest(values)]
     return f"Now {here}: as in {'example' if len(like) == 1 else 'examples'} {', '.join(like)}"
 

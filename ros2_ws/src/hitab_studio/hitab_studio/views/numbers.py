@@ -11,7 +11,7 @@ from hitab_core import (
     RADIANS,
     Example,
     FeatureKind,
-    Use,
+    Term,
     quantity,
     shown_unit,
     shown_value,
@@ -47,7 +47,7 @@ def measure(value: float, kind: str = "", unit: str = "") -> str:
 
 def measured(page: Page, feature: str, value: float) -> str:
     """Return the value of a feature of the agent for people, with its unit."""
-    words, name = page.watched.vocabulary, Use.parse(feature).name
+    words, name = page.watched.vocabulary, Term.parse(feature).name
     kind = FeatureKind.BOOLEAN if name in FLAGS else words.kinds.get(name, "")
     return measure(value, kind, words.units.get(name, ""))
 

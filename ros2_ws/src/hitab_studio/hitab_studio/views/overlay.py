@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hitab_core import FLAGS, START, BoundedNumber, Fix, Use, some
+from hitab_core import FLAGS, START, BoundedNumber, Fix, Term, some
 from hitab_ros.names import WORLD
 from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_asked, targets_meant
@@ -175,11 +175,11 @@ def _buttons(page: Page) -> list[dict[str, Any]]:
     return [
         {
             "behavior": name,
-            "description": vocabulary.behavior_descriptions.get(Use.parse(name).name, ""),
+            "description": vocabulary.behavior_descriptions.get(Term.parse(name).name, ""),
             "key": keys.of(vocabulary.domain, name),
             "kind": _kind(name, vocabulary.trained),
             "active": name == active,
-            "one_shot": Use.parse(name).name in vocabulary.one_shot,
+            "one_shot": Term.parse(name).name in vocabulary.one_shot,
         }
         for name in names
     ]
@@ -197,13 +197,13 @@ def _arrow(page: Page) -> BoundedNumber | None:
 
     With a target, a direction may be relative to that.
     """
-    if page.shown_numbers is None or Use.parse(page.shown_numbers.behavior).arguments:
+    if page.shown_numbers is None or Term.parse(page.shown_numbers.behavior).arguments:
         return None
     return next((n for n in _shown_numbers(page) if n.circular), None)
 
 
 def _kind(name: str, trained: frozenset[str]) -> str:
-    bare = Use.parse(name).name
+    bare = Term.parse(name).name
     if bare in FLAGS:
         return "flag"
     return "trained" if bare in trained else "basic"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hitab_core import OWN_NAMES, Use
+from hitab_core import OWN_NAMES, Term
 from hitab_studio.page import Page
 
 Readings = Mapping[tuple[str, str], tuple[float, ...]]
@@ -24,8 +24,8 @@ def perceived(page: Page) -> Readings:
 
 
 def _is_of_the_body(feature: str) -> bool:
-    use = Use.parse(feature)
-    return use.name not in OWN_NAMES and len(set(use.arguments)) == len(use.arguments)
+    term = Term.parse(feature)
+    return term.name not in OWN_NAMES and len(set(term.arguments)) == len(term.arguments)
 
 
 def plotted(page: Page) -> Readings:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from hitab_core import Domain, Use
+from hitab_core import Domain, Term
 from hitab_core.labeling import UNSURE
-from hitab_studio.learned import uses
+from hitab_studio.learned import terms
 from hitab_studio.page import Page
 
 
@@ -48,8 +48,8 @@ def words(domain: Domain) -> dict[str, Any]:
 
 
 def _bound(domain: Domain, there: Any) -> list[tuple[str, str, str, str]]:
-    labels = [str(Use(word.name, word.parameters)) for word in there.values()]
+    labels = [str(Term(word.name, word.parameters)) for word in there.values()]
     return [
-        (str(use), there[use.name].description, "", "")
-        for _, use in uses(labels, sorted(domain.targets))
+        (str(term), there[term.name].description, "", "")
+        for _, term in terms(labels, sorted(domain.targets))
     ]

@@ -11,7 +11,7 @@ from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
 from hitab_client.cli_remedies import called, with_commands
-from hitab_core import FeatureKind, Fix, HitabError, Use, quantity
+from hitab_core import FeatureKind, Fix, HitabError, Term, quantity
 
 Targets = Annotated[
     list[str] | None,
@@ -52,21 +52,21 @@ def demonstrate(
       hitab demonstrate keeper_1 Done
       hitab demonstrate keeper_1 TurnToBall --unrecorded
     """
-    use = Use.parse(behavior)
+    term = Term.parse(behavior)
     with connection(swarm) as swarm_up:
         due, seen = _due(swarm_up, agent, ago) if ago and not unrecorded else (0.0, 0)
         from hitab_client.demonstrating import outcome  # loads ROS, as the connection has
 
         status = swarm_up.agents.command(
             agent,
-            use.name,
-            [*use.arguments, *(targets or [])],
+            term.name,
+            [*term.arguments, *(targets or [])],
             ago=due,
             seen=seen,
             unrecorded=unrecorded,
             world=swarm_up.world,
         )
-    console.say(outcome(agent, use.name, status))
+    console.say(outcome(agent, term.name, status))
     tell_faults(status)
     if status.questions:
         asked = quantity(status.questions, "question")
@@ -114,9 +114,9 @@ def perform(
       hitab perform keeper_1 Keepaway
       hitab perform keeper_1
     """
-    use = Use.parse(behavior) if behavior else Use("")
+    term = Term.parse(behavior) if behavior else Term("")
     with connection(swarm) as swarm_up:
-        answer = swarm_up.agents.perform(agent, use.name, [*use.arguments, *(targets or [])])
+        answer = swarm_up.agents.perform(agent, term.name, [*term.arguments, *(targets or [])])
         status = swarm_up.agents.statuses[agent]
     console.say(answer.message or f"{agent} performs {behavior or 'nothing'}")
     if behavior:
@@ -145,7 +145,7 @@ def distribute(
       hitab distribute keeper_1 Keepaway --start
       hitab distribute keeper_1 ControlBall --to keeper_2 --to keeper_3
     """
-    use = Use.parse(behavior)
+    term = Term.parse(behavior)
     if targets and not start:
         raise typer.BadParameter(
             f'"{targets[0]}" is too much: targets matter only with --start, and receivers are '
@@ -154,8 +154,8 @@ def distribute(
     with connection(swarm) as swarm_up, console.progress("distributing", "agents") as advance:
         report = swarm_up.agents.distribute(
             agent,
-            use.name,
-            arguments=[*use.arguments, *(targets or [])],
+            term.name,
+            arguments=[*term.arguments, *(targets or [])],
             receivers=to or [],
             start=start,
             progress=lambda done, total: advance(done, total, ""),

@@ -11,7 +11,7 @@ from hitab_cli.verbs.verb_connection import Connection, connection
 from hitab_client import SwarmError, completion, console
 from hitab_client.cli_options import JsonPath, SwarmName
 from hitab_client.cli_remedies import with_commands
-from hitab_core import Fix, Use, has, quantity
+from hitab_core import Fix, Term, has, quantity
 
 if TYPE_CHECKING:
     from rich.tree import Tree
@@ -197,8 +197,8 @@ def order(
     """
     from hitab_client import CommanderView
 
-    use = Use.parse(behavior)
-    use = Use(use.name, (*use.arguments, *(targets or [])))
+    term = Term.parse(behavior)
+    term = Term(term.name, (*term.arguments, *(targets or [])))
     with connection(swarm) as swarm_up:
         view = CommanderView(swarm_up.link, swarm_up.agents.prefix, swarm_up.agents.identity)
         status = swarm_up.agents.await_agent(commander)
@@ -208,15 +208,15 @@ def order(
         more = WAIT_SECONDS + swarm_up.agents.more_seconds
         view.await_groups(more if commander in started else GROUP_SECONDS, (commander,))
         _refuse_agent(commander, behavior, view.groups)
-        swarm_up.agents.perform(commander, use.name, use.arguments)
-        swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(use)), 2.0)
+        swarm_up.agents.perform(commander, term.name, term.arguments)
+        swarm_up.link.spin_until(lambda: _obeyed(view.groups[commander], str(term)), 2.0)
         group = view.groups[commander]
     obeying = sum(member.obeys for member in group.subordinates)
     console.say(
-        f"{commander} performs {use} and orders {group.order or 'nothing yet'}: "
+        f"{commander} performs {term} and orders {group.order or 'nothing yet'}: "
         f"{obeying} of {len(group.subordinates)} perform it{_unable(group.subordinates)}"
     )
-    if status.mode == "performing" and status.behavior != str(use):
+    if status.mode == "performing" and status.behavior != str(term):
         again = Fix.PERFORM(agent=commander, behavior=status.behavior)
         console.note(with_commands(f"before, it performed {status.behavior}", [again]))
     if status.superior:

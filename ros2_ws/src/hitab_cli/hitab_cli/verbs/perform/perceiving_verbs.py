@@ -12,7 +12,7 @@ import typer
 from hitab_cli.verbs.verb_connection import WATCH_SECONDS, Connection, connection
 from hitab_client import console
 from hitab_client.cli_options import AgentName, JsonPath, SwarmName
-from hitab_core import FLAGS, OWN_NAMES, FeatureKind, Use, shown_unit, shown_value
+from hitab_core import FLAGS, OWN_NAMES, FeatureKind, Term, shown_unit, shown_value
 
 
 def perceive(
@@ -59,10 +59,10 @@ def why(agent: AgentName, swarm: SwarmName = None) -> None:
         from hitab_ros import names, qos
 
         agents = swarm_up.agents
-        known = {Use.parse(f.name).name: f for f in agents.vocabulary(agent).features}
+        known = {Term.parse(f.name).name: f for f in agents.vocabulary(agent).features}
 
         def seen(name: str, value: float) -> str:
-            feature = known.get(Use.parse(name).name)
+            feature = known.get(Term.parse(name).name)
             kind, unit = (feature.kind, feature.unit) if feature else (FeatureKind.BOOLEAN, "")
             return f"{name} = {_value(value, kind, unit)} {shown_unit(unit)}".rstrip()
 
@@ -81,19 +81,19 @@ def why(agent: AgentName, swarm: SwarmName = None) -> None:
 
 def _all(words: Any) -> Iterator[str]:
     """Yield all features of the domain, bound to all targets."""
-    for use in (Use.parse(feature.name) for feature in words.features):
-        for targets in product(words.targets, repeat=len(use.arguments)):
-            if use.name not in OWN_NAMES and len(set(targets)) == len(targets):
-                yield str(Use(use.name, targets))
+    for term in (Term.parse(feature.name) for feature in words.features):
+        for targets in product(words.targets, repeat=len(term.arguments)):
+            if term.name not in OWN_NAMES and len(set(targets)) == len(targets):
+                yield str(Term(term.name, targets))
 
 
 def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> dict[str, Any]:
     """Return the features now, and the agent's faults, as plain data."""
     told = swarm_up.agents.read_features(agent, chosen)
-    known = {Use.parse(feature.name).name: feature for feature in words.features}
+    known = {Term.parse(feature.name).name: feature for feature in words.features}
     found = []
     for read in told.readings:
-        name = Use.parse(read.feature).name
+        name = Term.parse(read.feature).name
         if read.automaton and name not in OWN_NAMES:
             continue  # it is among the chosen ones, or not asked for
         kind = known[name].kind if name in known else ""

@@ -1,7 +1,7 @@
 """A behavior or feature with its arguments, as an automaton uses it.
 
 It is written ``DistanceTo(ball)``, or without parameters just ``Stop``. An argument names a target
-of the domain or a parameter of the automaton that contains the use.
+of the domain or a parameter of the automaton that contains the term.
 """
 
 from __future__ import annotations
@@ -17,28 +17,28 @@ VOCABULARY_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,99}\Z")
 """Pattern of the names of behaviors, targets and parameters; behaviors also name files."""
 
 VOCABULARY_NAME_RULE = "use up to 100 letters, digits and _, beginning with a letter"
-_USE = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?\s*\Z")
+_TERM = re.compile(r"\s*([A-Za-z][A-Za-z0-9_]*)\s*(?:\(([^()]*)\))?\s*\Z")
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Use:
+class Term:
     """A behavior or feature with its arguments, in the order of its parameters."""
 
     name: str
     arguments: tuple[str, ...] = ()
 
     @classmethod
-    def parse(cls, text: str) -> Use:
+    def parse(cls, text: str) -> Term:
         """Read ``Name`` or ``Name(argument, ...)``; an argument may be a number, ``name=value``.
 
         Raises:
             VocabularyError: if the text has another form.
 
         Examples:
-            >>> Use.parse("PassTo( mate )")
-            Use(name='PassTo', arguments=('mate',))
+            >>> Term.parse("PassTo( mate )")
+            Term(name='PassTo', arguments=('mate',))
         """
-        match = _USE.match(text)
+        match = _TERM.match(text)
         if match is None:
             raise VocabularyError(
                 f'"{text}" is not a use of a behavior or feature; write Name or Name(target)'
@@ -50,43 +50,43 @@ class Use:
                 raise VocabularyError(f'"{argument}" in "{text}" is not a target or parameter')
         return cls(match.group(1), arguments)
 
-    def bound(self, parameters: Mapping[str, str]) -> Use:
+    def bound(self, parameters: Mapping[str, str]) -> Term:
         """Return this use with each automaton parameter replaced by its binding.
 
         Examples:
-            >>> str(Use("GoTo", ("A",)).bound({"A": "ball"}))
+            >>> str(Term("GoTo", ("A",)).bound({"A": "ball"}))
             'GoTo(ball)'
         """
         if not self.arguments:
             return self
-        return Use(self.name, tuple(parameters.get(a, a) for a in self.arguments))
+        return Term(self.name, tuple(parameters.get(a, a) for a in self.arguments))
 
     def __str__(self) -> str:
         """Return the text that :meth:`parse` reads."""
         return f"{self.name}({', '.join(self.arguments)})" if self.arguments else self.name
 
 
-def wrong_number(what: str, use: Use, expected: Sequence[str], things: Iterable[str]) -> str:
-    """Return an error about a use with too many or too few targets, and one that is right.
+def wrong_number(what: str, term: Term, expected: Sequence[str], things: Iterable[str]) -> str:
+    """Return an error about a term with too many or too few targets, and one that is right.
 
     Args:
         what: it should name, such as "feature".
-        use: with the wrong number of arguments.
+        term: with the wrong number of arguments.
         expected: its parameters.
-        things: targets, and parameters of the automaton that contains the use.
+        things: targets, and parameters of the automaton that contains the term.
 
     Examples:
-        >>> print(wrong_number("feature", Use("DistanceTo"), ["X"], ["goal", "ball"]))
+        >>> print(wrong_number("feature", Term("DistanceTo"), ["X"], ["goal", "ball"]))
         feature "DistanceTo" takes 1 target, not 0; write, for example, DistanceTo(ball)
     """
-    number = len(use.arguments)
+    number = len(term.arguments)
     if not expected:
-        return f'{what} "{use.name}" takes no targets, not {number}; write {use.name}'
-    takes = f'{what} "{use.name}" takes {quantity(len(expected), "target")}, not {number}'
+        return f'{what} "{term.name}" takes no targets, not {number}; write {term.name}'
+    takes = f'{what} "{term.name}" takes {quantity(len(expected), "target")}, not {number}'
     known = sorted(things, key=natural)
     if not known:
         return f"{takes}; this domain has no targets"
-    given = [argument for argument in use.arguments if argument in known][: len(expected)]
+    given = [argument for argument in term.arguments if argument in known][: len(expected)]
     others = [thing for thing in known if thing not in given] or known
     more = (others[i % len(others)] for i in range(len(expected) - len(given)))
-    return f"{takes}; write, for example, {Use(use.name, (*given, *more))}"
+    return f"{takes}; write, for example, {Term(term.name, (*given, *more))}"
