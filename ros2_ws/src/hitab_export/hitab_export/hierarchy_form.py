@@ -220,8 +220,8 @@ def _automaton(repertoire: Repertoire, term: Term, slots: dict[str, int]) -> Aut
         if isinstance(repertoire.get(state.name), ActionBehavior):
             raise VocabularyError(
                 f'"{term.name}" cannot be exported: "{state.name}" in it is an action, whose '
-                "goals and results are handled by HiTAB; export a behavior that does without, or have "
-                "HiTAB perform this one"
+                "goals and results are handled by HiTAB; export a behavior that does without, "
+                "or have HiTAB perform this one"
             )
         performs = state.bound(parameters)
         is_automaton, one_shot = state.name in repertoire.automata, repertoire.is_one_shot(state)

@@ -99,12 +99,12 @@ class FeatureCache:
                 value = self._readers[slot]()
             except NoValueError as error:
                 self._missing[slot] = error
-                self.missed[self._use_of(slot)] = str(error)
+                self.missed[self._term_of(slot)] = str(error)
                 raise
             self.values[slot] = value
         return value
 
-    def _use_of(self, slot: int) -> Term:
+    def _term_of(self, slot: int) -> Term:
         return next(term for term, at in self._slots.items() if at == slot)
 
     def known(self, slot: int) -> float | None:
