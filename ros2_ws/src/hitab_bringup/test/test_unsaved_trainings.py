@@ -15,6 +15,7 @@ from hitab_bringup.libraries.unsaved_trainings import (
 )
 from hitab_bringup.swarm_files.swarm_file import parse_swarm
 from hitab_core import Example
+from hitab_core.assistant import unsaved_cost
 from hitab_core.training import Curriculum, TrainingJournal
 
 LONE = "swarm: lone\ndomain: keepaway\nagents: {lone: {}}\n"
@@ -42,7 +43,7 @@ def train(folder: Path, name: str) -> None:
 
 def resumes(folder: Path) -> str:
     """Return the training that the next start resumes; empty if none."""
-    unsaved = TrainingJournal(folder / "state" / "lone").unsaved()
+    unsaved = unsaved_cost(TrainingJournal(folder / "state" / "lone"))
     return "" if unsaved is None else unsaved.automaton
 
 

@@ -13,6 +13,7 @@ from std_msgs.msg import Header
 from hitab_cli.verbs.perform import commanding_verbs as commanding
 from hitab_cli.verbs.verb_connection import Connection
 from hitab_client.world_client import WorldClient
+from hitab_ros.call import Caller, blocking
 
 RUNNING = SimpleNamespace(mode="running", pace="realtime", factor=2.0)
 PAUSED = SimpleNamespace(mode="paused", pace="realtime", factor=1.0)
@@ -27,6 +28,7 @@ class World:
         self._found = status
         self._discovered = False
         self.status: Any = None
+        self.link: Any = Caller(SimpleNamespace())
 
     def await_agent(self, agent: str) -> None:
         self._discovered = self._found is not None
@@ -36,7 +38,8 @@ class World:
 
     cycle_before = WorldClient.cycle_before
 
-    def state_at(self, cycle: int) -> WorldState:
+    @blocking
+    async def state_at(self, cycle: int) -> WorldState:
         """Return a state at 10 Hz, after 10 s."""
         return WorldState(header=Header(stamp=Time(sec=10)), cycle=100)
 

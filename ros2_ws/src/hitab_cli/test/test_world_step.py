@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 from hitab_cli.main import make_app
 from hitab_cli.verbs.swarm import world_verbs as verb
 from hitab_client import WorldClient
+from hitab_ros.call import Caller, blocking
 
 
 class World:
@@ -18,17 +19,20 @@ class World:
     def __init__(self, interrupted_after: int) -> None:
         self.cycle, self.last, self.left = 100, 100, interrupted_after
         self.status = None
+        self.link = Caller(SimpleNamespace())
 
     def wait(self) -> WorldStatus:
         return WorldStatus()
 
-    def control(self, action: str, cycles: int = 0) -> SimpleNamespace:
+    @blocking
+    async def control(self, action: str, cycles: int = 0) -> SimpleNamespace:
         self.last = self.cycle + cycles
         return SimpleNamespace(cycle=self.last)
 
     step = WorldClient.step
 
-    def state_at(
+    @blocking
+    async def state_at(
         self, cycle: int, seconds: float = 10.0, stopped: object = None
     ) -> SimpleNamespace:
         if self.cycle < cycle <= self.last:

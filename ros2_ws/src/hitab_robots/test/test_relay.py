@@ -247,7 +247,9 @@ def test_a_robot_whose_base_was_started_again_waits_to_be_re_armed(bench):
     bench.until(lambda: bench.relay.count_subscribers(BASE_TOPIC) == 1)
     bench.until_it_moves()
     start_base()
-    bench.until(lambda: "/robot_1/base, which takes" in bench.state.why, lambda: bench.drive(0.2))
+    bench.until(
+        lambda: "/robot_1/base, subscribed to" in bench.state.why, lambda: bench.drive(0.2)
+    )
     bench.stands_until_armed()
 
 

@@ -127,7 +127,7 @@ def test_a_robot_does_not_drive_without_what_it_needs_for_that_and_may_stand_sti
     careful = replace(ROBOT, needed_to_drive=("scan", "odom.x"))
     body = careful("robot_1")
     body.drive(0.0)
-    with pytest.raises(FeatureValueError, match="scan has no value, and it must not drive"):
+    with pytest.raises(FeatureValueError, match="scan has no value, and the robot must not drive"):
         body.drive(0.1)
     sense(body, scan__around__range=2.0)  # nothing is known of what is ahead: it is not blind
     with pytest.raises(FeatureValueError, match=r"odom\.x has no value"):

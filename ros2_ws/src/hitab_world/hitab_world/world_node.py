@@ -323,6 +323,7 @@ class WorldNode(GuardedNode):
         except Exception as error:
             self.guard.failed(STEP, error)
             self._pause(STEP)
+            self.run_state.disturbed = True  # viewers may have seen no state of it yet
             return
         self.guard.faults.clear(STEP)
         refused = some(list(world.refused.values()), NAMED_MAX, "; ")
