@@ -189,7 +189,7 @@ class TrainingSession(Trainer):
     def rebuild(self, context: RunContext) -> None:
         """Restart at Start, since behaviors of the repertoire may have changed."""
         self.context = context
-        self.running = self._perform()
+        self.running = self._in_start()
         if self.testing:
             automaton = self.automaton()
             self.running.set_transitions(automaton.transitions, automaton.numbers)
