@@ -11,7 +11,7 @@ from enum import Enum, unique
 class Fix(Enum):
     """Fixes for errors, in plain words; arguments are the names in braces.
 
-    Faces that have a command, a button or a call for it keep a table from these to words.
+    A user interface with a command, button or call for a fix has a table of its own words.
     ``Fix.SAVE(agent="keeper_1")`` is a remedy. An argument that is not given is named in capitals.
     """
 

@@ -34,7 +34,7 @@ def text(robot: Domain, control: Automaton) -> str:
 
 def written(control: Automaton, robot: Domain) -> str:
     provenance = Provenance(3, "2012-06-18T09:30:00Z", "Ann", "keeper_1", "hitab", "", "")
-    return text_of(control, robot, classifier="tree", terms=USES, provenance=provenance)
+    return text_of(control, robot, classifier="tree", uses=USES, provenance=provenance)
 
 
 def complaints_of(text: str, robot: Domain, file: str = "Control.hfa.yaml") -> list[str]:
@@ -115,7 +115,7 @@ def test_values_and_descriptions_come_back_exactly(
         automaton,
         robot,
         classifier="tree",
-        terms={"GoFast": "basic", "Stop": "basic"},
+        uses={"GoFast": "basic", "Stop": "basic"},
         provenance=Provenance(author=data.draw(st.text())),
     )
     assert says_the_same(read_behavior(written, "Any.hfa.yaml", robot), automaton)
@@ -356,7 +356,7 @@ def test_a_hand_written_automaton_cannot_be_stored(robot: Domain) -> None:
 
     automaton = Automaton("Fixed", (), (), {"Start": HandWritten(lambda: "Start")})
     with pytest.raises(LibraryError, match="was not learned from examples"):
-        text_of(automaton, robot, classifier="tree", terms={}, provenance=Provenance())
+        text_of(automaton, robot, classifier="tree", uses={}, provenance=Provenance())
 
 
 def test_a_library_is_read_without_scikit_learn_or_matplotlib() -> None:

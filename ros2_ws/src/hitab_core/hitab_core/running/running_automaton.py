@@ -157,7 +157,7 @@ class RunningAutomaton:
             child.tick()
 
     def _enter(self, index: int, *, commanded: bool = False) -> Running | None:
-        """Stop the active state's behavior and start that of another state."""
+        """Stop the behavior of the active state and start the behavior of another one."""
         observe = self.context.observe
         if observe is not None:
             vector, function = self.vector, self.function
