@@ -69,7 +69,7 @@ def test_a_behavior_comes_back_from_its_file_as_it_was(
     file = read_behavior(text, "Control.hfa.yaml", robot)
     assert says_the_same(file, control)
     assert file.classifier == "tree"
-    assert file.terms == USES
+    assert file.uses == USES
     assert file.provenance.version == 3
     assert file.provenance.agent == "keeper_1"
 

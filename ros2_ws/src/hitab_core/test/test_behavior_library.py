@@ -133,7 +133,7 @@ def test_a_file_tells_what_it_was_made_of_and_where_it_comes_from(
     library: BehaviorLibrary,
 ) -> None:
     file = library.file("Control")
-    assert file.terms == {
+    assert file.uses == {
         "Approach": library.file("Approach").checksum,
         "GoTo": "basic",
         "Kick": "basic",
