@@ -284,7 +284,7 @@ class Agent(AgentLibrary):
 
         Args:
             term: the behavior to perform, or a flag.
-            given: who gives the command, and when it was due; its cycle is ignored.
+            given: who gives the command, and when it was due; the cycle is set here.
             unrecorded: perform it without recording an example.
 
         Raises:

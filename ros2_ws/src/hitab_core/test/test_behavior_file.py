@@ -250,7 +250,7 @@ def test_comments_and_spaces_may_be_changed(text: str, robot: Domain) -> None:
          'is called "Attack", but the file is called "Control.hfa.yaml"'),
     ],
 )  # fmt: skip
-def test_what_makes_no_sense_is_told_by_line(
+def test_what_makes_no_sense_is_reported_by_line(
     text: str, robot: Domain, old: str, new: str, at: str, complaint: str
 ) -> None:
     wrong = edited(text, old, new)
@@ -280,14 +280,14 @@ def test_a_file_that_was_cut_off_says_so(text: str, robot: Domain) -> None:
 
 
 @pytest.mark.parametrize(
-    ("found", "told"), [("2", "of format 3"), ("4", "reads up to 3"), ("true", "of format 3")]
+    ("found", "reason"), [("2", "of format 3"), ("4", "reads up to 3"), ("true", "of format 3")]
 )
 def test_a_file_of_another_format_is_refused_with_nothing_else_said(
-    text: str, robot: Domain, found: str, told: str
+    text: str, robot: Domain, found: str, reason: str
 ) -> None:
     complaints = complaints_of(edited(text, "format: 3", f"format: {found}"), robot)
     assert len(complaints) == 1
-    assert told in complaints[0]
+    assert reason in complaints[0]
 
 
 def test_sections_that_a_later_hitab_may_add_are_kept_out_of_what_is_learned(
@@ -399,6 +399,8 @@ def test_words_can_be_added_to_a_domain_as_long_as_those_in_use_stay_as_they_are
     )
     added = edited(text, 'description: ""', 'description: "mine"')
     said = read_behavior(added, "Control.hfa.yaml", changed).edits
-    assert "the signature is not that of the words that it uses" in said[0], "it is what it says"
+    assert "the signature is not that of the words that it uses" in said[0], (
+        "the edited contents count"
+    )
     stated = edited(text, old, new)
     assert says_the_same(read_behavior(stated, "Control.hfa.yaml", changed), control)

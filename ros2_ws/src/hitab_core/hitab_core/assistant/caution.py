@@ -84,7 +84,7 @@ class CautionMonitor:
         caution: limit of a sure decision, and the response.
         unsure: why the next decision is unsure, for people; empty if it is sure, or if the agent
             goes on regardless.
-        number_range: number range of the agent's context.
+        number_range: range shared with the agent's context.
     """
 
     def __init__(self) -> None:

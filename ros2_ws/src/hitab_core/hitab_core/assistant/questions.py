@@ -75,7 +75,7 @@ class Questions:
     """The questions of one training, numbered as they come up.
 
     Args:
-        trainer: trainer of the training.
+        trainer: the trainer.
 
     Attributes:
         answered: the answered questions, in words, oldest first.
@@ -153,8 +153,7 @@ class Questions:
         """Return the open questions after a search, which can take a tenth of a second.
 
         Raises:
-            TrainingError, FeatureValueError, VocabularyError: see
-                `Evidence.learn`.
+            TrainingError, FeatureValueError, VocabularyError: see `Evidence.learn`.
         """
         for _ in self.search():
             pass
@@ -167,8 +166,7 @@ class Questions:
         meanwhile, the search ends; begin another one.
 
         Raises:
-            TrainingError, FeatureValueError, VocabularyError: see
-                `Evidence.learn`.
+            TrainingError, FeatureValueError, VocabularyError: see `Evidence.learn`.
         """
         if not self._asks:
             return

@@ -36,8 +36,8 @@ class BehaviorLibrary:
     """The behaviors in a folder, trained in one domain.
 
     Attributes:
-        folder: folder that holds them; made on the first save.
-        domain: domain in which they were trained.
+        folder: folder of the files; made on the first save.
+        domain: domain in which the behaviors were trained.
         reader: reads the files.
         on_disk: the files themselves, with all versions.
         generation: number of changes made through this object.
@@ -54,8 +54,8 @@ class BehaviorLibrary:
         """Open a library without reading anything yet.
 
         Args:
-            folder: folder that holds its files.
-            domain: domain in which they were trained.
+            folder: folder of the files.
+            domain: domain in which the behaviors were trained.
             clock: returns the time, ISO 8601, to record in saved files.
             reader: reads the files; libraries with equal contents should share one.
         """
@@ -163,7 +163,7 @@ class BehaviorLibrary:
 
         Args:
             automaton: trained; its transition functions must follow from its examples.
-            classifier: classifier that learned them.
+            classifier: classifier that learned the functions.
             agent: the agent that was trained.
             note: free text.
 
