@@ -34,10 +34,10 @@ OWN_FEATURES = (
 )
 """Features that every automaton has besides those of the domain: flags and timers.
 
-A flag is 1 once the behavior of the active state has raised it, otherwise 0. The timers are in
-simulated seconds. ``SecondsInState`` counts from the entry into the active state, and is 0 in
-Start. ``SecondsSince(Done)`` counts from the last decision at which this flag was raised, or from
-the start of the automaton if there was none.
+A flag is 1 if the behavior of the active state has raised it since the last decision, otherwise
+0. The timers are in simulated seconds. ``SecondsInState`` counts from the entry into the active
+state, and is 0 in Start. ``SecondsSince(Done)`` counts from the last decision at which this flag
+was raised, or from the start of the automaton if there was none.
 """
 
 CLEARED = frozenset({*map(Term, FLAGS), Term(SECONDS_IN_STATE)})

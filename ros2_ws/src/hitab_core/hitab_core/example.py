@@ -78,12 +78,12 @@ class Example:
 
     @property
     def place(self) -> Place:
-        """The state and `point`; examples of one place should have one next state."""
+        """The state and `point`; examples that share them should agree on the next state."""
         return self.state, self.point
 
     @property
     def leaves(self) -> bool:
-        """Whether a command left the state here, contrary to a default example of this place."""
+        """Whether a command leaves the state; default examples of the same place contradict it."""
         return self.next_state != self.state and not self.is_default
 
     def with_columns(self, columns: Iterable[int]) -> Example:

@@ -32,7 +32,7 @@ class BoundedNumber:
     circular: bool = False
 
     def __str__(self) -> str:
-        """Return it with its bounds, for errors."""
+        """Return the number with its bounds, for errors."""
         return f"{self.name} from {self.low:g} to {self.high:g}{self.unit and ' ' + self.unit}"
 
 

@@ -1,4 +1,4 @@
-"""Which decisions change with the examples."""
+"""The decisions that change with the examples."""
 
 from __future__ import annotations
 

@@ -52,12 +52,12 @@ class Remark:
     remedy: Remedy
 
     def of(self, agent: str) -> Remark:
-        """Return it about an agent, which the remedy then names."""
+        """Return the remark with an agent's name in its remedy."""
         named = (("agent", agent), *self.remedy.arguments)
         return replace(self, remedy=replace(self.remedy, arguments=named))
 
     def __str__(self) -> str:
-        """Return it in plain words, without the remedy."""
+        """Return the remark in plain words, without the remedy."""
         return self.code.value.format_map(dict(self.arguments))
 
 
@@ -129,7 +129,7 @@ class _Looping:
         return situation_in_words(evidence, values, range(len(values))) or "no feature chosen"
 
     def remedy(self, state: str, values: tuple[float, ...], states: Sequence[str]) -> Remedy:
-        """Return that the state commanded last stays, if one example says to leave it there."""
+        """Return the remedy: the state commanded last stays, if one example leaves it there."""
         there = [
             e for e in self.automaton.examples if self.place(e) in {(s, values) for s in states}
         ]

@@ -66,7 +66,7 @@ class Caution:
         return cls(WhenUnsure(when_unsure), distance)
 
     def __str__(self) -> str:
-        """Return it in words.
+        """Return the caution in words.
 
         Examples:
             >>> str(Caution(WhenUnsure.HALT, 3))

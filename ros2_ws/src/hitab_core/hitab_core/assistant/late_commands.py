@@ -27,7 +27,7 @@ BLAMED_SECONDS = 1.0
 """Longest time from a change of state until its correction was due, s."""
 
 Window = tuple[float, Sequence[PerceptRecord]]
-"""When a command was given, s, and the moments around it."""
+"""The time of a command, s, and the moments around it."""
 
 
 class LateCommands:

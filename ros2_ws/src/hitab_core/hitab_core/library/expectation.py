@@ -10,7 +10,7 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.example import Example
 
 KEY = "expectations"
-"""Their key in the optional section of a behavior file."""
+"""Key of the expectations in the optional section of a behavior file."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Expectation:
         return likely[0] if len(likely) == 1 else f"by chance among {', '.join(sorted(likely))}"
 
     def record(self) -> dict[str, Any]:
-        """Return its entry in a behavior file."""
+        """Return the entry in a behavior file."""
         return {
             "name": self.name,
             "state": self.state,

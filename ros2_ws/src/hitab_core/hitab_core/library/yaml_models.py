@@ -38,7 +38,7 @@ class Record(BaseModel):
 
     @classmethod
     def known(cls) -> list[str]:
-        """Return its keys in a file; a field that is no key has an alias with a colon."""
+        """Return the keys in a file; a field that is no key has an alias with a colon."""
         names = [field.alias or name for name, field in cls.model_fields.items()]
         return [name for name in names if not name.startswith(":")]
 

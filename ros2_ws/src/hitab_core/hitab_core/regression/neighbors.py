@@ -202,7 +202,7 @@ class _Axis:
 
     @property
     def form(self) -> tuple[float, float, float, int]:
-        """Its turn, radius, usual difference and number of categories."""
+        """The turn, radius, usual difference and number of categories of the feature."""
         return self._turn, self._radius, self._usual, len(self._scale.categories)
 
     def __call__(self, value: float) -> Sequence[float]:

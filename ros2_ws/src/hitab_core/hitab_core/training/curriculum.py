@@ -36,7 +36,7 @@ class Curriculum:
     classifier: str = "tree"
 
     def to_record(self) -> dict[str, Any]:
-        """Return it as plain data for the journal."""
+        """Return the curriculum as plain data for the journal."""
         return {
             "automaton": self.name,
             "features": [str(f) for f in self.features],

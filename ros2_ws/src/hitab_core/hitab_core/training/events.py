@@ -100,7 +100,7 @@ class CommandGiven:
 
 
 class Proposal(NamedTuple):
-    """When a command was due, as an assistant sees it.
+    """An assistant's estimate of when a command was due.
 
     Attributes:
         due: the percept.

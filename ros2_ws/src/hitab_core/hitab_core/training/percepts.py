@@ -35,7 +35,7 @@ class PerceptRecord:
     readings: tuple[float, ...]
 
     def to_record(self) -> dict[str, Any]:
-        """Return it as plain data for the journal."""
+        """Return the percept as plain data for the journal."""
         return {
             "cycle": self.cycle,
             "time": self.time,

@@ -116,10 +116,10 @@ class Trainer:
 
     def _in_start(self) -> RunningAutomaton:
         """Return a running automaton in Start: states of the examples, no transition functions."""
-        wanted = self.curriculum
+        curriculum = self.curriculum
         states = tuple(map(Term.parse, self.states))
-        blank = Automaton(wanted.name, states, wanted.features, {}, wanted.parameters)
-        bindings = dict(zip(wanted.parameters, wanted.arguments, strict=True))
+        blank = Automaton(curriculum.name, states, curriculum.features, {}, curriculum.parameters)
+        bindings = dict(zip(curriculum.parameters, curriculum.arguments, strict=True))
         return RunningAutomaton(self.context, blank, bindings)
 
     @property
@@ -251,18 +251,18 @@ class Trainer:
         self, examples: tuple[Example, ...], done: str, features: Sequence[str] | None = None
     ) -> Automaton:
         """Return an automaton with a transition function for each state that has examples."""
-        wanted = self.curriculum
+        curriculum = self.curriculum
         if not any(e.state == START for e in examples):
             first = "take over first, and " if self.testing else ""
             raise TrainingError(
-                f'"{wanted.name}" cannot be {done}: no example leaves {START}; '
+                f'"{curriculum.name}" cannot be {done}: no example leaves {START}; '
                 f"{first}command the behavior to begin with"
             )
         states = tuple(map(Term.parse, states_in(examples)))
-        chosen = wanted.features if features is None else tuple(map(Term.parse, features))
-        blank = Automaton(wanted.name, states, chosen, {}, wanted.parameters, examples)
+        chosen = curriculum.features if features is None else tuple(map(Term.parse, features))
+        blank = Automaton(curriculum.name, states, chosen, {}, curriculum.parameters, examples)
         domain, readable = self.context.repertoire.domain, self.history.readable
-        return relearned(replace(blank, readable=readable), domain, wanted.classifier)
+        return relearned(replace(blank, readable=readable), domain, curriculum.classifier)
 
     # -- the agent perceives and acts -------------------------------------------------------
 
