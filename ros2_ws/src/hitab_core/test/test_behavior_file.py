@@ -399,8 +399,6 @@ def test_words_can_be_added_to_a_domain_as_long_as_those_in_use_stay_as_they_are
     )
     added = edited(text, 'description: ""', 'description: "mine"')
     said = read_behavior(added, "Control.hfa.yaml", changed).edits
-    assert "the signature is not that of the words that it uses" in said[0], (
-        "the edited contents count"
-    )
+    assert "the signature is not that of the words that it uses" in said[0], "edits count"
     stated = edited(text, old, new)
     assert says_the_same(read_behavior(stated, "Control.hfa.yaml", changed), control)
