@@ -31,7 +31,7 @@ def numbered(noun: str, numbers: Iterable[int], most: int | None = None) -> str:
 
     Args:
         noun: noun for one thing.
-        numbers: their numbers.
+        numbers: numbers of the things.
         most: maximum number of names; with more, only give their number. None to name all.
 
     Examples:

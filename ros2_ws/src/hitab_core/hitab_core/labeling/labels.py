@@ -75,7 +75,7 @@ class Shown:
     Attributes:
         labels: by run, the index of the most probable behavior at each moment.
         confidence: by run, the probability of that behavior at each moment.
-        unexplained: by run, the moments at which no behavior explains the action.
+        unexplained: by run and moment, whether no behavior explains the action.
         drawn: by run, sequences of labels drawn by their probability, shape (draws, n).
         spread: shape (d,), spread of the actions around the outputs of the behaviors.
         rounds: number of alternations; 0 for a sticky prior alone.
