@@ -5,7 +5,7 @@ program that needs one of them does not wait for all.
 
     LearningAgent             an agent to train step by step, from a notebook or a script
     plain_domain              a domain made of plain functions
-    Domain, BasicBehavior,    what a robot can do and perceive; one domain per kind of robot
+    Domain, BasicBehavior,    actions and percepts of a robot; one domain per kind of robot
     Feature, FeatureKind,
     Target, load_domain
     ActionBehavior,           a basic behavior that the server of a ROS action carries out, and

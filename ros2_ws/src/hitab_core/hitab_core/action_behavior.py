@@ -2,7 +2,7 @@
 
 The engine knows no ROS: a domain names the action and describes its goal as plain data. Performing
 such a behavior makes an `ActionCall`, and a `Carrier`, which the agent's node provides, carries it
-out and says how it ended.
+out and reports the outcome.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ class ActionBehavior(BasicBehavior):
 
     Attributes:
         action_type: such as ``"nav2_msgs/action/NavigateToPose"``.
-        action: its name, such as ``"navigate_to_pose"``, in the agent's namespace unless it
-            begins with a slash.
+        action: name of the action, such as ``"navigate_to_pose"``; in the agent's namespace
+            unless it begins with a slash.
         goal: values of the goal's fields, by path, such as ``"pose.header.frame_id"``. A value
             is a constant, or a function of the body and the resolved targets. Fields that are
             left out keep their defaults.
-        feedback_within: the action fails if its server gives no feedback for so long, s; 0 if the
-            server may be silent.
+        feedback_within: time without feedback of the server after which the action fails, s; 0
+            if the server may be silent.
 
     Examples:
         >>> go = ActionBehavior(
@@ -68,8 +68,8 @@ class FeedbackFeature(Feature):
 
     Attributes:
         behavior: name of the `ActionBehavior`.
-        path: of the field in the feedback.
-        converts: whether a function of the domain makes a number of the field.
+        path: path of the field in the feedback.
+        converts: whether a function of the domain converts the field to a number.
     """
 
     behavior: str = ""
@@ -89,12 +89,12 @@ def feedback_feature(
     """Return a feature that is a field of an action's feedback.
 
     Args:
-        name: of the feature.
+        name: name of the feature.
         behavior: name of the `ActionBehavior`.
-        path: of the field in the feedback, such as ``"distance_remaining"``.
-        value: makes a number of the field. Without it the field must be a number, a boolean, or a
-            duration or time, whose value is in seconds.
-        otherwise: the value while the behavior is not performed, and until there is feedback.
+        path: path of the field in the feedback, such as ``"distance_remaining"``.
+        value: function that converts the field to a number. Without it the field must be a
+            number, a boolean, or a duration or time, whose value is in seconds.
+        otherwise: value while the behavior is not performed, and until there is feedback.
         more: ``kind``, ``unit``, ``description`` and so on; see `Feature`.
     """
     convert = value or _number
@@ -129,15 +129,15 @@ class ActionCall:
     """One goal of an action, from entering a state until the state is left.
 
     Attributes:
-        behavior: whose goal this is.
-        term: of the behavior, with its targets.
+        behavior: the behavior that has this goal.
+        term: the behavior with its targets.
         goal: values of the goal's fields, by path.
         outcome: the flag raised at the end; empty before.
-        why: it failed, for people.
+        why: reason of the failure, for people.
         accepted: whether the server has taken the goal.
         feedback: the last one, as an object with the fields of the action's feedback, or None.
         left: whether the state was left.
-        pulses: how often the behavior was pulsed.
+        pulses: number of pulses of the behavior.
     """
 
     behavior: ActionBehavior
@@ -164,7 +164,7 @@ class ActionCall:
         """Raise ``Failed``, unless it is over or its state was left; return whether it did.
 
         Args:
-            why: for people.
+            why: reason of the failure, for people.
         """
         if not self.is_open:
             return False
@@ -198,11 +198,11 @@ class ActionCalls:
         self.current: ActionCall | None = None
 
     def begin(self, behavior: ActionBehavior, term: Term, goal: Callable[[], Any]) -> ActionCall:
-        """Make a call and have it carried out.
+        """Make a call and pass it to the carrier.
 
         Args:
-            behavior: to perform.
-            term: of it.
+            behavior: the behavior to perform.
+            term: the behavior with its targets.
             goal: returns the goal; see `goal_of`.
         """
         call = self.current = ActionCall(behavior, term, {})
@@ -228,7 +228,7 @@ class ActionCalls:
 
 
 def calls_of(body: Any) -> ActionCalls:
-    """Return what connects a body to actions, kept as its attribute ``action_calls``.
+    """Return the connection of a body to actions, kept as its attribute ``action_calls``.
 
     Raises:
         VocabularyError: if the body cannot have this attribute.

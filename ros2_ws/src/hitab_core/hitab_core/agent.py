@@ -42,9 +42,9 @@ class Agent(AgentLibrary):
     journal folder, across restarts of the process.
 
     Attributes:
-        mode: who decides.
-        cycle: of the world, in the last percept.
-        monitor: of unsure decisions: the response, and why the next decision is unsure.
+        mode: whether the demonstrator or the agent decides, or neither.
+        cycle: the world's cycle, in the last percept.
+        monitor: judges whether decisions are sure, and holds the agent's caution.
     """
 
     def __init__(
@@ -64,11 +64,11 @@ class Agent(AgentLibrary):
         Behaviors that cannot be used, and a training that cannot be resumed, are `faults`.
 
         Args:
-            name: of the agent.
-            domain: makes its body.
-            library: of its behaviors.
-            journal_folder: of its training's journal; None to keep none.
-            seed: of its random numbers.
+            name: name of the agent.
+            domain: the robot's domain, which makes the body.
+            library: library of its behaviors.
+            journal_folder: folder of the training journal; None to keep no journal.
+            seed: seed of the agent's random numbers.
             most_probable, observe: see `RunContext`.
             without: assistants to leave out of trainings, by name (`ASSISTANTS`).
 
@@ -146,10 +146,10 @@ class Agent(AgentLibrary):
         """Take a percept.
 
         Args:
-            values: in the layout of the domain.
+            values: values in the layout of the domain.
             heard: the messages heard.
-            cycle: of the world.
-            time: simulated, or the robot's, s.
+            cycle: the world's cycle.
+            time: simulated time, or the robot's time, s.
             jumped: whether the situation does not follow from the last one, as when something was
                 placed.
         """
@@ -244,14 +244,14 @@ class Agent(AgentLibrary):
         """Begin to train an automaton, in Start.
 
         Args:
-            curriculum: what to train; without features, use those chosen for ``resume``.
+            curriculum: the automaton to train; without features, use those chosen for ``resume``.
             resume: a trained behavior whose examples to continue from, or a version of it, such as
                 ``Chase@2``.
-            discard: give up a training that has not been saved.
+            discard: discard an unsaved training.
 
         Raises:
             TrainingError: if there is an unsaved training, or ``resume`` has no examples.
-            VocabularyError: if the curriculum names what does not exist.
+            VocabularyError: if the curriculum names an unknown word.
         """
         if self.unsaved and not discard:
             raise TrainingError(
@@ -283,9 +283,9 @@ class Agent(AgentLibrary):
         """Obey a demonstrator; see `TrainingSession.command`.
 
         Args:
-            term: what to perform, or a flag.
-            given: how it is commanded, but for the cycle, which is that of the last percept.
-            unrecorded: only perform it; no example is recorded.
+            term: the behavior to perform, or a flag.
+            given: who gives the command, and when it was due; the cycle is set here.
+            unrecorded: perform it without recording an example.
 
         Raises:
             TrainingError: if the agent is not in training mode, or if the demonstrator saw an
@@ -324,7 +324,7 @@ class Agent(AgentLibrary):
         )
 
     def test(self, *, restart: bool = False) -> None:
-        """Learn from the examples and give control to what was learned.
+        """Learn from the examples and give control to the learned automaton.
 
         Raises:
             TrainingError: if there is no training, or no example leaves Start.

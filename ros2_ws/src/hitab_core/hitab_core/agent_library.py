@@ -1,6 +1,6 @@
 """The library of an agent, and how it changes: wholly or not at all.
 
-A change is first prepared, which refuses what does not fit the active behavior or the training,
+A change is first prepared, which raises if it does not fit the active behavior or the training,
 then made on disk, and last in the agent.
 """
 
@@ -44,13 +44,13 @@ _State = tuple[LoadedLibrary, RunContext, Term | None, Running | None]
 
 
 class AgentLibrary:
-    """An agent as far as it concerns its library; `Agent` decides what is performed.
+    """The part of an agent that concerns its library; `Agent` performs behaviors.
 
     Args:
-        name: of the agent.
-        domain: of the agent.
-        library: of its behaviors.
-        journal_folder: of its training's journal; None to keep none.
+        name: name of the agent.
+        domain: domain of the agent.
+        library: library of its behaviors.
+        journal_folder: folder of the training journal; None to keep no journal.
         without: assistants to leave out of trainings, by name (`ASSISTANTS`).
 
     Raises:
@@ -58,11 +58,11 @@ class AgentLibrary:
 
     Attributes:
         context: shared by all performed behaviors.
-        loaded: what is known of the library.
+        loaded: the library as loaded.
         session: the training under way, whatever the agent does meanwhile; None if there is none.
         top: the performed top-level behavior.
         pending_behavior: started as soon as its file is usable again; None if nothing waits.
-        people: how late the commands of each demonstrator come.
+        people: delay of the commands of each demonstrator.
     """
 
     context: RunContext
@@ -137,17 +137,17 @@ class AgentLibrary:
         keep_unused: bool = False,
         note: str = "",
     ) -> SavedBehavior:
-        """Trim what was learned, add it to the library and end the training.
+        """Trim the learned automaton, add it to the library and end the training.
 
         Args:
-            name: of the saved behavior; empty for the name that training began with.
+            name: name of the saved behavior; empty for the name that training began with.
             bindings: targets or parameters to replace, and their replacements.
-            description: for people who browse the library; empty to keep the present one.
+            description: text for people who browse the library; empty to keep the present one.
             keep_unused: keep features that no transition function uses yet, so that training can
                 be resumed with them, as in behavior bootstrapping.
-            note: on where it comes from, for its provenance.
+            note: note on its origin, for the provenance.
 
-        If the agent is performing another behavior that does not fit what is saved, saving wins;
+        If the agent is performing a behavior that does not fit the saved one, saving wins;
         the agent becomes idle and the notes say so.
 
         Raises:
@@ -185,7 +185,7 @@ class AgentLibrary:
         return SavedBehavior(saved.automaton, path, notes, change.replaced(saved.name))
 
     def reload(self, library: BehaviorLibrary | None = None) -> list[str]:
-        """Read the library again, or another one; restart what is being performed at Start.
+        """Read the library again, or another one; restart the active behavior in Start.
 
         Returns:
             The names of the trained behaviors.
@@ -213,12 +213,12 @@ class AgentLibrary:
         """Switch to a loaded library that is already on disk.
 
         Args:
-            loaded: of its library.
-            start: what to perform instead of the active behavior.
-            library: that the loaded library comes from, if not the agent's own.
+            loaded: the library to switch to, as loaded.
+            start: behavior to perform instead of the active one.
+            library: library that the loaded library comes from, if not the agent's own.
 
         Returns:
-            Notes on what could not be stopped or started.
+            Notes on behaviors that could not be stopped or started.
 
         Raises:
             VocabularyError: if the active behavior or training does not fit; nothing has changed.
@@ -230,10 +230,10 @@ class AgentLibrary:
         """Check that the active behavior, or ``start``, and the training fit a loaded library.
 
         Returns:
-            What to perform with it.
+            The behavior to perform with it.
 
         Raises:
-            VocabularyError: naming what does not fit, and the way out.
+            VocabularyError: naming the misfit, and the way out.
         """
         term = start or (self.top if self.mode is Mode.PERFORMING else None)
         if term is None and self.mode is Mode.IDLE and self.pending_behavior is not None:
@@ -267,7 +267,7 @@ class AgentLibrary:
         return term
 
     def _state(self, loaded: LoadedLibrary, term: Term | None) -> _State:
-        """Return what the agent switches to; so far nothing is changed.
+        """Return the state that the agent would switch to, without switching.
 
         Raises:
             VocabularyError: if it cannot be performed.
@@ -313,7 +313,7 @@ class AgentLibrary:
         return notes
 
     def _stop(self) -> None:
-        """Stop what is performed."""
+        """Stop the active behavior."""
         raise NotImplementedError
 
     def _resumed(self) -> TrainingSession | None:
@@ -326,7 +326,7 @@ class AgentLibrary:
         return resumed
 
     def _known_people(self) -> dict[str, Lateness]:
-        """Return how late each person's commands come, with what the journal knows of others."""
+        """Return the lateness of each person, including people known only from the journal."""
         for who, known in people_from(self.journal.people).items():
             self.people.setdefault(who, known)
         return self.people
@@ -369,7 +369,7 @@ class AgentLibrary:
 
 
 def _first_loaded(library: BehaviorLibrary) -> LoadedLibrary:
-    """Return what is sound in a library; nothing if its folder cannot be read."""
+    """Return the sound part of a library; empty if its folder cannot be read."""
     try:
         return library.loaded(strict=False)
     except FolderInUseError:

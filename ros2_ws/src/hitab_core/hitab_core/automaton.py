@@ -1,6 +1,8 @@
 """Automata as they are learned and stored: the tuple ⟨S, B, F, T, G⟩ of the paper, frozen.
 
-`hitab_core.running.running_automaton` is one being performed.
+`hitab_core.running.running_automaton.RunningAutomaton` performs one.
+
+Source: the paper, section 3, "Formal Model".
 """
 
 from __future__ import annotations
@@ -30,14 +32,16 @@ OWN_FEATURES = (
     Term(SECONDS_IN_STATE),
     *(Term(SECONDS_SINCE, (flag,)) for flag in FLAGS),
 )
-"""The features that each automaton has of its own, whatever the domain: whether its active state's
-behavior has raised a flag, and timers, in simulated seconds. ``SecondsInState`` counts from the
-entry into the active state, and is 0 in Start, which is left at once. ``SecondsSince(Done)``
-counts from the last time that the automaton saw this flag up, or, if it never did, from its start.
+"""Features that every automaton has besides those of the domain: flags and timers.
+
+A flag is 1 if the behavior of the active state has raised it since the last decision, otherwise
+0. The timers are in simulated seconds. ``SecondsInState`` counts from the entry into the active
+state, and is 0 in Start. ``SecondsSince(Done)`` counts from the last decision at which this flag
+was raised, or from the start of the automaton if there was none.
 """
 
 CLEARED = frozenset({*map(Term, FLAGS), Term(SECONDS_IN_STATE)})
-"""Flags and timers that are 0 when a state is entered."""
+"""Flags and timers that are reset to 0 when a state is entered."""
 
 OWN_NAMES = frozenset(term.name for term in OWN_FEATURES)
 
@@ -45,12 +49,12 @@ OWN_NAMES = frozenset(term.name for term in OWN_FEATURES)
 def as_entered(
     features: Iterable[Term], values: Iterable[float], seconds: float = 0.0
 ) -> tuple[float, ...]:
-    """Return values as a state sees them so many seconds after it was entered, with no flag up.
+    """Return feature values with flags and timers as they are after a new state is entered.
 
     Args:
-        features: of an automaton.
-        values: theirs, in the state that was left.
-        seconds: since the entry.
+        features: the features of an automaton.
+        values: their values in the previous state.
+        seconds: time since the new state was entered, s.
     """
     own = dict.fromkeys(CLEARED, 0.0) | {Term(SECONDS_IN_STATE): seconds}
     return tuple(own.get(term, value) for term, value in zip(features, values, strict=True))
@@ -61,21 +65,23 @@ class Automaton:
     """A learned or hand-written hierarchical finite-state automaton.
 
     Attributes:
-        name: of the automaton, also as a behavior.
-        states: S without Start: flags, and terms of basic behaviors or other automata (B).
-        features: F, in the order of the examples' values; a flag's name is the feature that the
-            active sub-behavior has raised that flag.
-        transitions: T, a transition function for each state that has one, by label, Start
-            included. In a state without one the automaton stays.
-        parameters: G, the free variables, bound by the user of the automaton.
-        examples: what the transition functions were learned from; none for a hand-written one.
-        readable: names of the examples' readings.
-        chosen: the features that were chosen for its training, if some of them were trimmed.
-        numbers: what gives the numbers of each state whose behavior takes some, by label. Without
-            it, such a behavior does nothing.
+        name: name of the automaton, and of the behavior that performs it.
+        states: S without Start: flag states, and basic behaviors or other automata (B), each a
+            `Term`: a name with its arguments.
+        features: F, in the order of the values of the examples.
+        transitions: T, one transition function per state, by label; Start included. The automaton
+            stays in a state that has none.
+        parameters: G, the free variables, bound to targets where the automaton is used.
+        examples: those that the transition functions were learned from; empty if hand-written.
+        description: one sentence for people; may be empty.
+        readable: features whose values the examples keep as ``readings``, in that order.
+        chosen: features chosen for the training, if saving trimmed some of them.
+        numbers: by label, the functions that compute the numbers of states whose behaviors take
+            numbers, such as a speed. Such a behavior does nothing without its function.
 
     Raises:
-        VocabularyError: if it has a state twice or a transition function for none of its states.
+        VocabularyError: if a state is listed twice, a transition function belongs to no state, or
+            a name is reserved.
 
     Examples:
         >>> from hitab_core import HandWritten
@@ -105,19 +111,19 @@ class Automaton:
     _labels: tuple[str, ...] = field(init=False, repr=False, compare=False, default=())
 
     def __post_init__(self) -> None:
-        """Check what does not depend on the behaviors used."""
+        """Check all but the existence of the behaviors, which the repertoire checks."""
         labels = tuple(str(state) for state in self.states)
-        there: set[str] = set()
+        known: set[str] = set()
         for label in labels:
-            if label in there:
+            if label in known:
                 raise VocabularyError(f'automaton "{self.name}" has state "{label}" twice')
-            there.add(label)
-        if START in there:
+            known.add(label)
+        if START in known:
             raise VocabularyError(
                 f'automaton "{self.name}": {START} is implicit; remove it from the states'
             )
         for state in self.transitions:
-            if state != START and state not in there:
+            if state != START and state not in known:
                 raise VocabularyError(
                     f'automaton "{self.name}" has a transition function for "{state}", '
                     "which is not one of its states"
@@ -133,10 +139,10 @@ class Automaton:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The states' labels, without Start."""
+        """Labels of the states, such as ``GotoBall(ball)``, without Start."""
         return self._labels
 
     @property
     def behaviors_used(self) -> frozenset[str]:
-        """Names of the behaviors that its states perform."""
+        """Names of the behaviors that the states perform."""
         return frozenset(state.name for state in self.states if state.name not in FLAGS)

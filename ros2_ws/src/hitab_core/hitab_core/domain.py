@@ -46,7 +46,7 @@ class FeatureKind(StrEnum):
 
     @property
     def is_measured(self) -> bool:
-        """Whether a value can lie between others; those of the other kinds are equal or not."""
+        """Whether a value can lie between others; values of other kinds are equal or not."""
         return self in (FeatureKind.CONTINUOUS, FeatureKind.TOROIDAL)
 
 
@@ -54,8 +54,8 @@ class FeatureKind(StrEnum):
 class Target:
     """Something in the world that a parameter can be bound to, such as the closest taker.
 
-    ``resolve(body)`` returns what the domain's features and behaviors expect. It is called at each
-    use, since what is closest changes.
+    ``resolve(body)`` returns the argument that the domain's features and behaviors expect. It is
+    called at each use, since the closest thing changes.
     """
 
     name: str
@@ -163,7 +163,7 @@ class Body(Protocol):
         """Take this cycle's percept; the layout of ``values`` is the domain's own."""
 
     def act(self) -> tuple[Sequence[float], str]:
-        """Return this cycle's action, in the domain's own layout, and what to say, if anything."""
+        """Return this cycle's action, in the domain's own layout, and a message to say, or ""."""
 
 
 @dataclass(frozen=True)
@@ -173,13 +173,13 @@ class Domain:
     Attributes:
         name: identifier, as registered under the entry-point group.
         version: raised when the meaning of a behavior, feature or target changes.
-        body: makes the body of one agent, given the agent's name.
+        body: function that returns the body of an agent, given the agent's name.
         behaviors, features, targets: the vocabulary, by name.
         automata: hand-written automata, usable beside trained ones, by name.
         link: ``"module:Class"`` of the ROS side of the body, unless it is the standard link to a
             world node (percepts in, actions out).
-        version_of: returns the version of some of its words, where what they mean is data; None:
-            all have the domain's.
+        version_of: function that returns the version of some words, if their meaning is data; None
+            if all have the domain's version.
     """
 
     name: str
@@ -261,7 +261,7 @@ class Domain:
     def signature_of(
         self, behaviors: Container[str], features: Container[str], targets: Container[str]
     ) -> str:
-        """Return a short digest of those of these words that the domain has."""
+        """Return a short digest of these words, without unknown ones."""
         described = {
             "name": self.name,
             "behaviors": sorted(
@@ -292,10 +292,10 @@ class Domain:
         return self.feature(term.name).scale
 
     def check_feature(self, term: Term, parameters: Iterable[str] = ()) -> None:
-        """Check that ``use`` can be a feature of an automaton with these parameters.
+        """Check that ``term`` can be a feature of an automaton with these parameters.
 
         Raises:
-            VocabularyError: naming what is unknown or wrongly bound.
+            VocabularyError: naming the unknown or wrongly bound word.
         """
         if term in OWN_FEATURES:
             return
@@ -317,16 +317,16 @@ class Domain:
         *,
         what: str,
     ) -> None:
-        """Check that ``use`` names something in ``known`` with arguments that exist.
+        """Check that ``term`` names something in ``known`` with arguments that exist.
 
         Args:
             term: the term to check.
             known: the parameters of each behavior or feature that may be used, by name.
-            parameters: of the automaton that contains the term.
-            what: what ``known`` holds, for the error message: "behavior" or "feature".
+            parameters: parameters of the automaton that contains the term.
+            what: kind of the words in ``known``, for the error: "behavior" or "feature".
 
         Raises:
-            VocabularyError: naming what is unknown and what is available.
+            VocabularyError: naming the unknown and the known words.
         """
         check_known(what, term.name, known)
         expected = known[term.name]

@@ -9,14 +9,14 @@ class HitabError(Exception):
     """Base of all errors that a user, not a programmer, has to fix.
 
     Args:
-        what: is wrong, in one clause.
-        remedies: what a person can do, as data; ``str`` words them plainly.
-        where: the place or the one concerned, such as ``Chase.hfa.yaml:14`` or ``keeper_1``.
+        what: the fault, in one clause.
+        remedies: possible remedies, as data; ``str`` words them plainly.
+        where: place of the fault, or its agent, such as ``Chase.hfa.yaml:14`` or ``keeper_1``.
 
     Attributes:
-        what: is wrong.
-        remedies: what a person can do.
-        where: the place or the one concerned; may be empty.
+        what: the fault.
+        remedies: possible remedies.
+        where: place of the fault, or its agent; may be empty.
     """
 
     def __init__(self, what: str = "", *remedies: Remedy, where: str = "") -> None:
@@ -31,7 +31,7 @@ class HitabError(Exception):
         return f"{self.where}: {self.what}" if self.where else self.what
 
     def __str__(self) -> str:
-        """Return what is wrong and the ways out, in plain words."""
+        """Return the fault and the ways out, in plain words."""
         return "; ".join((self.problem, *map(str, self.remedies)))
 
 
@@ -64,5 +64,5 @@ class FolderInUseError(LibraryError):
 
 
 def newer_format(found: object, newest: int) -> str:
-    """Return what is wrong with a file of a newer format than can be read."""
+    """Return the fault of a file whose format is newer than the newest readable one."""
     return f"has format version {found}, but this HiTAB reads up to {newest}; update HiTAB"

@@ -1,4 +1,7 @@
-"""Example of a transition function, as a demonstrator's command gives it."""
+"""Examples ⟨S_t, f_t, S_t+1⟩, recorded from commands; transition functions are learned from them.
+
+Source: the paper, section 3, "Training with HiTAB".
+"""
 
 from __future__ import annotations
 
@@ -8,10 +11,10 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 CYCLE_MAX = 10**15
-"""Last cycle that a world may count to; JSON and YAML readers keep such a number whole."""
+"""Largest cycle number of a world; JSON and YAML readers still keep it exact."""
 
 Place = tuple[str, tuple[float | None, ...]]
-"""A state and values in it; see `Example.place`."""
+"""A state and feature values, comparable and hashable; see `Example.place`."""
 
 
 class ExampleKind(StrEnum):
@@ -19,7 +22,7 @@ class ExampleKind(StrEnum):
 
     DEMONSTRATED = "demonstrated"
     CORRECTION = "correction"  # demonstrated after taking over from the learned behavior
-    DEFAULT = "default"  # recorded beside a demonstrated one: keep doing what was commanded
+    DEFAULT = "default"  # recorded with a command: stay in the commanded state
     SUPERSEDED = "superseded"  # a default example that a command contradicts; not learned from
 
     @property
@@ -30,19 +33,21 @@ class ExampleKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """In ``state``, seeing ``features``, go to ``next_state``.
+    """In ``state``, with these ``features``, go to ``next_state``.
 
     Attributes:
-        state, next_state: labels of states, or ``"Start"``.
+        state, next_state: labels of states; ``state`` may be ``"Start"``.
         features: values in the order and units of the automaton's features.
-        kind: a tree treats default examples differently (paper, section 3, footnote 1).
-        number: unique within a training, counting from 1; edits refer to it.
-        command: number of the command that recorded it; undoing that removes all of them.
-        cycle: the world's cycle of the situation, 0 where unknown.
-        ago: seconds of simulated time from the situation to the command.
-        readings: everything that could be read in that situation, in the order of the training's
-            or automaton's ``readable``; NaN where there was no value. Empty if not kept.
-        numbers: with which ``next_state`` was commanded; empty if it takes none.
+        kind: origin; the decision tree treats default examples differently (paper, section 3,
+            footnote 1).
+        number: number of this example in its training, counting from 1; edits refer to it.
+        command: number of the command that recorded this example. A command records one or two
+            examples, which undo removes together.
+        cycle: the world's cycle at which ``features`` held; 0 if unknown.
+        ago: time from that cycle to the command, s of simulated time.
+        readings: values of all readable features at that cycle, chosen for training or not, in the
+            order of ``readable`` of the training or automaton; NaN if missing. Empty if not kept.
+        numbers: numbers given with ``next_state``, such as a speed; empty if it takes none.
     """
 
     state: str
@@ -63,33 +68,33 @@ class Example:
 
     @property
     def is_learned(self) -> bool:
-        """Whether a transition function is learned from it."""
+        """Whether transition functions are learned from this example."""
         return self.kind is not ExampleKind.SUPERSEDED
 
     @property
     def point(self) -> tuple[float | None, ...]:
-        """Its feature values, comparable: a missing one is None, and -0.0 is 0.0."""
+        """The feature values, made comparable: None instead of NaN, and 0.0 instead of -0.0."""
         return tuple(None if math.isnan(value) else value + 0.0 for value in self.features)
 
     @property
     def place(self) -> Place:
-        """Its state and `point`; default and ordinary examples may contradict each other there."""
+        """The state and `point`; examples that share them should agree on the next state."""
         return self.state, self.point
 
     @property
     def leaves(self) -> bool:
-        """Whether a command said to leave its state, which default examples contradict."""
+        """Whether a command leaves the state; default examples of the same place contradict it."""
         return self.next_state != self.state and not self.is_default
 
     def with_columns(self, columns: Iterable[int]) -> Example:
-        """Return it with only the values at these indices."""
+        """Return a copy with only the feature values at these indices."""
         return replace(self, features=tuple(self.features[i] for i in columns))
 
 
 def contradictions(examples: Iterable[Example]) -> list[list[Example]]:
-    """Return groups of ordinary examples that differ in nothing but the next state.
+    """Return groups of ordinary examples of one place with different next states.
 
-    No function can obey them all; a tree draws one of them at random in each tick.
+    No function can agree with a whole group; a tree draws one next state at random in each tick.
     """
     groups: dict[Place, list[Example]] = {}
     for example in examples:

@@ -1,4 +1,4 @@
-"""Examples as plain data: how the journal and a behavior file spell them."""
+"""Examples as plain data: their form in the journal and in behavior files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def value_records(values: Iterable[float]) -> list[float | None]:
 
 
 def values_of(records: Iterable[float | None]) -> tuple[float, ...]:
-    """Read what `value_records` returned."""
+    """Return the values that `value_records` represents."""
     return tuple(math.nan if value is None else float(value) for value in records)
 
 
@@ -42,8 +42,8 @@ def file_record(example: Example, counted: Sequence[bool]) -> dict[str, Any]:
     """Return an example as a behavior file spells it, without its readings and numbers.
 
     Args:
-        example: with one value per feature.
-        counted: for each feature whether its values are whole numbers.
+        example: example with one value per feature.
+        counted: by feature, whether its values are whole numbers.
     """
     values = [
         int(value) if whole and value is not None and value.is_integer() else value
@@ -53,7 +53,7 @@ def file_record(example: Example, counted: Sequence[bool]) -> dict[str, Any]:
 
 
 def example_of(record: Mapping[str, Any]) -> Example:
-    """Read what `example_record` returned."""
+    """Return the example that `example_record` represents."""
     return Example(
         record["state"],
         values_of(record["features"]),

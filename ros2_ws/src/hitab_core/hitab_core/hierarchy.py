@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 Terms = Callable[[str], Iterable[str]]
-"""Returns the names of what a behavior uses; nothing for a basic behavior."""
+"""Returns the names of the behaviors that a behavior uses; none for a basic one."""
 
 
 def in_order(names: Iterable[str], terms: Terms) -> list[str]:
@@ -39,7 +39,7 @@ def _visit(names: Iterable[str], terms: Terms) -> tuple[list[str], list[str]]:
     for name in names:
         if name in done:
             continue
-        # The path down, each behavior with what remains to be visited below it; no recursion,
+        # The path down, each behavior with the parts still to be visited; no recursion,
         # since a hierarchy may be deeper than Python's stack.
         way: dict[str, Iterator[str]] = {name: iter(sorted(terms(name)))}
         while way:

@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 BY_PIP, BY_SETUP = "hitab", "hitab_core"
-"""The distribution that pip installs, and one of those that make a checkout or a workspace."""
+"""The distribution that pip installs, and one of several in a checkout or workspace."""
 
 
 def installed_version() -> str:
@@ -24,10 +24,10 @@ def installed_as() -> str:
 
 
 def way_to_install(extras: str = "ros") -> str:
-    """Return what a person does to install HiTAB again, or a part that is missing.
+    """Return the way to install HiTAB again, or a missing part.
 
     Args:
-        extras: those of the distribution `hitab` that bring the part.
+        extras: extras of the distribution `hitab` that contain the part.
     """
     if _version(BY_PIP):
         return f'run `pip install --upgrade "hitab[{extras}]"`'

@@ -25,7 +25,7 @@ from hitab_core.training.events import Given
 from hitab_core.wording import quantity
 
 MISSING = ("NAType", "NaTType")
-"""Types of what pandas writes for a missing value, known by name since it is not needed here."""
+"""Types of pandas' missing values, given by name so that pandas is not imported."""
 
 MANY_RULES = 20
 """An automaton with fewer is small enough to be read, however few its examples."""
@@ -39,7 +39,7 @@ class LearningAgent:
     that then decides; a command after that corrects it. `save` adds the automaton to the library,
     so that the next training can use it as a state.
 
-    It is the engine's `Agent`, which also runs inside a ROS node: what is saved in a library
+    It uses the engine's `Agent`, which also runs inside a ROS node: a behavior saved in a library
     folder here can be performed by a swarm whose agents have the same domain.
 
     Attributes:
@@ -72,12 +72,12 @@ class LearningAgent:
         """Make an agent with the behaviors of a domain and of a library.
 
         Args:
-            domain: its basic behaviors, features and targets; see `plain_domain`.
-            library: the folder of its trained behaviors, made when first one is saved. None: a
-                folder that is deleted with the agent.
-            name: of the agent.
-            seed: of its random numbers.
-            period: how long a step is, s.
+            domain: domain with the basic behaviors, features and targets; see `plain_domain`.
+            library: folder of the trained behaviors, made on the first save; by default a folder
+                that is deleted with the agent.
+            name: name of the agent.
+            seed: seed of the agent's random numbers.
+            period: duration of a step, s.
 
         Behaviors that cannot be used are warnings that name the way out.
 
@@ -108,20 +108,20 @@ class LearningAgent:
         """Begin to train a behavior.
 
         Args:
-            behavior: its name.
+            behavior: name of the behavior.
             features: available to decisions, such as ``["DistanceTo(ball)"]``; None
                 for all features of the domain without parameters.
             states: behaviors that may be commanded; empty for all.
-            parameters: of the behavior, with the targets that stand for them in training.
+            parameters: parameters of the behavior, each with its target in training.
             classifier: see `hitab_core.learning.transition_learning.learner`.
-            discard: give up a training that has not been saved.
+            discard: discard an unsaved training.
 
         Returns:
             The agent itself.
 
         Raises:
             TrainingError: if another training has not been saved.
-            VocabularyError: naming what does not exist, and what does.
+            VocabularyError: naming the unknown word and the known ones.
         """
         if features is None:
             words = self.agent.domain.features.values()
@@ -155,21 +155,21 @@ class LearningAgent:
         """Perform one timestep.
 
         Args:
-            percept: its values, in the layout of the domain; None, NaN or pandas' NA where there
-                is no value.
+            percept: values in the layout of the domain; None, NaN or pandas' NA where there is no
+                value.
             command: the behavior to perform from now on, such as ``"GoTo(ball)"``, or a flag;
-                None, an empty text or NaN: none. It
-                is recorded as an example; after `learn` as a correction, and the demonstrator
-                stays in control until `learn` is called again.
+                None, an empty text or NaN for no command.
+                A command is recorded as an example; after `learn` as a correction, and the
+                demonstrator stays in control until `learn` is called again.
             heard: the messages heard.
-            ago: how long ago the command was due, s; it is recorded with the percept of then.
+            ago: time since the command was due, s; it is recorded with the percept of that time.
 
         Returns:
             The action, in the layout of the domain, or empty.
 
         Raises:
             TrainingError: if nothing is being trained; if no behavior has been commanded yet.
-            VocabularyError: if there is no such behavior or target, naming what there is.
+            VocabularyError: if there is no such behavior or target, naming the known ones.
             FeatureValueError: if the percept is not a list of numbers, as many as before, or a
                 feature has no value.
         """
@@ -190,11 +190,11 @@ class LearningAgent:
                 + ("" if agent.session is not None else ", after train(name)")
             )
         agent.tick()
-        self._size = len(percept)  # not before: a missing size could be what is wrong with it
+        self._size = len(percept)  # not before: the error may be in the size
         return tuple(map(float, agent.body.act()[0]))
 
     def learn(self) -> Automaton:
-        """Learn from the examples; what was learned decides from now on, beginning at Start.
+        """Learn from the examples; the learned automaton decides from now on, beginning at Start.
 
         More rules than examples can support are a warning.
 
@@ -222,8 +222,8 @@ class LearningAgent:
         """Perform one timestep and return the state that the automaton is in afterwards.
 
         Raises:
-            TrainingError: before `learn` or `perform`.
-            FeatureValueError: as `step`.
+            TrainingError: if `learn` or `perform` has not been called.
+            FeatureValueError: see `step`.
         """
         agent = self.agent
         if agent.mode not in (Mode.TESTING, Mode.PERFORMING):
@@ -239,19 +239,19 @@ class LearningAgent:
         """Perform a behavior of the library, or a basic one, from its beginning.
 
         Raises:
-            VocabularyError: if there is no such behavior or target, naming what there is.
+            VocabularyError: if there is no such behavior or target, naming the known ones.
         """
         self.agent.perform(Term.parse(behavior))
         return self
 
     def save(self, name: str = "", description: str = "") -> Path:
-        """Trim what was learned and add it to the library; this ends the training.
+        """Trim the learned automaton and add it to the library; this ends the training.
 
-        Signs of an automaton that does not play are warnings.
+        Signs of an automaton that does not work are warnings.
 
         Args:
-            name: what to call it; empty to keep the name.
-            description: for people who browse the library.
+            name: name to save it under; empty to keep the name.
+            description: text for people who browse the library.
 
         Returns:
             Its file.
@@ -307,7 +307,7 @@ def _number(value: Any, place: int) -> float:
 
 
 def _name_of(command: Any) -> str | None:
-    """Return the name of a command; None, an empty cell or NaN: there is none."""
+    """Return the name of a command; None if it is None, an empty cell or NaN."""
     if isinstance(command, str):
         return command or None
     if command is None or type(command).__name__ in MISSING or command != command:

@@ -1,7 +1,7 @@
 """The numbers of a basic behavior, such as the direction of ``RunTowards(direction=40)``.
 
-They are written after the targets, ``name=value``. A state of an automaton has none: what they are
-is learned from those that were commanded (`hitab_core.regression`).
+They are written after the targets, ``name=value``. A state of an automaton has none: its numbers
+are learned from the commanded ones (`hitab_core.regression`).
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ class BoundedNumber:
     """A number that a basic behavior is performed with.
 
     Attributes:
-        name: as in ``direction=40``.
-        low, high: its bounds, in ``unit``, both allowed.
+        name: name, as in ``direction=40``.
+        low, high: bounds, in ``unit``, both allowed.
         circular: ``high`` is where ``low`` is, as for directions from -180 to 180 degrees.
     """
 
@@ -32,12 +32,12 @@ class BoundedNumber:
     circular: bool = False
 
     def __str__(self) -> str:
-        """Return it with its bounds, for errors."""
+        """Return the number with its bounds, for errors."""
         return f"{self.name} from {self.low:g} to {self.high:g}{self.unit and ' ' + self.unit}"
 
 
 def wrong_with(values: Sequence[float], wanted: Sequence[BoundedNumber]) -> list[str]:
-    """Return what is wrong with the stored numbers of an example, worded to follow its number."""
+    """Return the faults of an example's stored numbers, worded to follow the example's number."""
     if not values:
         return []
     if len(values) != len(wanted):
@@ -103,7 +103,7 @@ def _checked(
     value = _float(text)
     if not number.low <= value <= number.high:
         where = f'{number.name} of "{term}" is {text}' if text else f'"{term.name}" needs {number}'
-        # What can be typed: all numbers, with those that were right.
+        # A text that can be typed: all numbers, with the valid ones that were given.
         values = [_float(given.get(n.name, "")) for n in wanted]
         right = [
             value if n.low <= value <= n.high else (n.low + n.high) / 2.0

@@ -21,14 +21,14 @@ def plain_domain(
     """Return a domain whose features and basic behaviors are functions of the percept.
 
     Args:
-        name: of the domain.
-        behaviors: for each basic behavior its action, or a function that returns
-            one from the percept. Names alone: behaviors without an action, where only the
-            decisions matter.
-        features: for each feature a function that returns its value from the percept. Names
-            alone: the percept's values in this order. A `Feature` is taken as it is, with a
-            `PlainBody` as its body; so angles and categories can be declared.
-        version: raise it when a name comes to mean something else.
+        name: name of the domain.
+        behaviors: by name, the action of each basic behavior, or a function from the percept to
+            the action. A list of names makes behaviors without an action, if only the decisions
+            matter.
+        features: by name, a function from the percept to the value of each feature. A list of
+            names stands for the percept's values in this order. A `Feature` is taken as it is,
+            with a `PlainBody` as its body; so angles and categories can be declared.
+        version: version, to be raised when the meaning of a name changes.
 
     Raises:
         VocabularyError: if a name is malformed or used twice.
@@ -107,33 +107,33 @@ def behavior(function: Callable[..., Action] | None = None, /, **more: Any) -> A
     """Make a basic behavior of a function of the percept that returns the action.
 
     Args:
-        function: of the percept and, with parameters, of the targets that they are bound to.
-        more: of `BasicBehavior`, such as ``@behavior(one_shot=True)``.
+        function: function of the percept and, if it has parameters, of their targets.
+        more: other fields of `BasicBehavior`, such as ``@behavior(one_shot=True)``.
     """
     if function is None:
         return partial(behavior, **more)
-    return _behavior(function.__name__, function, **_told(function), **more)
+    return _behavior(function.__name__, function, **_declared(function), **more)
 
 
 def feature(function: Callable[..., float] | None = None, /, **more: Any) -> Any:
     """Make a feature of a function of the percept that returns its value.
 
     Args:
-        function: of the percept and, with parameters, of the targets that they are bound to.
-        more: of `Feature`, such as ``@feature(unit="m")``.
+        function: function of the percept and, if it has parameters, of their targets.
+        more: other fields of `Feature`, such as ``@feature(unit="m")``.
     """
     if function is None:
         return partial(feature, **more)
     name = function.__name__
-    return Feature(name, _reader(name, function), **_told(function), **more)
+    return Feature(name, _reader(name, function), **_declared(function), **more)
 
 
 def target(function: Callable[[Percept], Any]) -> Target:
-    """Make a target of a function of the percept: what features and behaviors get of it."""
+    """Make a target of a function of the percept, which returns the features' argument."""
     return Target(function.__name__, lambda body: function(body.percept), function.__doc__ or "")
 
 
-def _told(function: Callable[..., Any]) -> dict[str, Any]:
-    """Return what a function itself tells of its word."""
+def _declared(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return the parameters and the description of a word, taken from its function."""
     _, *parameters = signature(function).parameters
     return {"parameters": tuple(parameters), "description": function.__doc__ or ""}

@@ -11,7 +11,7 @@ from enum import Enum, unique
 class Fix(Enum):
     """Fixes for errors, in plain words; arguments are the names in braces.
 
-    Faces that have a command, a button or a call for it keep a table from these to words.
+    A user interface with a command, button or call for a fix has a table of its own words.
     ``Fix.SAVE(agent="keeper_1")`` is a remedy. An argument that is not given is named in capitals.
     """
 
@@ -75,7 +75,7 @@ class Remedy:
     arguments: tuple[tuple[str, str], ...] = ()
 
     def __str__(self) -> str:
-        """Return it in plain words.
+        """Return the remedy in plain words.
 
         Examples:
             >>> str(Fix.SAVE(agent="keeper_1")), str(Fix.SAVE())
@@ -84,7 +84,7 @@ class Remedy:
         return self.worded({})
 
     def worded(self, words: Mapping[Fix, str]) -> str:
-        """Return it in the words of a table; in plain words if the table has none for it."""
+        """Return the remedy in the words of a table; in plain words if the table has none."""
         return words.get(self.code, self.code.value).format_map(_Given(self.arguments))
 
 

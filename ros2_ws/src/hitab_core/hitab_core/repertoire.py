@@ -22,7 +22,7 @@ class Repertoire:
     Nothing replaces a lost behavior, see `hitab_core.library.contents.LostBehaviors`.
 
     Attributes:
-        domain: of the robot.
+        domain: domain of the robot.
         automata: hand-written and trained, by name.
         lost: why behaviors cannot be used, by name. If the library cannot be read, any unknown
             one may be among them.
@@ -105,10 +105,10 @@ class Repertoire:
         return behavior is not None and behavior.stands_still
 
     def check_state(self, term: Term, parameters: tuple[str, ...] = ()) -> None:
-        """Check that ``use`` can be a state of an automaton with these parameters.
+        """Check that ``term`` can be a state of an automaton with these parameters.
 
         Raises:
-            VocabularyError: naming what is unknown or wrongly bound.
+            VocabularyError: naming the unknown or wrongly bound word.
         """
         if term.name in RESERVED_NAMES:
             if term.name == START:
@@ -122,7 +122,7 @@ class Repertoire:
         self.domain.check_use(targets, self._parameters, parameters, what="behavior")
 
     def commanded(self, term: Term) -> tuple[Term, tuple[float, ...]]:
-        """Return what to perform, with its targets alone, and the numbers to perform it with.
+        """Return the behavior to perform, with its targets alone, and its numbers.
 
         Raises:
             VocabularyError: if a number is unknown, missing, or not within its bounds.
@@ -143,7 +143,7 @@ class Repertoire:
         """Check that ``automaton`` is not recursive, and that all its parts exist.
 
         Raises:
-            VocabularyError: naming the automaton and what is wrong.
+            VocabularyError: naming the automaton and its fault.
         """
         # Recursion first: a new automaton in its own states would also be "unknown".
         circle = circle_among(
@@ -177,7 +177,7 @@ class Repertoire:
         """Check that a trained automaton can have this name.
 
         Raises:
-            VocabularyError: if it is reserved, or that of a basic behavior.
+            VocabularyError: if it is reserved, or a basic behavior has it.
         """
         if name in RESERVED_NAMES:
             raise VocabularyError(f'"{name}" is reserved; choose another name')

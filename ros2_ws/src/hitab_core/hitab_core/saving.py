@@ -1,4 +1,4 @@
-"""Saving: what a training adds to a library, and what the agent knows afterwards."""
+"""Saving: the behavior that a training adds to a library, and the library as loaded afterwards."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class SavedBehavior(NamedTuple):
     """A training that was saved.
 
     Attributes:
-        automaton: that was learned.
-        path: of its file.
-        notes: on what was trimmed or stopped.
-        replaced: the number of its version and what that replaces, in words; empty if nothing.
+        automaton: the learned automaton.
+        path: path of its file.
+        notes: notes on trimmed states and features and on stopped behaviors.
+        replaced: its version number and the replaced version, in words; empty if there is none.
     """
 
     automaton: Automaton
@@ -35,12 +35,12 @@ def loaded_with(
     """Return the loaded library that an agent knows after a change that saves a behavior.
 
     Raises:
-        VocabularyError: if the behavior does not fit what is there.
+        VocabularyError: if the behavior does not fit the library.
     """
     losses = known.losses
     try:
         if losses and change.contents.problems.keys() <= losses.reasons.keys():
-            return change.loaded()  # what was lost may be usable again
+            return change.loaded()  # lost behaviors may be usable again
         # Other agents' additions to a shared library are picked up on reload.
         return library.reader.of({**known.files, saved.name: saved}, losses)
     except VocabularyError as error:

@@ -22,9 +22,9 @@ def agent_seed(seed: int, episode: int, name: str) -> int:
     """Return the seed of one agent's random generator during one episode.
 
     Args:
-        seed: of the run, as every percept carries it.
+        seed: seed of the run, as every percept carries it.
         episode: number of the episode in the run, as every percept carries it.
-        name: of the agent.
+        name: name of the agent.
     """
     return derived_seed("agent", seed, episode, name)
 

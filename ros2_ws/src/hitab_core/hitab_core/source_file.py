@@ -45,11 +45,11 @@ def load_file(path: Path) -> ModuleType:
     assert spec.loader is not None
     module = module_from_spec(spec)
     sys.modules[spec.name] = module
-    told = (
+    warning = (
         f"{path} still runs after {LONG_SECONDS:g} s; what a file does besides defining things "
         'belongs below `if __name__ == "__main__":`. Ctrl-C ends this'
     )
-    timer = threading.Timer(LONG_SECONDS, print, [told], {"file": sys.stderr})
+    timer = threading.Timer(LONG_SECONDS, print, [warning], {"file": sys.stderr})
     timer.daemon = True
     timer.start()
     try:

@@ -17,7 +17,7 @@ def spreads(values: Floats, scales: Sequence[Scale]) -> Floats:
 
     Args:
         values: shape (n, m); NaN if missing.
-        scales: how the values of each of the m features compare.
+        scales: scale of each of the m features.
 
     Returns:
         shape (m,); 1 for features that compare by equality, and where all values are equal.
@@ -40,7 +40,7 @@ def differences(some: Floats, others: Floats, scale: Scale) -> Floats:
 
     Args:
         some, others: shapes (k,) and (n,).
-        scale: how they compare.
+        scale: scale of the feature.
     """
     apart = np.abs(some[:, None] - others)
     if scale.kind is FeatureKind.TOROIDAL:

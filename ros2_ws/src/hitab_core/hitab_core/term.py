@@ -51,7 +51,7 @@ class Term:
         return cls(match.group(1), arguments)
 
     def bound(self, parameters: Mapping[str, str]) -> Term:
-        """Return this use with each automaton parameter replaced by its binding.
+        """Return this term with each automaton parameter replaced by its binding.
 
         Examples:
             >>> str(Term("GoTo", ("A",)).bound({"A": "ball"}))
@@ -70,9 +70,9 @@ def wrong_number(what: str, term: Term, expected: Sequence[str], things: Iterabl
     """Return an error about a term with too many or too few targets, and one that is right.
 
     Args:
-        what: it should name, such as "feature".
-        term: with the wrong number of arguments.
-        expected: its parameters.
+        what: kind of the term, such as "feature".
+        term: term with the wrong number of arguments.
+        expected: parameters of the behavior or feature.
         things: targets, and parameters of the automaton that contains the term.
 
     Examples:

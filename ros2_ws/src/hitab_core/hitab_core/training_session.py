@@ -1,4 +1,4 @@
-"""A training as an agent has it: the trainer, its assistants, and edits of the examples."""
+"""The training of an agent: the trainer, its assistants, and edits of the examples."""
 
 from __future__ import annotations
 
@@ -35,22 +35,22 @@ COMMANDS_MAX = 1000
 
 ASSISTANTS = ("reaction", "questions", "loops", "episodes")
 """Names of the assistants: they estimate when late commands were due, ask about the examples, find
-loops in what was learned, and remark on what a test of many episodes showed."""
+loops in the learned automaton, and remark on the results of many test episodes."""
 
 
 class TrainingSession(Trainer):
     """A training with assistants and edits, which comes back after a crash.
 
     A robot must always be able to be stopped: a behavior that stands still is performed even if
-    its command cannot be recorded. While a required feature has no value, only what stands still
-    is performed; the agent is otherwise in Start, and stays there until the next command. After a
+    its command cannot be recorded. While a required feature has no value, only such behaviors
+    are performed; the agent is otherwise in Start, and stays there until the next command. After a
     crash the agent is in Start, and everything in the journal can still be undone.
 
     Attributes:
         late: estimates when late commands were due.
-        questions: what the agent asks the demonstrator.
+        questions: questions of the agent to the demonstrator.
         requests: the latest commands it has obeyed that were numbered, before a crash too.
-        edits: that were numbered, made before a crash.
+        edits: numbered edits, including those before a crash.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class TrainingSession(Trainer):
         """Start in training mode, in Start; see `Trainer`.
 
         Args:
-            people: how late the commands of each demonstrator come; kept up to date.
+            people: delay of the commands of each demonstrator; kept up to date.
             without: assistants to leave out, by name (`ASSISTANTS`).
         """
         super().__init__(context, curriculum, examples, journal, names)
@@ -104,7 +104,7 @@ class TrainingSession(Trainer):
         """Perform a behavior now and record the resulting examples; see `Trainer.command`.
 
         Returns:
-            None of a behavior that stands still if it cannot be recorded; the note says why.
+            The examples; empty if a behavior that stands still cannot be recorded, see `note`.
         """
         self._check_in_control()
         plain, _ = self.context.repertoire.commanded(state)
@@ -116,10 +116,10 @@ class TrainingSession(Trainer):
             return self._enter(plain, f"stands still, but {plain} was not recorded: {error}")
 
     def bring_into(self, state: Term) -> list[Example]:
-        """Perform a behavior now and record nothing, such as to correct what is done there.
+        """Perform a behavior now and record nothing, such as to reach a situation to correct.
 
         Raises:
-            TrainingError, VocabularyError: as `command`.
+            TrainingError, VocabularyError: see `command`.
         """
         self._check_in_control()
         state, numbers = self.context.repertoire.commanded(state)
@@ -129,7 +129,7 @@ class TrainingSession(Trainer):
         return []
 
     def _enter(self, state: Term, note: str) -> list[Example]:
-        """Perform a behavior of which no example is recorded."""
+        """Perform a behavior without recording an example."""
         self.note = note
         self.running.take_down_flags()
         self.running.add_state(state)
@@ -149,7 +149,7 @@ class TrainingSession(Trainer):
         people: dict[str, Lateness],
         without: Collection[str],
     ) -> Self:
-        """Return a training as its journal tells it, in Start.
+        """Return a training as its journal describes it, in Start.
 
         Raises:
             VocabularyError: if an example uses a behavior that no longer exists.
@@ -180,7 +180,7 @@ class TrainingSession(Trainer):
         """Check that the training could continue with another repertoire.
 
         Raises:
-            VocabularyError: naming what is missing there.
+            VocabularyError: naming the missing word.
         """
         check_curriculum(self.curriculum, repertoire)
         for label in self.states:
@@ -189,7 +189,7 @@ class TrainingSession(Trainer):
     def rebuild(self, context: RunContext) -> None:
         """Restart at Start, since behaviors of the repertoire may have changed."""
         self.context = context
-        self.running = self._perform()
+        self.running = self._in_start()
         if self.testing:
             automaton = self.automaton()
             self.running.set_transitions(automaton.transitions, automaton.numbers)
@@ -202,10 +202,10 @@ class TrainingSession(Trainer):
         self.remarks(look=True)
 
     def remarks(self, *, look: bool = False) -> list[Remark]:
-        """Return signs that what was learned does not play.
+        """Return signs that the learned automaton does not work.
 
         Args:
-            look: for loops, too, if the examples have changed since this was done.
+            look: search for loops again if the examples have changed.
         """
         return [*self._loops.remarks(look=look), *self._trial.remarks()]
 
@@ -213,7 +213,7 @@ class TrainingSession(Trainer):
         """Answer a question; undo takes the answer back.
 
         Args:
-            number: of the question.
+            number: number of the question.
             choice: the name of one of its choices; empty for the proposed one.
             dismiss: change nothing, and do not ask this again.
 
@@ -245,7 +245,7 @@ class TrainingSession(Trainer):
         self.edit({"do": "delete", "numbers": sorted(set(numbers))})
 
     def relabel(self, numbers: Iterable[int], next_state: Term) -> None:
-        """Change the next state of examples, and of what their commands recorded by default.
+        """Change the next state of examples, and their commands' default examples.
 
         Raises:
             TrainingError: if one of the numbers is unknown.
@@ -259,14 +259,14 @@ class TrainingSession(Trainer):
         self.edit({**record, "goes_on": goes_on, **({"with": list(given)} if given else {})})
 
     def retime(self, numbers: Iterable[int], ago: float) -> None:
-        """Have commands been due at another time.
+        """Change the time at which commands were due.
 
         All examples of a command get the situation of that time; the first of them leaves the
         state that was active then.
 
         Args:
-            numbers: of examples; each stands for its command.
-            ago: how long before the command it was due, s of simulated time.
+            numbers: numbers of examples; each stands for its command.
+            ago: time from when it was due to the command, s of simulated time.
 
         Raises:
             TrainingError: if one of the numbers is unknown, or that time is not kept.
@@ -285,7 +285,7 @@ class TrainingSession(Trainer):
         self.edit({"do": "features", "features": [str(term) for term in features]})
 
     def with_features(self, features: Sequence[Term]) -> Automaton:
-        """Return what would be learned from other features of the same examples, untrimmed.
+        """Return the automaton learned from other features of the same examples, untrimmed.
 
         Raises:
             TrainingError: if a feature has no value in any example, or no example leaves Start.

@@ -37,7 +37,7 @@ class Explanation:
 
 
 class TransitionFunction(Protocol):
-    """Decides what to do next in one state."""
+    """Decides the next state in one state."""
 
     @property
     def features_used(self) -> tuple[int, ...]:
@@ -61,9 +61,9 @@ class TransitionFunction(Protocol):
         """Explain a past decision from its feature values, without repeating it.
 
         Args:
-            values: of the features; None if the decision did not read one, NaN if it was
+            values: values of the features; None if the decision did not read one, NaN if it was
                 missing. The explanation ends where such a value would be needed.
-            names: of the features.
+            names: names of the features.
         """
 
 

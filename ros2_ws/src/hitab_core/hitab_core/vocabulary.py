@@ -1,4 +1,4 @@
-"""Texts for unknown names: the known names, and the one that was probably meant."""
+"""Texts for unknown names: the known names, and the most similar one."""
 
 from __future__ import annotations
 
@@ -55,10 +55,10 @@ def unknown(what: str, name: str, names: Iterable[object], where: str = "") -> s
     """Return an error about an unknown name.
 
     Args:
-        what: it should name, such as "behavior".
-        name: that is unknown.
-        names: the known ones.
-        where: it is, such as `` in state "X"``, with a leading space.
+        what: kind of the name, such as "behavior".
+        name: the unknown name.
+        names: the known names.
+        where: place of the name, such as `` in state "X"``, with a leading space.
 
     Examples:
         >>> print(unknown("behavior", "gofst", ["Stop", "GoFast"]))
@@ -71,7 +71,7 @@ def check_known(what: str, name: str, names: Collection[str], where: str = "") -
     """Check that a name is known.
 
     Raises:
-        VocabularyError: as `unknown` words it.
+        VocabularyError: if it is unknown, with the text of `unknown`.
     """
     if name not in names:
         raise VocabularyError(unknown(what, name, names, where))

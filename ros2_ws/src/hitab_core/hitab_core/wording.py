@@ -15,9 +15,9 @@ def quantity(number: float, noun: str, plural: str = "") -> str:
     """Return a number with its noun, such as ``1 example`` or ``3 examples``.
 
     Args:
-        number: how many there are.
-        noun: for one.
-        plural: for all other numbers; the noun with an s, if not given.
+        number: number of things.
+        noun: noun for one thing.
+        plural: noun for other numbers; by default with an s.
 
     Examples:
         >>> quantity(1, "example"), quantity(0, "library", "libraries")
@@ -30,9 +30,9 @@ def numbered(noun: str, numbers: Iterable[int], most: int | None = None) -> str:
     """Name things by their numbers, unless they are many.
 
     Args:
-        noun: for one.
-        numbers: of the things.
-        most: with more, only say how many there are; None to name all.
+        noun: noun for one thing.
+        numbers: numbers of the things.
+        most: maximum number of names; with more, only give their number. None to name all.
 
     Examples:
         >>> numbered("example", [3]), numbered("example", [5, 4]), numbered("example", [1, 2], 1)

@@ -58,7 +58,7 @@ DOMAIN = Domain.of(
 
 
 class Carrier:
-    """Keeps what it is asked."""
+    """Keeps the calls."""
 
     def __init__(self) -> None:
         self.done: list[str] = []
@@ -114,7 +114,7 @@ def test_the_flag_stays_up_until_the_state_is_left(body):
     assert running.raised == set()
     running.tick()
     assert running.raised == {"Done"}
-    running.raised.clear()  # as who has seen it does
+    running.raised.clear()  # as the parent does once it has seen it
     running.tick()
     assert running.raised == {"Done"}
     running.stop()

@@ -1,4 +1,4 @@
-"""An agent without its robot: modes, what it keeps, what it refuses."""
+"""An agent without its robot: modes, persistence and refusals."""
 
 import math
 import os
@@ -147,8 +147,8 @@ print(journal.resume(None, None), journal.kept(), journal.to_resume(), "sqlite3"
 
 
 def test_an_agent_that_never_trained_needs_no_database(tmp_path):
-    told = subprocess.check_output([sys.executable, "-c", STARTING, str(tmp_path)], text=True)
-    assert told.split() == ["None", "[]", "[]", "False"]
+    output = subprocess.check_output([sys.executable, "-c", STARTING, str(tmp_path)], text=True)
+    assert output.split() == ["None", "[]", "[]", "False"]
     assert not any(tmp_path.iterdir())
 
 
@@ -345,7 +345,7 @@ def test_commands_after_a_test_are_corrections_also_after_a_restart(make):
     assert again.command(Term("Right"))[0].kind is ExampleKind.CORRECTION
 
 
-def test_an_interrupted_training_that_does_not_fit_is_told_with_its_file(make, tmp_path):
+def test_an_interrupted_training_that_does_not_fit_is_reported_with_its_file(make, tmp_path):
     agent = make()
     teach_home(agent)
     agent.save()

@@ -77,8 +77,8 @@ def test_wherever_the_last_writes_are_torn_all_records_before_are_there(tmp_path
 def test_only_one_process_at_a_time_has_it_open(folder: Path) -> None:
     journal = Journal(folder)
     used = [sys.executable, "-c", APPENDING, str(folder)]
-    told = subprocess.run(used, capture_output=True, text=True, check=False).stderr
-    assert "agent.db: is in use by another process; end it" in told
+    errors = subprocess.run(used, capture_output=True, text=True, check=False).stderr
+    assert "agent.db: is in use by another process; end it" in errors
     journal.append({"do": "undo"})
     journal.database.close()
     assert records_in(folder) == [*RECORDS, {"do": "undo"}]
@@ -163,12 +163,12 @@ def test_a_killed_agent_loses_no_record_that_it_acknowledged(
     for _ in range(acknowledged):
         last = agent.stdout.readline()
     agent.send_signal(signal.SIGKILL)  # while it is at one of the next ones
-    told = [int(line) for line in [last, *agent.stdout] if line.endswith("\n")]
+    printed = [int(line) for line in [last, *agent.stdout] if line.endswith("\n")]
     agent.stdout.close()
     assert agent.wait(10) == -signal.SIGKILL
     found = [record["number"] for record in records_in(tmp_path)]
     assert found == list(range(1, len(found) + 1))
-    assert len(found) >= told[-1] >= acknowledged
+    assert len(found) >= printed[-1] >= acknowledged
 
 
 def test_a_database_replaced_by_another_is_not_written_to(folder: Path, tmp_path: Path) -> None:

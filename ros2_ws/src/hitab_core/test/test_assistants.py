@@ -110,11 +110,11 @@ def test_anybody_may_subscribe_and_propose_the_moment_of_a_command(tmp_path: Pat
         return Proposal(history.at(0.5), record={"proposed_by": "a test"})
 
     cart.session.events.commanded.subscribe(propose)
-    told: list[str] = []
-    cart.session.events.changed.subscribe(lambda record: told.append(record["do"]))
+    steps: list[str] = []
+    cart.session.events.changed.subscribe(lambda record: steps.append(record["do"]))
     cart.drive()
     (turn, *_) = [e for e in cart.session.examples if e.next_state == "Turn"]
     assert turn.features == pytest.approx([3.6])
     assert turn.ago == pytest.approx(0.5)
     cart.session.undo()
-    assert told == ["command", "command", "undo"]
+    assert steps == ["command", "command", "undo"]

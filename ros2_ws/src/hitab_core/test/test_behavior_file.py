@@ -34,7 +34,7 @@ def text(robot: Domain, control: Automaton) -> str:
 
 def written(control: Automaton, robot: Domain) -> str:
     provenance = Provenance(3, "2012-06-18T09:30:00Z", "Ann", "keeper_1", "hitab", "", "")
-    return text_of(control, robot, classifier="tree", terms=USES, provenance=provenance)
+    return text_of(control, robot, classifier="tree", uses=USES, provenance=provenance)
 
 
 def complaints_of(text: str, robot: Domain, file: str = "Control.hfa.yaml") -> list[str]:
@@ -69,7 +69,7 @@ def test_a_behavior_comes_back_from_its_file_as_it_was(
     file = read_behavior(text, "Control.hfa.yaml", robot)
     assert says_the_same(file, control)
     assert file.classifier == "tree"
-    assert file.terms == USES
+    assert file.uses == USES
     assert file.provenance.version == 3
     assert file.provenance.agent == "keeper_1"
 
@@ -115,7 +115,7 @@ def test_values_and_descriptions_come_back_exactly(
         automaton,
         robot,
         classifier="tree",
-        terms={"GoFast": "basic", "Stop": "basic"},
+        uses={"GoFast": "basic", "Stop": "basic"},
         provenance=Provenance(author=data.draw(st.text())),
     )
     assert says_the_same(read_behavior(written, "Any.hfa.yaml", robot), automaton)
@@ -250,7 +250,7 @@ def test_comments_and_spaces_may_be_changed(text: str, robot: Domain) -> None:
          'is called "Attack", but the file is called "Control.hfa.yaml"'),
     ],
 )  # fmt: skip
-def test_what_makes_no_sense_is_told_by_line(
+def test_what_makes_no_sense_is_reported_by_line(
     text: str, robot: Domain, old: str, new: str, at: str, complaint: str
 ) -> None:
     wrong = edited(text, old, new)
@@ -280,14 +280,14 @@ def test_a_file_that_was_cut_off_says_so(text: str, robot: Domain) -> None:
 
 
 @pytest.mark.parametrize(
-    ("found", "told"), [("2", "of format 3"), ("4", "reads up to 3"), ("true", "of format 3")]
+    ("found", "reason"), [("2", "of format 3"), ("4", "reads up to 3"), ("true", "of format 3")]
 )
 def test_a_file_of_another_format_is_refused_with_nothing_else_said(
-    text: str, robot: Domain, found: str, told: str
+    text: str, robot: Domain, found: str, reason: str
 ) -> None:
     complaints = complaints_of(edited(text, "format: 3", f"format: {found}"), robot)
     assert len(complaints) == 1
-    assert told in complaints[0]
+    assert reason in complaints[0]
 
 
 def test_sections_that_a_later_hitab_may_add_are_kept_out_of_what_is_learned(
@@ -356,7 +356,7 @@ def test_a_hand_written_automaton_cannot_be_stored(robot: Domain) -> None:
 
     automaton = Automaton("Fixed", (), (), {"Start": HandWritten(lambda: "Start")})
     with pytest.raises(LibraryError, match="was not learned from examples"):
-        text_of(automaton, robot, classifier="tree", terms={}, provenance=Provenance())
+        text_of(automaton, robot, classifier="tree", uses={}, provenance=Provenance())
 
 
 def test_a_library_is_read_without_scikit_learn_or_matplotlib() -> None:
@@ -399,6 +399,6 @@ def test_words_can_be_added_to_a_domain_as_long_as_those_in_use_stay_as_they_are
     )
     added = edited(text, 'description: ""', 'description: "mine"')
     said = read_behavior(added, "Control.hfa.yaml", changed).edits
-    assert "the signature is not that of the words that it uses" in said[0], "it is what it says"
+    assert "the signature is not that of the words that it uses" in said[0], "edits count"
     stated = edited(text, old, new)
     assert says_the_same(read_behavior(stated, "Control.hfa.yaml", changed), control)

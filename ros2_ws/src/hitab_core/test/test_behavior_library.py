@@ -133,7 +133,7 @@ def test_a_file_tells_what_it_was_made_of_and_where_it_comes_from(
     library: BehaviorLibrary,
 ) -> None:
     file = library.file("Control")
-    assert file.terms == {
+    assert file.uses == {
         "Approach": library.file("Approach").checksum,
         "GoTo": "basic",
         "Kick": "basic",
@@ -205,17 +205,17 @@ def test_a_behavior_that_was_deleted_is_brought_back_and_what_uses_it_is_not_bla
     library.remove("Approach", anyway=True)
     with pytest.raises(LibraryError) as refused:
         again(library).load()
-    told = 'uses behavior "Approach", which was deleted; bring its version 1 back'
-    assert told in str(refused.value)
+    reason = 'uses behavior "Approach", which was deleted; bring its version 1 back'
+    assert reason in str(refused.value)
     losses = again(library).loaded(strict=False).losses
     (fault,) = losses.faults
-    assert told in fault
+    assert reason in fault
     restored, given_up = losses.remedies["Control"]
     assert restored == Fix.RESTORE(behavior="Approach", version=1, folder=library.folder)
     assert given_up.code is Fix.DELETE
 
 
-def test_what_is_wrong_in_several_files_is_told_together_and_the_others_can_be_used(
+def test_what_is_wrong_in_several_files_is_reported_together_and_the_others_can_be_used(
     library: BehaviorLibrary, teach: Teach
 ) -> None:
     library.save(teach("Wait", [], [("Start", [], "Stop")]))
@@ -360,7 +360,7 @@ def test_a_change_of_several_behaviors_is_made_or_not_whichever_operation_fails(
     assert number > 10
 
 
-def test_a_change_that_cannot_be_put_in_place_counts_for_whoever_reads(
+def test_a_change_that_cannot_be_put_in_place_counts_for_every_reader(
     library: BehaviorLibrary, teach: Teach, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     library.save(teach("Wait", [], [("Start", [], "Stop")]))

@@ -91,7 +91,7 @@ def test_a_bundle_that_changed_on_its_way_is_refused(bundle: Bundle, robot: Doma
         read_bundle(replace(bundle, digest="0" * 64), LibraryReader(robot))
 
 
-def test_what_is_wrong_with_a_bundle_is_told_and_nothing_is_installed(
+def test_the_faults_of_a_bundle_are_reported_and_nothing_is_installed(
     bundle: Bundle, robot: Domain, tmp_path: Path
 ) -> None:
     approach, control, keepaway = bundle.files

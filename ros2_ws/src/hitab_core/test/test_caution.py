@@ -43,7 +43,7 @@ def test_far_from_what_it_was_shown_it_hands_back_to_the_demonstrator(cart: Lear
     assert len(cart.examples) == 10
 
 
-def test_what_is_performed_is_given_up_when_it_is_unsure_and_nobody_trains_it(
+def test_a_performed_behavior_is_given_up_when_it_is_unsure_without_a_training(
     cart: LearningAgent,
 ) -> None:
     cart.save()

@@ -50,12 +50,12 @@ def lattice(levels: int) -> dict[str, Automaton]:
 def looks(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     """Count how often it is asked what an automaton uses."""
     counted: Counter[str] = Counter()
-    told = Automaton.behaviors_used.fget  # type: ignore[attr-defined]
+    computed = Automaton.behaviors_used.fget  # type: ignore[attr-defined]
 
     def used(automaton: Automaton) -> frozenset[str]:
         counted[automaton.name] += 1
         assert counted[automaton.name] < 1000, f"{automaton.name} is looked at far too often"
-        return told(automaton)
+        return computed(automaton)
 
     monkeypatch.setattr(Automaton, "behaviors_used", property(used))
     return counted

@@ -117,7 +117,7 @@ def test_an_agent_starts_with_what_is_sound_and_names_what_is_not(
         ("Patrol", "Patrol needs Low: "),
     ],
 )
-def test_nothing_stands_in_for_what_is_lost_and_whoever_asks_for_it_learns_why(
+def test_nothing_replaces_a_lost_behavior_and_a_request_for_it_is_refused_with_the_reason(
     trained: Agent, make: Make, name: str, reason: str
 ) -> None:
     damage(trained, "Low")
@@ -233,7 +233,7 @@ def test_what_is_restored_comes_back_with_all_that_is_made_of_it(
     BehaviorLibrary(agent.library.folder, agent.domain).restore("Low", 1)
     assert agent.reload() == ["High", "Low", "Middle", "Other"]
     assert agent.faults == ()
-    assert agent.behavior == "High", "it begins what it should have begun with"
+    assert agent.behavior == "High", "it performs its pending behavior"
     assert agent.library.on_disk.versions("Low") == [1, 2, 3], "the damaged file is kept, too"
 
 

@@ -1,4 +1,4 @@
-"""A behavior carries expectations, and whoever changes it learns which it breaks."""
+"""A behavior carries expectations, and a change reports the broken ones."""
 
 from dataclasses import replace
 
@@ -34,9 +34,9 @@ def test_it_is_in_the_file_and_says_what_is_decided_instead(library):
     text = file.text.splitlines()[file.expectations[0].line - 1]
     assert text.strip().startswith("- {name: far, state: Right,")
     again = taught(library.folder, 20.0).file("Shuttle")
-    (told,) = again.broken
+    (complaint,) = again.broken
     line = again.expectations[0].line
-    assert told == (
+    assert complaint == (
         f'Shuttle.hfa.yaml:{line}: expectation "far": in Right it decides Right, not Left'
     )
     library.load()
@@ -74,9 +74,9 @@ def test_it_goes_along_with_copies_and_renaming(library, tmp_path):
         ({"features": {"Position": 1.0, "Color": 2.0}}, "Right, not Left"),
     ],
 )
-def test_what_cannot_be_decided_as_expected_is_told(library, changed, decides):
-    (told,) = library.expect("Shuttle", [replace(FAR, **changed)]).broken
-    assert f"it decides {decides}" in told
+def test_a_decision_that_cannot_be_as_expected_is_reported(library, changed, decides):
+    (complaint,) = library.expect("Shuttle", [replace(FAR, **changed)]).broken
+    assert f"it decides {decides}" in complaint
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_what_cannot_be_decided_as_expected_is_told(library, changed, decides):
         ("far: Left", "must be a list"),
     ],
 )
-def test_an_edited_line_that_is_wrong_is_told_by_line(library, line, says):
+def test_a_wrong_edited_line_is_reported_by_line(library, line, says):
     path = library.on_disk.file("Shuttle")
     lines = path.read_text().splitlines()
     number = library.file("Shuttle").expectations[0].line

@@ -100,17 +100,17 @@ def test_the_pace_of_the_world_does_not_make_a_person_slower(tmp_path: Path) -> 
 
 
 def test_a_command_whose_moment_is_known_stays_there(tmp_path: Path) -> None:
-    """A script, a paused world, a time that somebody has told or corrected."""
+    """A script, a paused world, a time that a person has stated or corrected."""
     course = Course(tmp_path)
     session = course.agent.session
     assert session is not None
     exact = course.run(0.0, pace=0.0)
-    told = course.run(0.6)
-    session.retime([told.number], 0.1)
-    kept = [exact, next(e for e in session.examples if e.number == told.number)]
+    stated = course.run(0.6)
+    session.retime([stated.number], 0.1)
+    kept = [exact, next(e for e in session.examples if e.number == stated.number)]
     for _ in range(5):
         course.run(0.6)
-    assert [e for e in session.examples if e.number in (exact.number, told.number)] == kept
+    assert [e for e in session.examples if e.number in (exact.number, stated.number)] == kept
 
 
 def test_undo_takes_back_what_a_command_had_said_about_others(tmp_path: Path) -> None:

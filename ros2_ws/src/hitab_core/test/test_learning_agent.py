@@ -184,7 +184,7 @@ def test_what_is_neither_a_number_nor_missing_is_refused_by_its_place():
     assert agent.examples == ()
 
 
-def test_the_head_of_a_file_of_excel_is_told_from_a_name():
+def test_the_head_of_a_file_of_excel_is_distinguished_from_a_name():
     with pytest.raises(VocabularyError, match=r'encoding="utf-8-sig"\), delimiter=";"'):
         plain_domain("robot", ["Go"], ["\ufeffcommand;Range;Battery"])
 

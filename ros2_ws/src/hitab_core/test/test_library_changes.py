@@ -82,7 +82,7 @@ def test_a_renamed_behavior_does_the_same_and_so_does_what_uses_it(
     assert list(loaded["Control"].transitions["ComeNear"].predict(values)) == [
         "ComeNear" if label == "Approach" else label for label in was
     ]
-    assert other.file("Control").terms["ComeNear"] == other.file("ComeNear").checksum
+    assert other.file("Control").uses["ComeNear"] == other.file("ComeNear").checksum
     assert other.file("ComeNear").provenance.note == '"Approach" renamed to "ComeNear"'
     assert other.on_disk.versions("Approach") == [1], "it can still be restored"
     assert other.on_disk.versions("Control") == [1, 2]

@@ -85,7 +85,7 @@ def automaton(name, states, functions, features=("x",), parameters=()):
 
 
 class Agent:
-    """One body with the automata that it may perform."""
+    """One body, with its automata."""
 
     def __init__(self, *automata, seed=1, most_probable=False):
         self.body = Recorder()
@@ -157,7 +157,7 @@ def flagging(delay=0):
 
 
 def watching(queries, states=("Child", "B")):
-    """Return a parent that writes down the flag that it sees at each query."""
+    """Return a parent that writes down the flag seen at each query."""
 
     def look(done):
         queries.append(done)
@@ -212,7 +212,7 @@ def test_a_demonstrator_sees_a_flag_until_the_next_command():
     session = agent.train(features=("Done",))
     session.command(Term("Child"))
     for _ in range(5):
-        session.tick()  # nobody queries, so the flag stays up
+        session.tick()  # no automaton queries, so the flag stays up
     session.command(Term("B"))
     session.command(Term("Child"))
     flags = [e.features for e in session.examples if e.kind is ExampleKind.DEMONSTRATED]

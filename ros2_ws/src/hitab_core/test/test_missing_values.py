@@ -110,7 +110,7 @@ def test_an_example_without_a_value_goes_into_each_branch_in_part() -> None:
 
 
 @pytest.mark.parametrize("missing", [NAN, None])
-def test_a_part_of_an_example_is_told_apart_by_other_features(missing: Any) -> None:
+def test_a_part_of_an_example_is_separated_by_other_features(missing: Any) -> None:
     tree = learned([[1, 1], [9, 1], [missing, 5]], ["A", "B", "A"], [CONTINUOUS] * 2)
     assert tree.predict([[1, 1], [9, 1], [9, 5], [missing, 5]]).tolist() == ["A", "B", "A", "A"]
     assert tree.predict_proba([[missing, 1], [missing, missing]]) == pytest.approx(
@@ -216,8 +216,8 @@ def test_a_drawn_decision_has_the_distribution_that_is_predicted(
     for label in tree.labels:
         # Each leaf takes part of the draws, in one piece.
         assert abs(drawn[label] / n - odds[label]) <= len(nodes(tree.root_)) / n
-    told = {label: p for label, p in odds.items() if p > 0}
-    assert tree.explain(asked, NAMES).distribution == pytest.approx(told)
+    expected = {label: p for label, p in odds.items() if p > 0}
+    assert tree.explain(asked, NAMES).distribution == pytest.approx(expected)
 
 
 @given(TAUGHT, PATCHY, st.integers(0, 3))

@@ -264,7 +264,7 @@ def test_an_observer_that_fails_is_logged_once_and_called_again(
 
     def fails(seen: int) -> None:
         calls.append(seen)
-        raise KeyError("what it lacks")
+        raise KeyError("missing key")
 
     observe = guest(fails)
     assert guest(observe) is observe
@@ -273,7 +273,7 @@ def test_an_observer_that_fails_is_logged_once_and_called_again(
         observe(2)
     assert calls == [1, 2]
     assert len(caplog.records) == 1
-    assert "what it lacks" in caplog.text
+    assert "missing key" in caplog.text
 
 
 # Asked by people --------------------------------------------------------------------------------
@@ -295,7 +295,7 @@ def test_what_people_ask_is_not_kept_for_a_decision() -> None:
     assert player.running.active_path[0] == "A"
 
 
-def test_what_a_decision_has_read_is_told_as_it_was_read() -> None:
+def test_the_values_that_a_decision_has_read_are_reported_as_read() -> None:
     player = asked()
     player.tick((3.0, 0.0, 0.0))
     player.body.log.clear()

@@ -265,7 +265,7 @@ def test_agents_that_share_a_library_notice_what_one_commits_when_they_reload(
     ann_knew = ann.loaded
     for agent in (bob, cleo):
         assert "High" not in agent.repertoire
-        # What one sends is what it knows, not what others have put into the folder since.
+        # It sends the library as loaded, without later changes of the folder by others.
         with pytest.raises(LibraryError):
             make_bundle(agent.loaded.texts, agent.repertoire, "High")
         agent.reload()

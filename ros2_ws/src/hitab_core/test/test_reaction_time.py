@@ -1,4 +1,4 @@
-"""Commands that come late: each is recorded with the situation that it was meant for."""
+"""Commands that come late: each is recorded with the situation in which it was due."""
 
 from __future__ import annotations
 

@@ -105,7 +105,7 @@ def test_categories_that_the_scale_does_not_name_are_those_seen():
     assert encoding(np.array([[1.0], [7.0]])).tolist() == [[0, 1], [0, 0]]
 
 
-# What it decides
+# Decisions
 
 
 def test_it_reads_all_features_from_their_slots_each_once():

@@ -1,4 +1,4 @@
-"""A subordinate obeys orders; what it cannot obey waits, and says why."""
+"""A subordinate obeys orders; an order that cannot be obeyed waits, with a reason."""
 
 import math
 

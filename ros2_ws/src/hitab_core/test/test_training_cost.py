@@ -1,4 +1,4 @@
-"""What a training took counts while somebody may work on it, and not otherwise."""
+"""The cost of a training grows while a person may work on it, and not otherwise."""
 
 from __future__ import annotations
 

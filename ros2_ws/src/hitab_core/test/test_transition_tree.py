@@ -50,7 +50,7 @@ def learned(examples, scales=MIXED, **parameters):
 
 
 def by_index(tree, states=("Stop", "GoSlow", "GoFast")):
-    """Return the compiled decision and what its indices mean."""
+    """Return the compiled decision and the labels of its indices."""
     return tree.compile(range(tree.n_features_in_), {s: i for i, s in enumerate(states)}), states
 
 
@@ -155,7 +155,7 @@ def test_what_was_shown_with_the_ball_is_not_done_without_it():
 
 
 def test_looking_ahead_costs_no_leaves():
-    """If the boolean told nothing apart that the distance does not, it would not come first."""
+    """A boolean that separates nothing more than the distance would not come first."""
     examples = [*LOST_AT_5_M, ((4.0, 0), "Pass", False), ((5.5, 1), "Fetch", False)]
     scales = [CONTINUOUS, BOOLEAN]
     assert learned(examples, scales).root_ == learned(examples, scales, look_ahead=False).root_

@@ -140,7 +140,7 @@ def test_undo_after_a_crash_restores_the_state_of_the_command(trained: Trained) 
     trained.command("Right")
     trained.session.undo()
     trained.crash()
-    assert trained.active == "Start", "after a crash nothing moves before somebody says so"
+    assert trained.active == "Start", "after a crash nothing moves before a person commands it"
     trained.session.redo()
     assert trained.do(1.0) == "start-Right Right"
     trained.session.undo()
@@ -213,7 +213,7 @@ class Model:
         self.future.clear()
 
     def mark(self, examples: list[list[Any]]) -> None:
-        """A command outranks the default examples that it contradicts."""
+        """A command outranks default examples with a contrary decision."""
         for e in examples:
             if e[4] in ("default", "superseded"):
                 contradicted = any(
@@ -360,11 +360,11 @@ def test_whatever_is_done_examples_and_states_are_those_of_a_plain_model(done: l
         model = Model()
         for what, how in done:
             play(trained, model, what, how)
-            told = [
+            found = [
                 [e.number, e.state, e.features[0], e.next_state, e.kind.value]
                 for e in trained.session.examples
             ]
-            assert told == model.examples
+            assert found == model.examples
             assert trained.active == model.active
             log = trained.session.log
             assert (len(log.history.done), len(log.history.undone)) == (
@@ -432,7 +432,7 @@ def test_the_history_says_what_undo_and_redo_would_change(trained: Trained) -> N
     assert trained.session.log.history.undone == []
 
 
-# What it costs ----------------------------------------------------------------------------------
+# Cost -------------------------------------------------------------------------------------------
 
 
 def test_a_command_and_resuming_cost_as_much_per_example_however_many_there_are(

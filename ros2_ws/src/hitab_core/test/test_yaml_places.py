@@ -83,7 +83,7 @@ def test_a_file_that_cannot_be_read_is_named_with_a_way_out(
     assert str(refused.value).startswith(f"{path}{complaint}")
 
 
-def test_complaints_are_told_together_in_the_order_of_lines() -> None:
+def test_complaints_are_raised_together_in_the_order_of_lines() -> None:
     class MyError(HitabError):
         pass
 

@@ -1,4 +1,4 @@
-"""Which decisions change with the examples."""
+"""The decisions that change with the examples."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Changed(NamedTuple):
 
     Attributes:
         evidence: the examples of its state, as they will be.
-        situation: in which it is made.
-        was, now: what follows, such as ``Stop``, ``stay``, or ``Stop or stay`` by chance.
+        situation: situation of the decision.
+        was, now: decision before and after: ``Stop``, ``stay``, or ``Stop or stay`` by chance.
     """
 
     evidence: Evidence
@@ -28,10 +28,10 @@ class Changed(NamedTuple):
 
 
 def changed(before: Evidence, after: Evidence, met: Sequence[Sequence[float]]) -> list[Changed]:
-    """Return what a state decides otherwise, in all that was met or shown in it, those met first.
+    """Return the changed decisions of a state in all met and shown situations, met ones first.
 
     Raises:
-        FeatureValueError, VocabularyError, ValueError: as learning from the examples.
+        FeatureValueError, VocabularyError, ValueError: see `Evidence.learn`.
     """
     shown = [row for evidence in (before, after) for row in evidence.values.tolist()]
     rows = [after.placed(row) for row in (*met, *shown)]
@@ -44,7 +44,7 @@ def changed(before: Evidence, after: Evidence, met: Sequence[Sequence[float]]) -
 
 
 def _decided(evidence: Evidence, values: Floats) -> list[str]:
-    """Return what follows in each row, as `Changed.was`."""
+    """Return the decision of each row, as in `Changed.was`."""
     tree = evidence.learn()
     labels = [evidence.state] if tree is None else tree.labels
     names = ["stay" if label == evidence.state else label for label in labels]

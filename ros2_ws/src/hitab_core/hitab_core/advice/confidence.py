@@ -1,6 +1,6 @@
 """Confidence of a decision: the distance of its situation from the examples.
 
-The distance is that from the nearest example of the state, in the features that the decision
+It is the distance from the nearest example of the state, in the features that the decision
 tested, see `hitab_core.advice.nearness`. It follows from the values that a decision has read, so
 it can be computed after it, and nothing more is read.
 
@@ -37,7 +37,7 @@ class Confidences:
 
         Args:
             values: see `distance`.
-            largest: it is unsure if no example is as near as this.
+            largest: largest distance from the nearest example at which a decision is sure.
         """
         distance = self.distance(values)
         if distance == UNKNOWN_DISTANCE:
@@ -53,8 +53,8 @@ class Confidences:
         has the values.
 
         Args:
-            values: of the automaton's features as the decision read them; None or NaN: not read
-                or missing.
+            values: values of the automaton's features as the decision read them; None if not
+                read, NaN if missing.
         """
         if not isinstance(self._function, TransitionTree):
             return self._distance(frozenset(self._function.features_used), values)

@@ -22,15 +22,15 @@ class Evidence:
     """Examples from which the transition function of one state is learned.
 
     Attributes:
-        state: its label.
+        state: label of the state.
         values: shape (n, m), the examples' feature values, toroidal ones in [0, period); NaN if
             not known.
         next_states: the n labels.
         default: shape (n,), whether an example is a default one.
-        scales: how the values of each feature compare.
-        names: of the features.
-        units: of the features, or empty.
-        classifier: what learns from it, as in `learn_transitions`.
+        scales: scale of each feature.
+        names: names of the features.
+        units: units of the features, or empty.
+        classifier: classifier to learn with, as in `learn_transitions`.
     """
 
     state: str
@@ -55,11 +55,11 @@ class Evidence:
         """Return the evidence for one state.
 
         Args:
-            state: its label.
-            examples: of any states; those of others are left out, and superseded ones.
-            scales, names: of the examples' features.
-            units: of the features; none, if not given.
-            classifier: what learns from them.
+            state: label of the state.
+            examples: examples of all states; other states' and superseded ones are left out.
+            scales, names: scales and names of the features.
+            units: units of the features; empty if there are none.
+            classifier: classifier to learn with.
         """
         own = [example for example in examples if example.state == state and example.is_learned]
         values = np.array([example.features for example in own], np.float64)
@@ -83,7 +83,7 @@ class Evidence:
         """Return the tree that is learned from it; None without examples or if it is no tree.
 
         Raises:
-            VocabularyError, FeatureValueError, ValueError: as `TransitionTree.fit`.
+            VocabularyError, FeatureValueError, ValueError: see `TransitionTree.fit`.
         """
         return self._learned
 
@@ -97,10 +97,10 @@ class Evidence:
 
 
 def answer_kind(state: str, next_state: str, *, bisects: bool = False) -> ExampleKind:
-    """Return the kind of example that records what to do in a situation that was asked about.
+    """Return the kind of the example that records an answer about a situation.
 
-    To go elsewhere is a correction. To stay is what default examples say: keep doing this, up to
-    where something else was demonstrated. As an ordinary example it would move the boundary to
+    A change of state is a correction. Staying is a default example: continue, up to where
+    another behavior was demonstrated. As an ordinary example it would move the boundary to
     the demonstrated ones half-way towards a situation that was chosen for another reason; where it
     was chosen to find a boundary (``bisects``), that is right.
     """

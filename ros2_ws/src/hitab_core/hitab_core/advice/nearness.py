@@ -33,7 +33,7 @@ def apart(some: Floats, others: Floats, scales: Sequence[Scale], spread: Floats)
 
     Args:
         some, others: shapes (k, m) and (n, m); NaN if unknown.
-        scales: how the values of each of the m features compare.
+        scales: scale of each of the m features.
         spread: shape (m,), the usual differences, see `spreads`.
 
     Returns:
@@ -56,8 +56,8 @@ class Nearness:
 
         Args:
             values: shape (n, m), of the examples; NaN if unknown.
-            scales: how the values of each of the m features compare.
-            features: indices of those that matter.
+            scales: scale of each of the m features.
+            features: indices of the relevant features.
         """
         self._features = list(features)
         self._scales = [scales[f] for f in self._features]
@@ -68,7 +68,7 @@ class Nearness:
         """Return the distance of a situation; `UNKNOWN_DISTANCE` if no example is comparable.
 
         Args:
-            values: of all m features; None or NaN: not known.
+            values: values of all m features; None or NaN if unknown.
         """
         if not self._features:
             return 0.0

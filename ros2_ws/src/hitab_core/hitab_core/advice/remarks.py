@@ -1,4 +1,4 @@
-"""Remarks: signs that what was learned does not play, each with what would mend it.
+"""Remarks: signs that the learned automaton does not work, each with a remedy.
 
 Two commands that lead back to each other in one situation contradict each other in no state, so no
 question is about them; yet the automaton goes round forever there. A *loop* is found in each
@@ -6,9 +6,9 @@ situation of an example, with the features held constant, if from the state of t
 automaton can only change: no reachable state stays, ends in a flag or is executed only
 once per entry. States are seen as they are entered, so a flag or a timer that is waited for makes
 no loop. Situations that were merely perceived are left out: where two boundaries overlap, changing
-to and fro may well be what moves the robot on.
+to and fro may well be how the robot advances.
 
-What a test shows is in `hitab_core.assistant.trial_statistics`.
+Remarks on tests are in `hitab_core.assistant.trial_statistics`.
 """
 
 from __future__ import annotations
@@ -45,32 +45,32 @@ class RemarkKind(Enum):
 
 @dataclass(frozen=True)
 class Remark:
-    """One sign with its arguments by name, and what would mend it."""
+    """One sign, with arguments by name, and a remedy."""
 
     code: RemarkKind
     arguments: tuple[tuple[str, str], ...]
     remedy: Remedy
 
     def of(self, agent: str) -> Remark:
-        """Return it about an agent, which the remedy then names."""
+        """Return the remark with an agent's name in its remedy."""
         named = (("agent", agent), *self.remedy.arguments)
         return replace(self, remedy=replace(self.remedy, arguments=named))
 
     def __str__(self) -> str:
-        """Return it in plain words, without the remedy."""
+        """Return the remark in plain words, without the remedy."""
         return self.code.value.format_map(dict(self.arguments))
 
 
 def loops(automaton: Automaton, repertoire: Repertoire, classifier: str) -> list[Remark]:
-    """Return a remark on each loop of what was learned.
+    """Return a remark on each loop of the learned automaton.
 
     Args:
-        automaton: with its examples and transition functions.
+        automaton: the automaton with its examples and transition functions.
         repertoire: used in learning.
-        classifier: that learned it.
+        classifier: classifier that learned it.
 
     Raises:
-        TrainingError: as `relearned`.
+        TrainingError: see `relearned`.
     """
     looping = _Looping(automaton, repertoire, classifier)
     found: dict[tuple[str, ...], Remark] = {}
@@ -118,7 +118,7 @@ class _Looping:
             waiting += [after for after in follow[label] if after not in follow]
         states = set(follow)
         while (after := {label for one in states for label in follow[one]}) != states:
-            states = after  # without those that only lead into the loop
+            states = after  # without states that only lead into the loop
         return tuple(label for label in automaton.labels if label in states)
 
     def words(self, values: Sequence[float]) -> str:
@@ -129,7 +129,7 @@ class _Looping:
         return situation_in_words(evidence, values, range(len(values))) or "no feature chosen"
 
     def remedy(self, state: str, values: tuple[float, ...], states: Sequence[str]) -> Remedy:
-        """Return that the state commanded last stays, if one example says to leave it there."""
+        """Return the remedy: the state commanded last stays, if one example leaves it there."""
         there = [
             e for e in self.automaton.examples if self.place(e) in {(s, values) for s in states}
         ]

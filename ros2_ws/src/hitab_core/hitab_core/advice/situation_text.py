@@ -14,7 +14,7 @@ from hitab_core.wording import DEGREES
 def situation_in_words(
     evidence: Evidence, values: Sequence[float], features: Sequence[int]
 ) -> str:
-    """Return values in words, such as ``Range = 2 m, not Far``; without those that are NaN."""
+    """Return values in words, such as ``Range = 2 m, not Far``; NaN is left out."""
     texts = []
     for f in features:
         value, name, scale = values[f], evidence.names[f], evidence.scales[f]

@@ -1,20 +1,20 @@
-"""Situations without examples: those in which one answer would tell the agent most.
+"""Situations without examples: the one in which an answer would teach the agent most.
 
-An example says what is right in its situation, and less the farther another one is from it. What
-the examples of a state say of a situation is a weight for each next state: the inverse of the
+An example is evidence for its situation, and weaker evidence for situations farther away. The
+examples of a state give each next state a weight in a situation: the inverse of the
 distance to the nearest example of it. A next state that was never shown has weight 1, as if its
 example were as far away as examples usually are from each other (`hitab_core.advice.nearness`).
 
-What an answer *tells* is how much it adds, over all situations that the agent met in the state:
-the share of the weights that does not stand behind the heaviest next state, times the part of the
+The *gain* of an answer is a sum over all situations that the agent met in the state:
+the share of the weights of all but the heaviest next state, times the part of the
 way by which the situation asked about is nearer than the nearest example. Each kind of situation,
-by what is so or not so, counts 1 in all, however often it was met.
+by its boolean and categorical values, counts 1 in all, however often it was met.
 
 Before all that, an agent asks about assumed sides of circles: where a tree without
 assumptions about circles decides otherwise (`hitab_core.learning.boundaries`). The agent asks in
 the middle, so that an answer halves the open part, as long as that part is large.
 
-Default examples from the entry of a state say *stay* where no person has decided so; they are
+Default examples from the entry of a state say *stay* where no person has decided that; they are
 taken for `ASSUMED` away even where they are.
 
 Source:
@@ -57,36 +57,36 @@ class Unshown:
     """A situation without an example of the right decision.
 
     Attributes:
-        state: in which it was met.
+        state: label of the state that was active.
         situation: a value for each feature; NaN if missing.
-        decided: what the learned tree decides there; empty if nothing was learned.
-        next_states: what may be right, the most probable first.
-        told: what an answer tells.
-        bisects: whether it is in the middle of a side of a circle of which only the beginning was
-            shown.
+        decided: decision of the learned tree there; empty if there is no tree.
+        next_states: possible answers, the most probable first.
+        gain: gain of an answer.
+        bisects: whether the situation is in the middle of a side of a circle of which only the
+            beginning was shown.
     """
 
     state: str
     situation: tuple[float, ...]
     decided: str
     next_states: tuple[str, ...]
-    told: float
+    gain: float
     bisects: bool = False
 
 
 def unshown(
     evidence: Evidence, met: Sequence[Sequence[float]], labels: Sequence[str], assumed: Booleans
 ) -> Unshown | None:
-    """Return the situation in which an answer tells most; None if none tells enough.
+    """Return the situation whose answer has the largest gain; None below `GAIN_MIN`.
 
     Args:
         evidence: the examples of the state.
-        met: features' values in what was met in the state.
-        labels: of what may be right, besides what was shown.
+        met: feature values of the situations met in the state.
+        labels: labels of possible answers, besides those that were shown.
         assumed: shape (n,), which of the examples come from the entry of the state.
 
     Raises:
-        FeatureValueError, VocabularyError, ValueError: as learning from the examples.
+        FeatureValueError, VocabularyError, ValueError: see `Evidence.learn`.
     """
     if not met:
         return None
@@ -109,10 +109,10 @@ def unshown(
     open_part = 1.0 - weights.max(axis=0) / weights.sum(axis=0)
     nearest = away.min(axis=1, initial=NO_EXAMPLE_DISTANCE)
     near = np.maximum(apart(situations, situations, evidence.scales, spread), TOUCHING)
-    told = (nearest[:, None] / (nearest[:, None] + near)).T @ (open_part * parts)
-    place, most = int(told.argmax()), float(told.max())
+    gains = (nearest[:, None] / (nearest[:, None] + near)).T @ (open_part * parts)
+    place, most = int(gains.argmax()), float(gains.max())
     taken = _taken_for_granted(evidence, situations)
-    half = float(parts[taken].sum()) / 2  # what the answer settles
+    half = float(parts[taken].sum()) / 2  # the part that the answer decides
     bisects = half >= GAIN_MIN
     if bisects:
         there = np.flatnonzero(taken)[np.argsort(nearest[taken], kind="stable")]
@@ -156,7 +156,7 @@ def _spread(evidence: Evidence, situations: Floats) -> Floats:
 
 
 def _each_kind_once(situations: Floats, evidence: Evidence) -> Floats:
-    """Return a weight for each situation; those of one kind add up to 1."""
+    """Return weights of situations, which add up to 1 for each kind."""
     discrete = [f for f, scale in enumerate(evidence.scales) if not scale.kind.is_measured]
     kinds = np.unique(situations[:, discrete], axis=0, return_inverse=True, equal_nan=True)[1]
     return np.asarray(1.0 / np.bincount(kinds.ravel())[kinds.ravel()])

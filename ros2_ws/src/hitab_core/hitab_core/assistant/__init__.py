@@ -1,4 +1,4 @@
-"""What helps a person to train: each module subscribes to a training and can be left out."""
+"""Assistants of a person who trains: each module subscribes to a training and can be left out."""
 
 import lazy_loader
 

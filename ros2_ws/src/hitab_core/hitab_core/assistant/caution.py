@@ -1,9 +1,9 @@
-"""Caution: what an agent does when it is unsure; it goes on, halts, or hands back to the person.
+"""Caution: an agent that is unsure continues, halts, or hands back to the person.
 
 A decision is unsure if the situation is far from all examples of the state
 (`hitab_core.advice.confidence`). Each level of the performed behavior is judged before the agent
-decides, so that no action has to be taken back. Which state takes numbers is known only
-afterwards: far from the moments that showed its numbers, a state does nothing (`NumberRange`).
+decides, so that no action has to be taken back. Numbers are judged after the decision, since the
+state is known only then: far from the moments shown, it does nothing (`NumberRange`).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from hitab_core.vocabulary import unknown
 class WhenUnsure(StrEnum):
     """Responses of an unsure agent."""
 
-    GO_ON = "go_on"  # it decides all the same
+    GO_ON = "go_on"  # it decides as if it were sure
     HALT = "halt"  # it does nothing until it is sure
     HAND_BACK = "hand_back"  # the demonstrator is in control
 
@@ -39,8 +39,8 @@ class Caution:
 
     Attributes:
         when_unsure: the response.
-        distance: it is unsure farther than this from any example, in spreads of the state's
-            examples; 0 for any distance.
+        distance: distance from the nearest example above which it is unsure, in spreads of the
+            state's examples; 0 for no limit.
     """
 
     when_unsure: WhenUnsure = WhenUnsure.GO_ON
@@ -48,10 +48,10 @@ class Caution:
 
     @classmethod
     def parse(cls, when_unsure: str, distance: float) -> Caution:
-        """Return what was asked for.
+        """Return the caution with these values.
 
         Raises:
-            TrainingError: if that is no caution, saying what is.
+            TrainingError: if a value is invalid, naming the valid ones.
         """
         if when_unsure not in list(WhenUnsure):
             raise TrainingError(unknown("caution", when_unsure, list(WhenUnsure)))
@@ -66,7 +66,7 @@ class Caution:
         return cls(WhenUnsure(when_unsure), distance)
 
     def __str__(self) -> str:
-        """Return it in words.
+        """Return the caution in words.
 
         Examples:
             >>> str(Caution(WhenUnsure.HALT, 3))
@@ -81,10 +81,10 @@ class CautionMonitor:
     """Judges whether an agent's next decision is sure, and halts its behavior meanwhile.
 
     Attributes:
-        caution: when a decision is unsure, and what is done then.
+        caution: limit of a sure decision, and the response.
         unsure: why the next decision is unsure, for people; empty if it is sure, or if the agent
             goes on regardless.
-        number_range: of the agent's context.
+        number_range: range shared with the agent's context.
     """
 
     def __init__(self) -> None:
@@ -95,7 +95,7 @@ class CautionMonitor:
         self._rated: dict[tuple[int, str], tuple[TransitionFunction, Confidences]] = {}
 
     def set(self, caution: Caution) -> None:
-        """Judge by another caution from now on."""
+        """Replace the caution."""
         if caution.when_unsure is not WhenUnsure.HALT:
             self._release()
         self.caution, self.unsure = caution, ""
@@ -107,16 +107,16 @@ class CautionMonitor:
         context: RunContext,
         trained: Sequence[Example] = (),
     ) -> bool:
-        """Have the next decisions made if they are sure on all levels, or if none are judged.
+        """Tick if the next decisions are sure on all levels, or if none are judged.
 
         Args:
-            tick: makes them.
-            running: what is performed.
-            context: of the agent.
+            tick: makes the decisions.
+            running: the performed behavior.
+            context: context of the agent.
             trained: examples of the outermost automaton, if that is in training.
 
         Returns:
-            Whether everything was done; `unsure` says why not.
+            Whether the agent was sure; otherwise `unsure` is the reason.
         """
         if self.caution.when_unsure is WhenUnsure.GO_ON:
             tick()
@@ -172,7 +172,7 @@ class CautionMonitor:
                 self._halted = running
 
     def _release(self) -> None:
-        """Start again what was halted."""
+        """Restart the halted behavior."""
         halted, self._halted = self._halted, None
         if halted is not None:
             halted.start()

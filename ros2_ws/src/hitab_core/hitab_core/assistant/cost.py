@@ -28,18 +28,18 @@ class TrainingCost:
     """Cost of one training.
 
     Attributes:
-        automaton: its name.
-        began: when, in ISO 8601.
-        wall_seconds: that the person took; pauses of more than `PAUSE_SECONDS` count as none, and
-            neither does the time before the training was resumed in another process.
-        simulated_seconds: of the world, between the steps of the person.
-        commands: that were given.
-        examples: that there were in the end, as a list of them shows; superseded ones included.
-        wasted: examples that were recorded and not learned from: deleted, undone or superseded.
-        undos: of anything.
-        structures: sets of features that were tried.
-        proposals: of the agent that were accepted.
-        finished: whether it was saved.
+        automaton: name of the automaton.
+        began: time of the beginning, ISO 8601.
+        wall_seconds: time that the person took, without pauses longer than `PAUSE_SECONDS` and
+            without the time until the training was resumed in another process.
+        simulated_seconds: simulated time between the steps of the person.
+        commands: number of commands.
+        examples: number of examples in the end, superseded ones included.
+        wasted: number of recorded examples that were deleted, undone or superseded.
+        undos: number of undos.
+        structures: number of sets of features that were tried.
+        proposals: number of the agent's proposals that were accepted.
+        finished: whether the training was saved.
     """
 
     automaton: str
@@ -56,10 +56,9 @@ class TrainingCost:
 
 
 def training_costs(journal: TrainingJournal) -> list[TrainingCost]:
-    """Return what the trainings on disk cost, oldest first.
+    """Return the costs of the trainings on disk, oldest first.
 
-    Those of which nothing is known, in which nothing was done, or whose records are damaged,
-    are left out.
+    Trainings without records or steps, and those with damaged records, are left out.
     """
     # Only the training that this process has under way goes on.
     costs = (
@@ -71,19 +70,19 @@ def training_costs(journal: TrainingJournal) -> list[TrainingCost]:
 
 
 def unsaved_cost(journal: TrainingJournal) -> TrainingCost | None:
-    """Return what the training that the next start resumes has cost so far.
+    """Return the cost so far of the training that the next start resumes.
 
-    None: there is none, it is saved already, or it is damaged.
+    None if there is none, or if it is saved already or damaged.
     """
     cost = _cost(journal.to_resume())
     return None if cost is None or cost.finished else cost
 
 
 def _cost(records: Sequence[Mapping[str, Any]], now: float | None = None) -> TrainingCost | None:
-    """Return what a training cost; None if nothing is known.
+    """Return the cost of a training; None if its records are damaged.
 
     Args:
-        records: of the training.
+        records: records of the training.
         now: the time, if the training goes on.
     """
     with suppress(HitabError, KeyError, TypeError, ValueError):
@@ -92,10 +91,10 @@ def _cost(records: Sequence[Mapping[str, Any]], now: float | None = None) -> Tra
 
 
 def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None) -> TrainingCost:
-    """Return what a training cost.
+    """Return the cost of a training.
 
     Args:
-        records: of its journal, all of them.
+        records: all records of its journal.
         now: the time; None once the training is saved, given up or interrupted.
 
     Raises:
@@ -104,11 +103,11 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
     begin, *lines = records
     rest = [record for record in lines if record["do"] != RESUMED]
     log = ExampleLog(map(example_of, begin["examples"]))
-    told: list[str] = []
+    steps: list[str] = []
     for record in rest:
-        told.append(str(record["do"]))
-        # What was retimed, or learned from other features, is as many examples as before.
-        edit = Edit() if told[-1] in ("retime", "features") else log.prepared(record)
+        steps.append(str(record["do"]))
+        # Retiming and other features do not change the number of examples.
+        edit = Edit() if steps[-1] in ("retime", "features") else log.prepared(record)
         if edit is not None:
             log.make(edit)
     walls = [[float(begin["at"])]]
@@ -127,11 +126,11 @@ def training_cost(records: Iterable[Mapping[str, Any]], now: float | None = None
         datetime.fromtimestamp(walls[0][0], UTC).isoformat(timespec="seconds"),
         sum(_passed(times, PAUSE_SECONDS) for times in walls),
         _passed(simulated, PAUSE_SECONDS),
-        told.count("command"),
+        steps.count("command"),
         len(log),
         max(0, len(begin["examples"]) + log.recorded - learned),
-        told.count("undo"),
-        1 + told.count("features"),
+        steps.count("undo"),
+        1 + steps.count("features"),
         sum(1 for record in rest if record.get("proposed")),
         finished,
     )
@@ -143,6 +142,6 @@ def has_steps(records: Iterable[Mapping[str, Any]]) -> bool:
 
 
 def _passed(times: list[float], longest: float) -> float:
-    """Return the time that passed, without jumps back and without what took too long."""
+    """Return the time that passed, without jumps back and without steps that took too long."""
     steps = (after - before for before, after in pairwise(times))
     return sum(step for step in steps if 0.0 < step <= longest)

@@ -1,6 +1,7 @@
 """An assistant that estimates when late commands were due, again with each new one.
 
-What a person has retimed stays as it is. A correction also keeps which decision it corrects.
+Commands that a person has retimed keep their times. A correction also records which decision it
+corrects.
 """
 
 from __future__ import annotations
@@ -23,21 +24,21 @@ from hitab_core.training.retiming import moved
 from hitab_core.training.trainer import Trainer
 
 BLAMED_SECONDS = 1.0
-"""A change of state that was longer before a correction was due is not what is corrected."""
+"""Longest time from a change of state until its correction was due, s."""
 
 Window = tuple[float, Sequence[PerceptRecord]]
-"""When a command was given, s, and the moments around it."""
+"""The time of a command, s, and the moments around it."""
 
 
 class LateCommands:
     """Estimates the delay of commands whose reaction time is unknown.
 
     Args:
-        trainer: of the training.
+        trainer: the trainer.
         people: see below.
 
     Attributes:
-        people: how late the commands of each demonstrator come; kept up to date.
+        people: delay of the commands of each demonstrator; kept up to date.
     """
 
     def __init__(self, trainer: Trainer, people: dict[str, Lateness]) -> None:
@@ -55,7 +56,7 @@ class LateCommands:
         self._trainer.events.changed.subscribe(self._keep)
 
     def _keep(self, record: Mapping[str, Any]) -> None:
-        """Keep what the journal's record of a command says about it, and about earlier ones."""
+        """Keep the data of a command, and of earlier ones, from its record in the journal."""
         if record["do"] != "command":
             return
         first = record["examples"][0]
@@ -75,7 +76,7 @@ class LateCommands:
             given = command.given
             if given.pace and not given.ago and self._trainer.history.is_past:
                 return self._estimate(command)
-            due = command.stated()  # it is known how late the command is
+            due = command.stated()  # the delay of the command is known
             return Proposal(due, (), self._correction(command, due))
         return None
 
@@ -115,7 +116,7 @@ class LateCommands:
 
         The wrong decision is the first change of state after the command was due, whatever
         followed before the person took over; else the last one before, if that was not long
-        before; else that the automaton stayed in the state that was active then.
+        before; else the automaton's staying in the state that was active then.
         """
         if not command.taken_over_in:
             return {}
@@ -141,10 +142,10 @@ class LateCommands:
         """Return a command that came late, and the moments for which it may have been meant.
 
         Args:
-            command: its number.
+            command: number of the command.
             window: see `Window`.
-            label: of the next state.
-            lateness: of the person.
+            label: label of the next state.
+            lateness: lateness of the person's commands.
             recorded: the state and the cycle for which it was recorded; None before that.
 
         Returns:

@@ -1,22 +1,21 @@
 """Lateness: when late commands were due, learned from the commands themselves.
 
 A person who commands a moving robot is late by an unknown time. But commands of one
-kind (leave this state, go to that one) have something in common: all of them answer to the same
-thing, say, to the ball being nearer than some distance, or to a flag that was raised. A guess of
-that cause says for each command when it was due, and so how late it came; a good guess makes the
-same person about equally late each time. So what was meant and how late the person is are
-estimated together, as a distribution over both:
+kind (leave this state, go to that one) have a common cause, say, that the ball is nearer than some
+distance, or that a flag was raised. A guess of that cause gives for each command the time when it
+was due, and so its delay; with a good guess, all delays of a person are about equal. So the cause
+and the delay are estimated together, as a distribution over both:
 
-- *How late*: log-normal, with the median and the spread on a grid (`Lateness`). It begins as wide
+- *The delay*: log-normal, with the median and the spread on a grid (`Lateness`). It begins as wide
   as people are: 95 % of the medians between 0.2 and 1.2 s.
-- *What was meant*: that one feature passed some threshold, came nearer to or farther from straight
+- *The cause*: one feature passed some threshold, came nearer to or farther from straight
   ahead, or took a value; all features are as likely, and of one feature all its thresholds. A
   command that was not given while the guess held speaks against it, the more the longer it held.
 - One command in ten is taken to answer to something else.
 
-The moment of a command is the median of what this says about it. A command without any like it
-says little, so it counts as due the person's usual time before it came. Who takes over from an
-automaton corrects its last change of state, or a missing change, whichever fits.
+The moment of a command is the median of this distribution. The only command of its kind gives
+little evidence, so it counts as due the person's usual delay before it came. A person who takes
+over from an automaton corrects its last change of state, or a missing change, whichever fits.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ SPREADS = np.array([0.15, 0.3, 0.5])
 """The grid: medians, s, and standard deviations of the logarithm."""
 
 OTHERWISE = 0.1
-"""The part of commands that do not answer to what others of their kind do."""
+"""The part of commands that have another cause than the others of their kind."""
 
 P_IMMEDIATE = 0.1
 """Probability that a command answers to a condition that held when its state began, relative to
@@ -64,9 +63,9 @@ class LateCommand:
         delays: shape (n,), how long before the command each moment was for which it may have been
             meant, in the person's seconds, descending.
         values: shape (n, m), of the features in these moments.
-        changed: how long before the command the automaton changed its state; None if the command
-            cannot correct that change.
-        corrects: whether the command corrects that; None if unknown.
+        changed: time from the automaton's last change of state to the command, s; None if the
+            command cannot correct that change.
+        corrects: whether the command corrects that change; None if unknown.
     """
 
     state: str
@@ -131,12 +130,12 @@ _erfc = np.vectorize(math.erfc, otypes=[np.float64])
 def settled(
     commands: Sequence[LateCommand], scales: Sequence[Scale], before: Lateness
 ) -> tuple[list[int], Lateness]:
-    """Return for which of its moments each command was meant, and how late the person is.
+    """Return the moment at which each command was due, and the lateness of the person.
 
     Args:
-        commands: of one person.
-        scales: of the features.
-        before: what was known of the person before these commands.
+        commands: commands of one person.
+        scales: scales of the features.
+        before: lateness of the person as estimated before these commands.
 
     Returns:
         Indices of moments, -1 for the change of state that a command corrects; and the lateness.
@@ -170,11 +169,11 @@ class _Explanations:
     """Possible causes of commands of one kind.
 
     Attributes:
-        commands: of the kind.
-        first: shape (guesses, commands), the first moment in which each guess holds; -1: none.
+        commands: commands of the kind.
+        first: shape (guesses, commands), the first moment in which each guess holds, or -1.
         fitting: shape (guesses, commands, medians, spreads), how probable it is that a command
             answers to a guess.
-        changing: of the same shape, for correcting a change of state.
+        changing: the same shape, how probable it is that a command corrects a change of state.
         log_likelihood: shape (guesses, medians, spreads), with the guess's own probability.
     """
 
@@ -239,7 +238,7 @@ def _explanations(
 def _guesses(
     commands: Sequence[LateCommand], others: Sequence[LateCommand], scales: Sequence[Scale]
 ) -> tuple[Booleans, Floats]:
-    """Return what commands may answer to.
+    """Return the possible causes of commands.
 
     Returns:
         shape (guesses, moments of the commands and then of the others), in which moments each
@@ -269,7 +268,7 @@ def _guesses(
 
 
 def _measures(column: Floats, scale: Scale) -> list[Floats]:
-    """Return what may have passed a threshold: a value, or on a circle either side and both."""
+    """Return the measures that may have passed a threshold; on a circle also the size."""
     if scale.kind is FeatureKind.TOROIDAL:
         signed = (column + scale.period / 2.0) % scale.period - scale.period / 2.0
         return [signed, np.abs(signed)]
@@ -277,7 +276,7 @@ def _measures(column: Floats, scale: Scale) -> list[Floats]:
 
 
 def _firsts(holds: Booleans, commands: Sequence[LateCommand]) -> Integers:
-    """Return the first moment of each command in which each guess holds; -1: none."""
+    """Return the first moment of each command in which each guess holds, or -1."""
     lengths = [len(command.values) for command in commands]
     begins = np.cumsum([0, *lengths[:-1]])
     never = sum(lengths)

@@ -11,10 +11,10 @@ from hitab_core.training.trainer import Trainer
 
 
 class Loops:
-    """Looks for loops in what would be learned from the examples of a training as they are.
+    """Looks for loops in the automaton that would be learned from the present examples.
 
     Args:
-        trainer: of the training.
+        trainer: the trainer.
     """
 
     def __init__(self, trainer: Trainer) -> None:
@@ -24,19 +24,19 @@ class Loops:
         self._about: tuple[Example, ...] = ()
 
     def subscribe(self) -> None:
-        """Look for loops from now on when asked."""
+        """Enable the search for loops."""
         self._looks = True
 
     def remarks(self, *, look: bool = False) -> list[Remark]:
-        """Return what was found; nothing if the examples have changed since.
+        """Return the loops found; none if the examples have changed since.
 
         Args:
-            look: again, if they have.
+            look: search again if they have changed.
         """
         trainer, examples = self._trainer, self._trainer.examples
         if look and self._looks and self._about is not examples:
             self._about, self._found = examples, []
-            with suppress(HitabError):  # testing says what cannot be learned from
+            with suppress(HitabError):  # testing reports why nothing can be learned
                 classifier = trainer.curriculum.classifier
                 self._found = loops(trainer.automaton(), trainer.context.repertoire, classifier)
         return self._found if self._about is examples else []

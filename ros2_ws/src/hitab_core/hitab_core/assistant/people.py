@@ -1,4 +1,4 @@
-"""How late the commands of each person come, as texts that an agent's journal keeps.
+"""Lateness of each person's commands, as texts that an agent's journal keeps.
 
 Nothing but the first commands of the next training depends on it, so a text that cannot be used is
 left out.

@@ -25,9 +25,9 @@ class Choice:
     """One answer to a question.
 
     Attributes:
-        name: what the person says.
-        effect: of the answer, for people.
-        record: of this step of the training, as in the journal; None if the answer changes
+        name: text of the answer.
+        effect: effect of the answer, in words.
+        record: this step of the training, as in the journal; None if the answer changes
             nothing and the question is not asked again.
     """
 
@@ -42,13 +42,13 @@ class Question:
 
     Attributes:
         number: unique within the training.
-        kind: of the question.
+        kind: kind of the question.
         text: the question.
         state: label of the state whose decision it is about.
         examples: numbers of the examples in question.
-        choices: what can be answered; the first one is proposed.
+        choices: possible answers; the first one is proposed.
         situation: values of the automaton's features, NaN for any; empty for no situation.
-        key: what makes it the same question again.
+        key: identity of the question, if it is found again.
     """
 
     number: int
@@ -71,7 +71,7 @@ def added(
 ) -> Mapping[str, Any]:
     """Return the step of a training that adds an example, as the journal records it.
 
-    The arguments are those of `answer_kind`.
+    For the arguments see `answer_kind`.
     """
     values = [None if math.isnan(value) else value for value in situation]
     kind = answer_kind(state, next_state, bisects=bisects).value

@@ -12,7 +12,7 @@ from hitab_core.example import Example
 from hitab_core.wording import numbered, quantity, some
 
 VALUES_SHOWN_MAX = 4
-"""Maximum number of values named; beyond it, only those that the decision depends on."""
+"""Maximum number of values named; with more, only values that the decision depends on."""
 
 
 def commanded(group: Sequence[Example]) -> str:
@@ -53,14 +53,14 @@ def situation(evidence: Evidence, values: Sequence[float]) -> str:
 
 
 def answered(state: str, next_state: str) -> str:
-    """Return what an answer does that says what is right in a situation."""
+    """Return the effect of an answer that gives the right decision of a situation."""
     if next_state == state:
         return f"adds an example: stay in {state} there"
     return f"adds an example: go to {next_state} there"
 
 
 def effect(what: str, changed: Sequence[Changed]) -> str:
-    """Return what an answer does, with the first decision of each state that it changes."""
+    """Return the effect of an answer, with the first changed decision of each state."""
     first: dict[str, str] = {}
     for evidence, values, was, now in changed:
         if (state := evidence.state) not in first:

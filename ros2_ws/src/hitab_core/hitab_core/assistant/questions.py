@@ -1,7 +1,7 @@
 """Questions of an agent about the examples of its training, and the effects of answers.
 
 There are two kinds of questions: two commands in the same situation contradict each other; or a
-situation was met, and nothing like it was shown. Each is found again from the examples as they are
+situation was met, and nothing like it was shown. Each is found again from the present examples
 (`hitab_core.advice`), so an answer that changes them ends its question, and undoing the answer
 asks it again.
 """
@@ -39,19 +39,19 @@ TIMERS = tuple(term for term in OWN_FEATURES if term.name not in FLAGS)
 CORRECTED = 2
 """Number of other commands that a correction outweighs evenly."""
 
-TOLD = 3
-"""Of so many questions at a time, it is found what their answers change."""
+WITH_EFFECTS_MAX = 3
+"""Maximum number of questions for which the effects of answers are computed in advance."""
 
 
 class _Material:
-    """What questions are found from.
+    """Data from which questions are found.
 
     Attributes:
-        examples: of the training.
-        classifier: that learns from them.
-        labels: of the states, without Start.
-        goals: labels of what may be right: the chosen states, or those of the states.
-        met: the features' values in a sample of what was met, each with the state of that time.
+        examples: examples of the training.
+        classifier: classifier that learns from them.
+        labels: labels of the states, without Start.
+        goals: labels of possible answers: the chosen states, or else those in the examples.
+        met: a sample of the situations met: feature values, each with the state of that time.
     """
 
     def __init__(self, trainer: Trainer, situations: SituationSample) -> None:
@@ -67,7 +67,7 @@ class _Material:
         self._about = scales, names, units, chosen.classifier
 
     def evidence(self, state: str, examples: Sequence[Example] | None = None) -> Evidence:
-        """Return what the transition function of a state is learned from."""
+        """Return the evidence from which the transition function of a state is learned."""
         return Evidence.of(state, self.examples if examples is None else examples, *self._about)
 
 
@@ -75,10 +75,10 @@ class Questions:
     """The questions of one training, numbered as they come up.
 
     Args:
-        trainer: of the training.
+        trainer: the trainer.
 
     Attributes:
-        answered: what was answered, in words, oldest first.
+        answered: the answered questions, in words, oldest first.
     """
 
     def __init__(self, trainer: Trainer) -> None:
@@ -99,11 +99,11 @@ class Questions:
         self._about: tuple[Example, ...] | None = None
         self._contradicting: list[Question] = []
         self._known: list[Question] = []
-        self._told: dict[int, Question] = {}  # with what their answers change
+        self._with_effects: dict[int, Question] = {}  # with the effects of their answers
         self._searched: Hashable = None
 
     def subscribe(self) -> None:
-        """See situations and examples from now on."""
+        """Start to collect situations and examples."""
         self._asks = True
         events = self._trainer.events
         events.perceived.subscribe(self._meet)
@@ -130,12 +130,12 @@ class Questions:
         return self._situations.news
 
     def known(self) -> list[Question]:
-        """Return what is asked now, without looking for what takes long to find.
+        """Return the open questions, without a search that takes long.
 
-        All contradictions are, and of the others the most useful one.
+        These are all contradictions, and the most useful one of the others.
         """
         self._look_at_examples()
-        return [self._told.get(question.number, question) for question in self._asked()]
+        return [self._with_effects.get(question.number, question) for question in self._asked()]
 
     def _asked(self) -> list[Question]:
         asked = [question for question in self._known if question.words not in self._dismissed]
@@ -143,17 +143,17 @@ class Questions:
         return [q for q in asked if q not in others[1:]]
 
     def _look_at_examples(self) -> None:
-        """Look for those that are found at once, if the examples have changed."""
+        """Find the contradictions, if the examples have changed."""
         log = self._log
         if self._asks and self._about is not log.examples:
-            self._about, self._searched, self._told = log.examples, None, {}
+            self._about, self._searched, self._with_effects = log.examples, None, {}
             self._known = self._contradicting = self._contradictions(log.contradictory())
 
     def find(self) -> list[Question]:
-        """Return what is asked now, see `known`; this can take a tenth of a second.
+        """Return the open questions after a search, which can take a tenth of a second.
 
         Raises:
-            TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
+            TrainingError, FeatureValueError, VocabularyError: see `Evidence.learn`.
         """
         for _ in self.search():
             pass
@@ -162,11 +162,11 @@ class Questions:
     def search(self) -> Iterator[None]:
         """Look for questions, for `find`, in steps between which something else can be done.
 
-        What the answers to the first ones would change is looked for, too. If the examples change
+        The effects of answers to the first questions are computed, too. If the examples change
         meanwhile, the search ends; begin another one.
 
         Raises:
-            TrainingError, FeatureValueError, VocabularyError: as learning from the examples.
+            TrainingError, FeatureValueError, VocabularyError: see `Evidence.learn`.
         """
         if not self._asks:
             return
@@ -182,18 +182,18 @@ class Questions:
                 if self._about is not examples:
                     return
             found.sort(key=lambda ranked: -ranked[0])
-            # What is asked already stays: somebody may be reading it, or about to answer it.
+            # Open questions stay: a person may be reading one, or about to answer it.
             asked = [q for q in self._asked() if q not in self._contradicting]
             others = [question for _, question in found if question not in asked]
             self._known = [*self._contradicting, *asked, *others]
             self._searched = news
-        untold = [q for q in self._asked()[:TOLD] if q.number not in self._told]
-        if untold:
+        new = [q for q in self._asked()[:WITH_EFFECTS_MAX] if q.number not in self._with_effects]
+        if new:
             given = _Material(self._trainer, self._situations)
             if ClassifierSpec.parse(given.classifier).name != TREE:
                 return
             evidence = {state: given.evidence(state) for state in (START, *given.labels)}
-        for question in untold:
+        for question in new:
             choices = []
             for choice in question.choices:
                 decisions: list[Changed] = []
@@ -204,14 +204,14 @@ class Questions:
                         return
                 effect = question_texts.effect(choice.effect, decisions)
                 choices.append(replace(choice, effect=effect))
-            self._told[question.number] = replace(question, choices=tuple(choices))
+            self._with_effects[question.number] = replace(question, choices=tuple(choices))
 
     def get(self, number: int) -> Question:
         """Return an open question.
 
         Raises:
             TrainingError: if it is not open, saying why.
-            FeatureValueError, VocabularyError: as `find`.
+            FeatureValueError, VocabularyError: see `find`.
         """
         found = self.find()
         for question in found:
@@ -247,7 +247,7 @@ class Questions:
         given: _Material,
         evidence: Mapping[str, Evidence],
     ) -> Iterator[list[Changed]]:
-        """Yield which decisions an answer changes, of those that were met, state by state."""
+        """Yield the decisions in met situations that an answer changes, state by state."""
         edit = self._log.prepared(choice.record or {"do": ""}) or Edit()
         examples = self._log.after(edit)
         states = (question.state, *(e.state for e in (*edit.gone, *edit.came)))
@@ -259,14 +259,14 @@ class Questions:
     # -- finding ----------------------------------------------------------------------------
 
     def _found(self, given: _Material) -> Iterator[tuple[float, Question] | None]:
-        """Yield those that take long to find, with what their answers tell; None in between."""
+        """Yield questions that take long to find, with the gain of an answer; None in between."""
         for state in (START, *given.labels):
             if state in FLAGS:
                 continue
             evidence = given.evidence(state)
             found = unshown(evidence, *_about(state, given))
             if found is not None:
-                yield found.told, self._of_unshown(found, evidence)
+                yield found.gain, self._of_unshown(found, evidence)
             yield None
 
     def _contradictions(self, examples: Sequence[Example]) -> list[Question]:
@@ -312,7 +312,7 @@ def _about(
 def _commands(
     state: str, situation: Sequence[float], labels: Sequence[str], *, bisects: bool = False
 ) -> tuple[Choice, ...]:
-    """Return the answers that say what to do in a situation, one for each different label."""
+    """Return the answers to a question about a situation, one for each different label."""
     choices = []
     for label in dict.fromkeys(labels):
         if label != START:
@@ -322,10 +322,10 @@ def _commands(
 
 
 def _weighed(group: Sequence[Example]) -> list[str]:
-    """Return the next states of examples in the same situation, that which most speaks for first.
+    """Return the next states of examples in the same situation, by weight, the heaviest first.
 
-    A correction counts for `CORRECTED` others, since the person has seen what these led to. Of
-    those with the same weight, the one that was commanded last comes first.
+    A correction counts for `CORRECTED` others, since the person has seen the effect of these. Of
+    next states with the same weight, the one commanded last comes first.
     """
     weights: dict[str, int] = {}
     for example in reversed(group):

@@ -1,8 +1,8 @@
 """The situations that an agent in training met: a bounded sample in which every kind has a place.
 
-Of hours in one situation and a second in another, the second matters as much: what the agent will
-do there has to be decided, too. So moments are sorted into kinds, which differ in the state or in
-what is so or not so, and each kind keeps a random sample of its own.
+A situation that lasts a second matters as much as one that lasts hours: the agent must decide in
+both. So moments are sorted into kinds, which differ in the state or in boolean or categorical
+values, and each kind keeps a random sample of its own.
 
 Source: J. S. Vitter, Random sampling with a reservoir, ACM Transactions on Mathematical Software
 11, 1985, algorithm R.
@@ -36,7 +36,7 @@ class SituationSample:
 
         Args:
             kind: moments of different kinds do not replace each other, unless one has many.
-            moment: what was met.
+            moment: the percept.
         """
         sample = self._kinds.setdefault(kind, [])
         self._seen[kind] = self._seen.get(kind, 0) + 1

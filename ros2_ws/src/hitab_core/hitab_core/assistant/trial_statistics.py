@@ -1,6 +1,6 @@
-"""An assistant that counts, by episodes, what an automaton under test does, and remarks on it.
+"""An assistant that counts the decisions of a tested automaton by episodes, and remarks on them.
 
-A world tells an agent when an episode begins; robots in no world have no episodes, and get none
+Episodes begin where the world says so; robots outside of a world have no episodes, and get none
 of these remarks. Only whole episodes without a takeover count, of a test of the same
 examples.
 """
@@ -18,8 +18,8 @@ from hitab_core.training.trainer import Trainer
 EPISODES_MIN = 50
 """Minimum number of episodes before a missing event is remarked on.
 
-The rarest states of the shipped lessons are entered in one episode of ten to fifteen; what is due
-in one of fifteen is missing in all of fifty with a probability of 0.03.
+The rarest states of the shipped lessons are entered in one episode of ten to fifteen; an event
+of one in fifteen is missing in all of fifty with a probability of 0.03.
 """
 
 
@@ -27,7 +27,7 @@ class TrialStatistics:
     """Statistics of the tested automaton, by episodes.
 
     Args:
-        trainer: of the training.
+        trainer: the trainer.
     """
 
     def __init__(self, trainer: Trainer) -> None:
@@ -35,7 +35,7 @@ class TrialStatistics:
         self._forget(())
 
     def subscribe(self) -> None:
-        """See what is decided from now on."""
+        """Start to count decisions."""
         events = self._trainer.events
         events.episode.subscribe(self._begin)
         events.interrupted.subscribe(self._interrupt)
@@ -65,7 +65,7 @@ class TrialStatistics:
         self._whole, self._active = False, active
 
     def _see(self, active: str) -> None:
-        """See which state is active after a tick, decided by what was learned from examples."""
+        """Count the state that is active after a tick of the tested automaton."""
         examples = self._trainer.examples
         if examples is not self._about:
             whole = self._whole and not self._seen
@@ -78,7 +78,7 @@ class TrialStatistics:
         self._ever.add(active)
 
     def remarks(self) -> list[Remark]:
-        """Return the remarks on what was learned from the examples as they are."""
+        """Return the remarks on the automaton learned from the present examples."""
         return self._found if self._trainer.examples is self._about else []
 
     def _remarks(self) -> list[Remark]:
@@ -86,7 +86,7 @@ class TrialStatistics:
             return []
         found = []
         commands = [e for e in self._about if not e.is_default]
-        # What leads to nothing but states that were not entered is said of these.
+        # A path to states that were never entered is reported with these states.
         follows = {
             e.state: e.next_state for e in commands if e.leaves and e.next_state in self._ever
         }

@@ -1,8 +1,9 @@
 """Labels of moments, found in alternation with learning the automaton that chose them.
 
-With given transition functions, those sequences of states are likely that explain both what was
-done and when it changed; with given sequences, the engine's own learner learns the functions. The
-two alternate until the labels settle, as in expectation maximization. The states are behaviors.
+With given transition functions, those sequences of states are likely that explain both the
+actions and the times of changes; with given sequences, the engine's own learner learns the
+functions. The two alternate until the labels settle, as in expectation maximization. The states
+are behaviors.
 
 Reference: J. Xin et al., Programmatic Imitation Learning from Unlabeled and Noisy Demonstrations,
 2024, arXiv 2303.01440, with a program where this has trees.
@@ -44,11 +45,11 @@ SETTLED = 0.002
 """The share of moments whose label may still change when the labels have settled."""
 
 Functions = Mapping[str, LearnedTransition]
-Told = Callable[[int, int, str], None]
+Progress = Callable[[int, int, str], None]
 """Called with the amount done, the total and the current activity."""
 
 
-def untold(done: int, total: int, doing: str) -> None:
+def no_progress(done: int, total: int, doing: str) -> None:
     """Ignore the progress."""
 
 
@@ -58,8 +59,8 @@ class Run:
 
     Attributes:
         features: shape (n, m), seen at each moment.
-        apart: shape (n, k, d), how far what was done is from each behavior's output.
-        known: by moment, the index of the behavior that a person said it was.
+        apart: shape (n, k, d), distance of the action from each behavior's output.
+        known: by moment, the index of the behavior that a person chose.
     """
 
     features: Floats
@@ -72,12 +73,12 @@ class Shown:
     """Labeled runs.
 
     Attributes:
-        labels: of each run, the index of the most probable behavior at each moment.
-        confidence: of each run, how probable that is.
-        unexplained: of each run, at which moments no behavior would have done what was done.
-        drawn: of each run, sequences of labels drawn from what is probable, shape (draws, n).
-        spread: shape (d,), of what was done around what the behaviors would have done.
-        rounds: of alternating; 0 for a sticky prior alone.
+        labels: by run, the index of the most probable behavior at each moment.
+        confidence: by run, the probability of that behavior at each moment.
+        unexplained: by run and moment, whether no behavior explains the action.
+        drawn: by run, sequences of labels drawn by their probability, shape (draws, n).
+        spread: shape (d,), spread of the actions around the outputs of the behaviors.
+        rounds: number of alternations; 0 for a sticky prior alone.
     """
 
     labels: tuple[Integers, ...]
@@ -95,17 +96,17 @@ def label(
     *,
     rounds: int = ROUNDS,
     seed: int = 0,
-    told: Told = untold,
+    progress: Progress = no_progress,
 ) -> Shown:
-    """Return which behavior each moment of some runs was.
+    """Return the behavior of each moment of some runs.
 
     Args:
-        runs: that were shown, of one person or script.
+        runs: runs of one person or script.
         behaviors: names of the k behaviors.
-        scales: of the m features.
-        rounds: of alternating at most; 0 for a sticky prior alone.
-        seed: of the draws.
-        told: called with the number of rounds done.
+        scales: scales of the m features.
+        rounds: maximum number of alternations; 0 for a sticky prior alone.
+        seed: seed of the draws.
+        progress: called with the number of rounds done.
 
     Raises:
         TrainingError: if there is nothing to label.
@@ -133,7 +134,7 @@ def label(
             break
         before = now
         functions = learn_transitions(list(examples_of(runs, drawn, behaviors)), scales, BETWEEN)
-        told(done + 1, rounds, "alternating")
+        progress(done + 1, rounds, "alternating")
     return Shown(
         tuple(labels),
         tuple(belief.max(axis=1) for belief in beliefs),
@@ -191,7 +192,7 @@ def _odds(run: Run, spread: Floats) -> Floats:
 def examples_of(
     runs: Sequence[Run], drawn: Sequence[Integers], behaviors: Sequence[str]
 ) -> Iterator[Example]:
-    """Yield what each moment of each sequence says: where it went from the moment before."""
+    """Yield an example for each moment of each sequence: the change from the moment before."""
     for run, sequences in zip(runs, drawn, strict=True):
         rows = [tuple(row) for row in run.features.tolist()]
         for sequence in sequences.tolist():

@@ -17,28 +17,28 @@ _FLOOR = 1e-3
 """The least spread, as a share of the largest difference: exact scripts have none."""
 
 _EXACT = 0.02
-"""A driver that does exactly what two behaviors would, this share of the time each: a program.
+"""Share of the time, for each of two behaviors, in which a program's actions equal theirs exactly.
 
-Then whatever else was done is explained by none. People hit only rest exactly.
+Then no behavior explains the program's other actions. People hit only rest exactly.
 """
 
 _EQUAL = 1e-6
 """A share of the least spread; numbers that are closer are equal."""
 
 _NEAR, _OF_A_BELL = 0.95, 1.148
-"""A share of moments; what their root mean square is to be multiplied by."""
+"""A share of moments, and the factor from their root mean square to a standard deviation."""
 
 _BEYOND = -0.5 * SURE**2 - 4
-"""The log of how likely, beside what a behavior would do, anything else is; bounds outliers."""
+"""Log likelihood, relative to a behavior's own action, of any other action; bounds outliers."""
 
 
 def apart(did: ArrayLike, would: ArrayLike, scales: Sequence[Scale] | None = None) -> Floats:
-    """Return how far what was done is from each behavior's output, shape (n, k, d).
+    """Return the distance of the actions from each behavior's output, shape (n, k, d).
 
     Args:
         did: shape (n, d); NaN where not measured.
         would: shape (n, k, d): the output of each behavior; NaN where it leaves it open.
-        scales: of each of the d numbers, a toroidal one wraps around; None if none does.
+        scales: scales of the d numbers; a toroidal one wraps around. None if none does.
     """
     found = np.asarray(did, np.float64)[:, None, :] - np.asarray(would, np.float64)
     for i, scale in enumerate(scales or ()):
@@ -49,10 +49,10 @@ def apart(did: ArrayLike, would: ArrayLike, scales: Sequence[Scale] | None = Non
 
 
 def spread_of(apart: Floats, labels: Integers | None = None) -> Floats:
-    """Return the usual distance of actions from those of their behavior, shape (d,).
+    """Return the usual distance of actions from their behavior's output, shape (d,).
 
-    One standard deviation of a bell, by the nearest 95 % of the moments, so that a few that no
-    behavior explains do not widen it; the least, if a program did it (`_EXACT`).
+    It is one standard deviation of a bell, by the nearest 95 % of the moments, so that a few
+    unexplained ones do not widen it; the least, if the driver was a program (`_EXACT`).
 
     Args:
         apart: shape (n, k, d).
@@ -82,6 +82,6 @@ def log_likelihoods(apart: Floats, spread: Floats) -> Floats:
 
 
 def unexplained(apart: Floats, spread: Floats) -> Booleans:
-    """Return at which moments no behavior would have done nearly what was done, shape (n,)."""
+    """Return whether no behavior explains the action, by moment, shape (n,)."""
     worst = np.nan_to_num(np.abs(apart) / spread).max(axis=2)
     return np.asarray(worst.min(axis=1) > SURE)

@@ -1,8 +1,8 @@
-"""Sequences of states: which one each moment was, given how likely each makes what was done.
+"""Sequences of states: the state of each moment, given the likelihood of its action in each state.
 
 A run has n moments and k states. ``steps[t, i, j]`` is the probability that state i is followed by
 j at moment t, which depends on the features seen there; ``odds[t, j]`` is proportional to how
-likely state j makes what was done at moment t. All is for one run.
+likely the action at moment t is in state j. All is for one run.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ def forward(start: Floats, steps: Floats, odds: Floats) -> Floats:
     Args:
         start: shape (k,), of the states before the first moment.
         steps: shape (n, k, k), rows sum to 1.
-        odds: shape (n, k); all the same: nothing is known of what was done.
+        odds: shape (n, k); equal in a row if the action is unknown.
     """
     found = np.empty(steps.shape[:2])
     now = start

@@ -1,4 +1,4 @@
-"""The shown action at each moment, and what each basic behavior would have done instead."""
+"""The shown action at each moment, and the action of each basic behavior in its place."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hitab_core.action_behavior import ActionBehavior
 from hitab_core.arrays import Floats
 from hitab_core.domain import FLAGS_AND_TIMERS, Domain
 from hitab_core.errors import VocabularyError
-from hitab_core.labeling.labels import Run, Told, untold
+from hitab_core.labeling.labels import Progress, Run, no_progress
 from hitab_core.labeling.likelihood import apart
 from hitab_core.running.feature_cache import FeatureCache, resolved, value_or_nan
 from hitab_core.term import Term
@@ -27,8 +27,8 @@ class ShownAction:
     Attributes:
         when: time on the clock of the source, s.
         time: simulated, or the robot's, s.
-        cycle: of the world.
-        episode: number of it; each is a run of its own.
+        cycle: the world's cycle.
+        episode: number of the episode; each is a run of its own.
         values, heard: the percept.
         did: the action, in the layout of the domain, empty if there is none; None if unknown.
     """
@@ -43,10 +43,10 @@ class ShownAction:
 
 
 def behaviors_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Term, ...]:
-    """Return the behaviors that moments may have been; if none are chosen, all without targets.
+    """Return the behaviors to choose from; if none are given, all without targets.
 
     Raises:
-        VocabularyError: naming what is no basic behavior, or if there are fewer than two.
+        VocabularyError: if a name is no basic behavior, or there are fewer than two.
     """
     known = {
         name: behavior.parameters
@@ -63,10 +63,10 @@ def behaviors_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Term, ...]:
 
 
 def features_meant(domain: Domain, chosen: Iterable[str]) -> tuple[Term, ...]:
-    """Return the features by which the behaviors may have been chosen.
+    """Return the features on which the choice of a behavior may have depended.
 
     Raises:
-        VocabularyError: naming what does not exist, or is not known before the behaviors are.
+        VocabularyError: naming an unknown feature, or one that depends on the behavior.
     """
     terms = tuple(dict.fromkeys(map(Term.parse, chosen)))
     for term in terms:
@@ -87,20 +87,20 @@ def runs_of(
     agent: str,
     behaviors: Sequence[Term],
     features: Sequence[Term],
-    told: Told = untold,
+    progress: Progress = no_progress,
 ) -> tuple[list[Run], Floats]:
-    """Return the episodes of some moments as runs to label, and what was done, shape (n, d).
+    """Return the episodes of some moments as runs to label, and the actions, shape (n, d).
 
     Each behavior has a body of its own and is pulsed at each moment. Actions that are shorter than
     others count as if they ended in zeros.
 
     Args:
-        moments: in their order.
-        domain: of the agent.
-        agent: its name.
+        moments: the moments in their order.
+        domain: domain of the agent.
+        agent: name of the agent.
         behaviors: possible ones.
-        features: by which they may have been chosen.
-        told: called with the number of moments done.
+        features: features on which the choice of a behavior may have depended.
+        progress: called with the number of moments done.
     """
     body = domain.body(agent)
     feature_cache = FeatureCache(body, domain)
@@ -112,7 +112,7 @@ def runs_of(
         seen.append([value_or_nan(feature_cache.look, term) for term in features])
         did.append(moment.did)
         would.append([pulse(moment) for pulse in pulses])
-        told(done, len(moments), "asking each behavior")
+        progress(done, len(moments), "asking each behavior")
     every = [*(d for d in did if d is not None), *(w for outputs in would for w in outputs)]
     width = max(1, max(map(len, every), default=0))
     acted = np.array([_padded(d, width) for d in did])
@@ -127,7 +127,7 @@ def runs_of(
 
 
 def _pulsed(domain: Domain, agent: str, term: Term) -> Callable[[ShownAction], Sequence[float]]:
-    """Return what tells what a behavior would do at a moment; nothing if it cannot."""
+    """Return a function from a moment to a behavior's action, which is empty if it has none."""
     body, behavior = domain.body(agent), domain.behaviors[term.name]
     pulse = resolved(behavior.pulse, body, domain, term)
     begin = resolved(behavior.start, body, domain, term)

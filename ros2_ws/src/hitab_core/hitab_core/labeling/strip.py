@@ -1,4 +1,4 @@
-"""The strip of a demonstration: which behavior it was from when to when, and how sure that is."""
+"""The strip of a demonstration: its behaviors in time, and the confidence in them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hitab_core.agent import Agent
 from hitab_core.arrays import Booleans, Floats, Integers
 from hitab_core.domain import Domain
 from hitab_core.errors import LibraryError, TrainingError
-from hitab_core.labeling.labels import Run, Told, label, untold
+from hitab_core.labeling.labels import Progress, Run, label, no_progress
 from hitab_core.labeling.shown_actions import ShownAction, behaviors_meant, features_meant, runs_of
 from hitab_core.library.behavior_library import BehaviorLibrary
 from hitab_core.saving import SavedBehavior
@@ -30,14 +30,14 @@ UNEXPLAINED_MAX = 0.5
 
 @dataclass(frozen=True)
 class Span:
-    """Moments in a row that were one behavior.
+    """Consecutive moments of one behavior.
 
     Attributes:
-        begin, end: s; the end is when the next one begins.
+        begin, end: times, s; the end is the beginning of the next span.
         behavior: the label.
-        sure: how probable that is, the mean of its moments.
-        moments: how many they are.
-        unexplained: at how many of them no behavior would have done what was done.
+        sure: mean probability of the label over the moments.
+        moments: number of moments.
+        unexplained: number of moments at which no behavior explains the action.
         corrected: whether a person labeled some of the moments.
     """
 
@@ -51,12 +51,12 @@ class Span:
 
 
 class Strip:
-    """Labels of what one agent did, to be corrected by hand and trained on.
+    """Labels of one agent's actions, to be corrected by hand and learned from.
 
     Attributes:
-        behaviors: that moments may have been.
-        known: by moment, the index of the behavior that a person said it was.
-        rounds: of alternating that the labels took.
+        behaviors: behaviors to choose from.
+        known: by moment, the index of the behavior that a person chose.
+        rounds: number of alternations that the labels took.
     """
 
     def __init__(
@@ -68,22 +68,22 @@ class Strip:
         features: Iterable[str],
         corrections: Iterable[tuple[float, float, str]] = (),
         *,
-        told: Told = untold,
+        told: Progress = no_progress,
     ) -> None:
         """Label a demonstration.
 
         Args:
-            moments: in their order.
-            domain: of the agent.
-            agent: its name.
-            behaviors: basic ones, that moments may have been; none: all without targets.
-            features: by which they may have been chosen.
+            moments: the moments in their order.
+            domain: domain of the agent.
+            agent: name of the agent.
+            behaviors: basic behaviors to choose from; by default all without targets.
+            features: features on which the choice of a behavior may have depended.
             corrections: see `correct`.
             told: called with the progress.
 
         Raises:
             TrainingError: if there is nothing to label, or the behaviors do not explain it.
-            VocabularyError: naming what does not exist.
+            VocabularyError: naming the unknown word.
         """
         self.agent, self.domain, self.moments = agent, domain, moments
         self._uses = behaviors_meant(domain, behaviors)
@@ -98,8 +98,8 @@ class Strip:
             self.correct(begin, end, behavior)
         self.label(told)
 
-    def label(self, told: Told = untold) -> None:
-        """Find the labels again, with what is known."""
+    def label(self, progress: Progress = no_progress) -> None:
+        """Label again; the labels that a person chose stay."""
         runs: list[Run] = []
         begin = 0
         for run in self._runs:
@@ -108,7 +108,7 @@ class Strip:
             runs.append(replace(run, known=known))
             begin = end
         scales = [self.domain.scale_of(term) for term in self._features]
-        shown = label(runs, self.behaviors, scales, told=told)
+        shown = label(runs, self.behaviors, scales, progress=progress)
         unexplained = np.concatenate(shown.unexplained)
         unexplained[[*self.known]] = False
         varies = self._varied > 0
@@ -168,20 +168,20 @@ class Strip:
 
     @property
     def _end(self) -> float:
-        """End of the last moment, which is as long as the one before."""
+        """End of the last moment, which is taken to be as long as the previous moment."""
         return 2 * self.moments[-1].when - self.moments[-2].when
 
     def train(self, name: str, library: BehaviorLibrary, source: str) -> SavedBehavior:
         """Train a behavior as if each change of the label had been commanded, and save it.
 
         Args:
-            name: of the behavior.
-            library: to save it in.
-            source: the name of what the demonstration was recorded in, for its provenance.
+            name: name of the behavior.
+            library: library to save it in.
+            source: name of the recording, for the provenance.
 
         Raises:
             LibraryError: if the library has another domain, or cannot be written.
-            TrainingError, VocabularyError: as any training.
+            TrainingError, VocabularyError: see `Trainer`.
         """
         if library.domain.name != self.domain.name:
             raise LibraryError(
@@ -201,7 +201,7 @@ class Strip:
         return agent.save(note=note)
 
     def _changes(self) -> Iterator[tuple[ShownAction, Term | None, bool]]:
-        """Yield each moment, the behavior that is commanded then, and if an episode begins."""
+        """Yield each moment, its commanded behavior, and whether an episode begins."""
         episode, before = None, -1
         for moment, which in zip(self.moments, self.labels.tolist(), strict=True):
             begins = moment.episode != episode

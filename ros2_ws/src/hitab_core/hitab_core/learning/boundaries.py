@@ -65,7 +65,7 @@ def end_between(
             which may lead through zero.
         period: the length of the circle.
         before_is_default, after_is_default: whether all examples at that value are default ones.
-        kept: how far the other way it is from the default example, across all of its side, to the
+        kept: distance the other way from the default example, across all of its side, to the
             nearest demonstrated one; infinite: the default example reaches all around the circle.
     """
     if before_is_default == after_is_default:

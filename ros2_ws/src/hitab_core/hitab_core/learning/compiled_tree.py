@@ -4,7 +4,7 @@ Every test becomes ``low < value <= high``, after ``value %= period`` if there i
 one decision costs a fraction of a microsecond.
 
 Where a value is missing, a decision goes down one branch by its draw, as often as examples went
-there in training; what is left of the draw is uniform again and serves for what follows. So every
+there in training; the rest of the draw is uniform again and serves for the next one. So every
 decision takes at most one draw.
 """
 

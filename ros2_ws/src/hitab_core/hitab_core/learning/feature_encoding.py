@@ -11,7 +11,7 @@ from hitab_core.domain import FeatureKind, Scale
 
 
 def encoding_of(X: Floats, scales: Sequence[Scale]) -> Callable[[Floats], Floats]:
-    """Return what encodes feature values, fitted to those of examples.
+    """Return an encoder of feature values, fitted to the values of examples.
 
     A continuous feature is standardized by the mean and standard deviation of the examples, since
     many classifiers measure distances, in which meters must not outweigh radians. A toroidal one
@@ -20,7 +20,7 @@ def encoding_of(X: Floats, scales: Sequence[Scale]) -> Callable[[Floats], Floats
 
     Args:
         X: shape (n, m), of the examples.
-        scales: how the values of each of the m features compare.
+        scales: scale of each of the m features.
 
     Returns:
         A function from shape (k, m) to shape (k, number of columns).

@@ -48,7 +48,7 @@ def feature_values(
 
     Args:
         X: shape (n, m), values; None or NaN if missing.
-        scales: how the values of each of the m features compare.
+        scales: scale of each of the m features.
         names: names of the features, for errors.
         rows: labels of the rows for errors; ``row 0``, ``row 1``, ... by default.
         may_miss: whether values may be missing.

@@ -39,12 +39,12 @@ def _n_log_n_of_fractions(n: Any) -> Any:
 def gain_and_ratio(counts: Counts, unknown: float = 0) -> tuple[float, float]:
     """Return information gain (bits) and gain ratio of a split.
 
-    The gain is that of the examples with a value, times the fraction that they are of all; in the
+    The gain of the examples with a value is multiplied by the fraction that has one; in the
     split information the examples without a value are one more branch.
 
     Args:
         counts: shape (n_branches, n_classes), examples of each class in each branch.
-        unknown: how many more there are without a value.
+        unknown: number of examples without a value.
     """
     if unknown:
         counts = counts.astype(np.float64)

@@ -28,8 +28,8 @@ def distribution_at(root: Node, value_of: ValueOf) -> list[float]:
 
     Args:
         root: the tree.
-        value_of: of the features; asked only for those that matter. None: the decision did not
-            ask for it, so all that may follow counts as it did in training.
+        value_of: returns a feature's value, or None if the decision did not read it: then all
+            branches count as they did in training. Only relevant features are read.
     """
     odds = [0.0] * len(root.counts)
     waiting: list[tuple[Node, float]] = [(root, 1.0)]
@@ -50,7 +50,7 @@ def distribution_at(root: Node, value_of: ValueOf) -> list[float]:
 
 
 def likely_state(root: Node, slots: Sequence[int], states: Sequence[int]) -> Likely:
-    """Return what finds the most probable state; on a tie, the one with the lowest index.
+    """Return a function that finds the most probable state; on a tie, the lowest index.
 
     Args:
         root: the tree.

@@ -22,7 +22,7 @@ from hitab_core.learning.transition_tree import TransitionTree
 class TransitionTreeClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     """`TransitionTree` with scikit-learn's input checks, errors and tags.
 
-    Its parameters are those of `TransitionTree`.
+    The parameters are the same as of `TransitionTree`.
 
     Attributes:
         tree_: the fitted `TransitionTree`.

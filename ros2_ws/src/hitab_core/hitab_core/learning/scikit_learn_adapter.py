@@ -3,7 +3,7 @@
 It is named by a text such as ``sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)``, which is
 parsed, never run: a class of scikit-learn, and keywords with literal values. scikit-learn is
 imported when the first such function is learned, so agents that use trees do not need it. A
-decision is what the classifier predicts, without a draw, and takes a thousand times as long as a
+decision is the classifier's prediction, without a draw, and takes a thousand times as long as a
 tree's.
 
 A missing value is refused by name. It is not filled in: a made-up value would be learned like a
@@ -94,7 +94,7 @@ class ClassifierFunction:
         return replace(self.predicts.retrace(values, names), tests=(self.spec,))
 
     def digest(self) -> str:
-        """Return a SHA-256 of the spec and the training data: what was learned is private."""
+        """Return a SHA-256 of the spec and the training data; a classifier's state is private."""
         return self.data_digest
 
 
@@ -109,9 +109,9 @@ def learn_with_classifier(
     """Learn a transition function with a scikit-learn classifier.
 
     Args:
-        spec: which classifier.
-        make: makes the classifier, see `classifier_maker`.
-        scales: how the values of each feature compare.
+        spec: the classifier and its arguments.
+        make: function that makes the classifier, see `classifier_maker`.
+        scales: scale of each feature.
         X: shape (n, m), feature values of the examples.
         y: labels of the next states, n of them.
         names: names of the features, for errors.

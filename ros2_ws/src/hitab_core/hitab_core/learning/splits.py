@@ -19,9 +19,10 @@ Ties (differences below `gain_ratio.TIE`, so that they are the same on all machi
   be switched off (``boolean_first``).
 
 One look ahead: a boolean or categorical feature comes before a measured one if the tree has no
-more leaves for that. Below a boundary that comes first, what was shown with the ball would be done
-without it too; and a boundary that serves several classes is beside an example of only one (a pass
-shown for takers at 2.5 m, where the ball was lost with a taker at 5 m, would be made at 5 m).
+more leaves for that. Below a boundary that comes first, a behavior shown with the ball would be
+performed without it too; and a boundary that serves several classes is beside an example of only
+one (a pass shown for takers at 2.5 m, where the ball was lost with a taker at 5 m, would be made
+at 5 m).
 
 References:
     J. R. Quinlan, C4.5: Programs for Machine Learning, Morgan Kaufmann 1993, chapters 2 and 3.
@@ -50,7 +51,7 @@ class Split:
     """A way to split the examples of a node by one feature.
 
     Attributes:
-        test: of the feature's value.
+        test: the test of the feature's value.
         gain: information gain in bits, at least 0.
         ratio: gain over split information.
         parts: the positions of each branch's examples, ascending.
@@ -73,7 +74,7 @@ class Examples:
         n_classes: number of classes, including those absent from this node.
         weights: shape (n,), the fraction of each example that is in this node, above 0; None for
             all of each.
-        unknown: how many examples of the node, in all, have no value of the feature.
+        unknown: number of examples of the node without a value of the feature.
     """
 
     values: Floats
@@ -84,7 +85,7 @@ class Examples:
     unknown: float = 0
 
     def count(self, those: Booleans) -> float:
-        """Return how many examples some are."""
+        """Return the number of some examples, weighted."""
         if self.weights is None:
             return int(np.count_nonzero(those))
         return float(self.weights[those].sum())
@@ -159,9 +160,9 @@ def split_toroidal(
     gain most (Fayyad and Irani, 1992; their argument holds for each end by itself).
 
     Args:
-        examples: as in `split_by`.
+        examples: see `split_by`.
         period: the length of the circle.
-        min_branch: as in `split_by`.
+        min_branch: see `split_by`.
         all_around: whether default examples reach all around the circle, for comparison; see
             `hitab_core.learning.boundaries`.
     """
@@ -212,7 +213,7 @@ def _best_arc(up_to: Counts, totals: Counts, min_branch: float) -> tuple[int, in
 
     Args:
         up_to: shape (n_ends, n_classes), the examples of each class before each end.
-        totals, min_branch: as in `two_way_gains`.
+        totals, min_branch: see `two_way_gains`.
     """
     n_ends = len(up_to)
     at_once = max(1, 10_000 // n_ends)  # first ends; a block of pairs should fit in the cache
@@ -261,7 +262,7 @@ def split_by(
 
     Args:
         examples: the node's examples that have a value of the feature.
-        scale: of the feature.
+        scale: scale of the feature.
         min_branch: the fewest examples a branch may have, above 0.
         all_around: see `split_toroidal`.
     """
@@ -281,7 +282,7 @@ Leaves = Callable[[Chosen], int]
 """``leaves(chosen)`` returns how many leaves the tree has below a node that is split so."""
 
 Choose = Callable[[Sequence[Split | None], Sequence[Scale], Leaves | None], Chosen | None]
-"""``choose(candidates, scales, leaves)`` returns what to split a node by, or None."""
+"""``choose(candidates, scales, leaves)`` returns the feature and the split of a node, or None."""
 
 
 def worthy_splits(candidates: Sequence[Split | None]) -> list[tuple[int, Split]]:
@@ -308,7 +309,7 @@ def choose_split(
 
     Args:
         candidates: each feature's best split; None where it has none.
-        scales: how the values of each feature compare.
+        scales: scale of each feature.
         leaves: grows the trees below; None if the split is chosen without looking ahead.
         boolean_first: whether ties are broken in favor of boolean and categorical features before
             lower indices; and whether these come first if the tree has no more leaves for that.

@@ -39,7 +39,7 @@ def learner(classifier: str, scales: Sequence[Scale], names: Sequence[str] | Non
             ``tree(prune=True)``, or a scikit-learn classifier such as
             ``sklearn.neighbors.KNeighborsClassifier(n_neighbors=1)``, which treats default
             examples like any others.
-        scales: how the values of each feature compare.
+        scales: scale of each feature.
         names: names of the features, for errors.
 
     Raises:
@@ -86,8 +86,8 @@ def learn_transitions(
     Learning from equal examples returns the same object, so do not modify it.
 
     Args:
-        examples: of any states.
-        scales: how the values of each feature compare.
+        examples: examples of all states.
+        scales: scale of each feature.
         classifier: see `learner`.
         names: names of the features, for errors.
 
@@ -141,6 +141,6 @@ def _learned(
     y: tuple[str, ...],
     default: tuple[bool, ...],
 ) -> LearnedTransition:
-    """Learn from the values of an array, shape (n, m), and what was done in each row."""
+    """Learn from the values of an array, shape (n, m), and the behavior in each row."""
     X = np.frombuffer(values, np.float64).reshape(len(y), len(scales))
     return learner(classifier, scales, names)(X, y, default)

@@ -48,24 +48,24 @@ class TransitionTree:
     between equally good arcs of a toroidal feature.
 
     Parameters:
-        scales: how the values of each feature compare; None if all are continuous.
+        scales: scale of each feature; None if all are continuous.
         min_samples_leaf: the fewest examples a branch may have; for a categorical feature, at
             least two branches must have as many.
         max_depth: the most tests on a path, or None for no limit.
         prune: whether to prune as C4.5 does. An unpruned tree reproduces all examples that do not
             contradict each other.
-        confidence: of pruning, in (0, 0.5]; smaller values prune more.
+        confidence: confidence of pruning, in (0, 0.5]; smaller values prune more.
         boolean_first: whether ties between features are broken in favor of boolean and
             categorical ones.
         look_ahead: whether boolean and categorical features come before a boundary that would be
             shared (`hitab_core.learning.splits`).
-        all_around: as in `hitab_core.learning.splits.split_toroidal`.
+        all_around: see `hitab_core.learning.splits.split_toroidal`.
         feature_names: names of the features, for errors.
 
     Attributes:
         classes_: shape (n_classes,), the labels seen, sorted.
         n_features_in_: number of features, m.
-        scales_: how the values of each feature compare.
+        scales_: scale of each feature.
         root_: the tree, see `hitab_core.learning.tree_nodes`.
 
     Examples:
@@ -95,8 +95,8 @@ class TransitionTree:
 
         Args:
             root: see `hitab_core.learning.tree_nodes`.
-            labels: of the next states, sorted.
-            scales: how the values of each feature compare.
+            labels: labels of the next states, sorted.
+            scales: scale of each feature.
         """
         tree = cls(scales)
         tree.classes_, tree.n_features_in_ = np.array(labels), len(scales)
@@ -118,7 +118,7 @@ class TransitionTree:
                 if missing.
             y: shape (n,), labels of the next states.
             default: shape (n,), whether an example is a default one; None if none are.
-            choose: which split of a node to take, see `tree_growth.grow`; None for the one with
+            choose: chooses the split of a node, see `tree_growth.grow`; None for the split with
                 the largest gain ratio, as C4.5.
 
         Raises:
@@ -193,7 +193,7 @@ class TransitionTree:
             shape (n, n_classes), columns in the order of ``classes_``.
 
         Raises:
-            FeatureValueError: as `fit`.
+            FeatureValueError: see `fit`.
         """
         root = self._fitted()
         values = feature_values(X, self.scales_, self.feature_names, may_miss=True).tolist()
@@ -207,7 +207,7 @@ class TransitionTree:
             X: shape (n, m).
 
         Raises:
-            FeatureValueError: as `fit`.
+            FeatureValueError: see `fit`.
         """
         probabilities = self.predict_proba(X)
         return np.asarray(self.classes_[probabilities.argmax(axis=1)])
@@ -242,7 +242,7 @@ class TransitionTree:
         The tests end at the first missing value (None or NaN); the distribution is exact.
 
         Raises:
-            FeatureValueError: as `fit`.
+            FeatureValueError: see `fit`.
         """
         root = self._fitted()
         (row,) = feature_values(

@@ -94,7 +94,7 @@ def grow(
         classes: shape (n,), classes as 0 .. n_classes - 1.
         default: shape (n,), whether an example is a default one.
         n_classes: number of classes.
-        scales: how the values of each of the m features compare.
+        scales: scale of each of the m features.
         min_samples_leaf: the fewest examples, parts added up, with a known value that a branch may
             have; for a categorical feature, at least two branches must have as many. 1: any, see
             `LEAST_FRACTION`.
@@ -195,8 +195,8 @@ def _branches(place: _Place, unknown: Booleans, parts: tuple[Integers, ...]) -> 
     """Return the branches of a place.
 
     Args:
-        place: to split.
-        unknown: which of its examples have no value of the tested feature.
+        place: the place to split.
+        unknown: mask of the examples without a value of the tested feature.
         parts: the positions of each branch's examples among the others.
     """
     rows, weights, depth = place.rows, place.weights, place.depth + 1
@@ -230,7 +230,7 @@ def _points_differ(
     """Return whether the class proportions at some distinct point of X differ from the rest.
 
     Where values are missing, only examples that have all, or features of which all have a value,
-    are compared: no test tells examples apart by what they lack.
+    are compared: no test separates examples by missing values.
     """
     missing = np.isnan(X)
     if missing.any():

@@ -43,7 +43,7 @@ def prune(root: Node, confidence: float = 0.25) -> Node:
 
     Args:
         root: the tree.
-        confidence: in (0, 0.5]; smaller values prune more.
+        confidence: number in (0, 0.5]; smaller values prune more.
     """
 
     def pruned(node: Node, parts: list[tuple[Node, float]]) -> tuple[Node, float]:

@@ -1,11 +1,11 @@
 """A transition tree in words: conditions, one rule per leaf, and a drawing.
 
-Numbers are rounded to six digits, or to as many as tell the ends of an interval apart. A number
+Numbers are rounded to six digits, or to as many as distinguish the ends of an interval. A number
 just beside a short one, such as a threshold next to an example, is written as the short one, and
 ``<`` or ``>=`` gives the side. Arcs are written within half a circle on either side of zero, so
 that the lower end comes first: ``in -10..10``, and ``outside -10..10`` for the rest of the circle,
 which contains 180 degrees. Angles of features in radians are written in degrees, to a tenth if
-that tells them apart. The exact numbers are in the files.
+that distinguishes them. The exact numbers are in the files.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Step = tuple[Fork, int | None]
 Interval = tuple[float, float]
 
 DIGITS = 6
-"""Digits of a number, unless more are needed to tell two apart."""
+"""Digits of a number, unless more are needed to distinguish two."""
 
 ROUNDING = 1e-12
 """Numbers that differ by less, as a part of them, are the same but for rounding."""
@@ -40,7 +40,7 @@ class Rule:
     Attributes:
         conditions: readable; at most one per feature.
         distribution: probability of each possible next state, by label.
-        examples: how many examples it was learned from; not whole if some lacked a value.
+        examples: number of examples behind it; a fraction if some lacked a value.
     """
 
     conditions: tuple[str, ...]
@@ -84,8 +84,8 @@ def conditions(
 
     Args:
         path: the tests.
-        scales: of the features.
-        names: of the features.
+        scales: scales of the features.
+        names: names of the features.
     """
     by_feature: dict[int, list[Step]] = {}
     for step in path:
@@ -137,8 +137,8 @@ def _short(number: float, digits: int = DIGITS, negligible: float = NEGLIGIBLE) 
     """Return a number in a few digits, and 1 or -1 if it lies just above or below that.
 
     Args:
-        number: what to write.
-        digits: how many.
+        number: the number to write.
+        digits: number of digits.
         negligible: magnitude up to which a number counts as zero.
     """
     text = "0" if abs(number) < negligible else f"{number:.{digits}g}"
@@ -227,15 +227,15 @@ def rules(
 ) -> list[Rule]:
     """Return one rule per leaf, in the order of the drawing."""
     leaves = [(node, path) for node, path in _paths(root, scales) if isinstance(node, Leaf)]
-    told = [conditions(path, scales, names) for _, path in leaves]
-    exact = {condition for one in told for condition in one if " = " in condition}
+    rules = [conditions(path, scales, names) for _, path in leaves]
+    exact = {condition for one in rules for condition in one if " = " in condition}
     return [
         Rule(
             tuple(_beside(condition, exact) for condition in one),
             distribution(node.counts, labels),
             sum(node.counts),
         )
-        for one, (node, _) in zip(told, leaves, strict=True)
+        for one, (node, _) in zip(rules, leaves, strict=True)
     ]
 
 
@@ -244,7 +244,7 @@ def _beside(condition: str, exact: Collection[str]) -> str:
 
     Args:
         condition: such as ``X <= 1``, which means less than 1 if that was rounded.
-        exact: those of the rules for one number, such as ``X = 1``.
+        exact: conditions that hold for one number, such as ``X = 1``.
     """
     equal = condition.replace(" <= ", " = ", 1).replace(" >= ", " = ", 1)
     if equal in exact and equal != condition:
@@ -259,8 +259,8 @@ Row = tuple[int, str, Node, tuple[Step, ...]]
 def rows(root: Node, scales: Sequence[Scale], names: Sequence[str]) -> Iterator[Row]:
     """Yield the rows of a drawing: a branch each, below its parent branch.
 
-    Tests of one feature that follow each other are one row, with what they say together. Rows say
-    the same of nested intervals only once, and of each what is left of the one around it.
+    Consecutive tests of one feature are one row with a single condition. Nested intervals are not
+    repeated: each row has only the rest of the interval around it.
     """
     for node, path in _paths(root, scales):
         tested = [step[0].feature for step in path]

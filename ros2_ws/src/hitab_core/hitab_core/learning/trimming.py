@@ -34,16 +34,16 @@ def trim(
     features: one that would change a decision if left out is kept.
 
     Args:
-        automaton: as trained.
+        automaton: the trained automaton.
         repertoire: the available behaviors and features.
-        classifier: that learned it.
+        classifier: classifier that learned it.
 
     Returns:
-        The trimmed automaton and readable notes on what was trimmed.
+        The trimmed automaton and readable notes on the trimmed states and features.
 
     Raises:
         VocabularyError: if something is bound to neither a target nor a parameter.
-        FeatureValueError, TrainingError: as `learn_transitions`.
+        FeatureValueError, TrainingError: see `learn_transitions`.
     """
     check_bound(automaton, repertoire.domain)
     mentioned = {label for e in automaton.examples for label in (e.state, e.next_state)}
@@ -91,10 +91,10 @@ def rebind(
     precedence.
 
     Args:
-        automaton: to bind in its states, features and examples.
+        automaton: the automaton; its states, features and examples are bound.
         bindings: targets, parameters or whole uses, and their replacements.
         repertoire: the available behaviors, features and targets.
-        classifier: that learned it.
+        classifier: classifier that learned it.
 
     Raises:
         VocabularyError: if a binding replaces something unknown, or two states or two features
@@ -161,7 +161,7 @@ def check_bound(automaton: Automaton, domain: Domain) -> None:
     """Check that every argument is bound.
 
     Raises:
-        VocabularyError: naming what is bound to neither a target nor a parameter.
+        VocabularyError: naming each argument that is neither a target nor a parameter.
     """
     there = [*domain.targets, *automaton.parameters]
     features = [term for term in automaton.features if term not in OWN_FEATURES]
@@ -211,7 +211,7 @@ def _with_columns(automaton: Automaton, columns: Sequence[int]) -> Automaton:
 
 
 def _needed_columns(complete: Automaton, domain: Domain, classifier: str) -> list[int]:
-    """Return the indices of the features that affect what is learned."""
+    """Return the indices of the features that affect the transition functions."""
 
     def suffice(columns: Sequence[int]) -> bool:
         fewer = relearned(_with_columns(complete, columns), domain, classifier)

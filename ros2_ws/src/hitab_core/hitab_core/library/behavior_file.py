@@ -40,18 +40,18 @@ class BehaviorFile:
     """The contents of a behavior file. Equal checksums mean equal contents.
 
     Attributes:
-        automaton: with transition functions learned from its examples.
-        classifier: that learns them, see `hitab_core.learning.transition_learning`.
+        automaton: automaton with transition functions learned from its examples.
+        classifier: classifier that learns them, see `hitab_core.learning.transition_learning`.
         trees: digest of each state's transition function.
         uses: checksum of each used behavior's file when this one was saved, or ``"basic"``, or
             ``"hand-written"``. For information only: a used behavior may be retrained.
-        provenance: where it comes from.
-        learned: digest of what was learned; see `hitab_core.library.digests.learned_digest`.
+        provenance: origin of the behavior.
+        learned: digest of the learned automaton; see `hitab_core.library.digests.learned_digest`.
         checksum: SHA-256 of the contents.
-        text: of the file.
+        text: text of the file.
         state_lines: line of each state, in the automaton's order.
         expectations: stored in the file.
-        edits: what shows that it was edited after it was saved, by line.
+        edits: signs of edits after it was saved, by line.
     """
 
     automaton: Automaton = field(compare=False)
@@ -155,7 +155,7 @@ def text_of(
 
 
 def _readings(automaton: Automaton) -> dict[str, Any]:
-    """Return the readings of each command; all its examples have the same."""
+    """Return the readings of each command, which all its examples share."""
     by_command = {e.command: e.readings for e in automaton.examples if e.readings}
     return {
         "readable": [str(term) for term in automaton.readable] if by_command else [],

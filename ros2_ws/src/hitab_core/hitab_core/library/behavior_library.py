@@ -36,8 +36,8 @@ class BehaviorLibrary:
     """The behaviors in a folder, trained in one domain.
 
     Attributes:
-        folder: that holds them; made on the first save.
-        domain: in which they were trained.
+        folder: folder of the files; made on the first save.
+        domain: domain in which the behaviors were trained.
         reader: reads the files.
         on_disk: the files themselves, with all versions.
         generation: number of changes made through this object.
@@ -54,8 +54,8 @@ class BehaviorLibrary:
         """Open a library without reading anything yet.
 
         Args:
-            folder: that holds its files.
-            domain: in which they were trained.
+            folder: folder of the files.
+            domain: domain in which the behaviors were trained.
             clock: returns the time, ISO 8601, to record in saved files.
             reader: reads the files; libraries with equal contents should share one.
         """
@@ -74,7 +74,7 @@ class BehaviorLibrary:
 
         Args:
             strict: raise if anything is wrong. Otherwise leave out the behaviors that cannot be
-                used and list what is wrong with them in `problems`.
+                used and list their faults in `problems`.
 
         Returns:
             The automata, by name.
@@ -95,10 +95,10 @@ class BehaviorLibrary:
         return contents
 
     def loaded(self, *, strict: bool = True) -> LoadedLibrary:
-        """Read all behaviors, and return them with those of the domain.
+        """Read all behaviors, and return them with the domain's behaviors.
 
         Args:
-            strict: raise if anything is wrong. Otherwise the loaded library says what is lost.
+            strict: raise if there is any fault. Otherwise the loaded library lists lost behaviors.
 
         Raises:
             LibraryError: if the folder cannot be read; if strict, naming every fault in every
@@ -133,7 +133,7 @@ class BehaviorLibrary:
 
     @property
     def digest(self) -> str:
-        """Digest of all that was learned, of the behaviors in `files`."""
+        """Digest of the learned behaviors in `files`."""
         return digest_of({name: file.learned for name, file in self.files.items()})
 
     # -- writing ----------------------------------------------------------------------------
@@ -163,7 +163,7 @@ class BehaviorLibrary:
 
         Args:
             automaton: trained; its transition functions must follow from its examples.
-            classifier: that learned them.
+            classifier: classifier that learned the functions.
             agent: the agent that was trained.
             note: free text.
 
@@ -183,7 +183,7 @@ class BehaviorLibrary:
         """Remove a behavior; its versions stay and can be restored.
 
         Args:
-            name: of the behavior, which may be lost.
+            name: name of the behavior, which may be lost.
             anyway: remove it even if others can no longer be used then.
 
         Returns:
@@ -200,10 +200,10 @@ class BehaviorLibrary:
     def rename(
         self, old: str, new: str, *, with_users: bool = False
     ) -> tuple[list[str], list[str]]:
-        """Rename a behavior, and on request in what uses it; see `plan_renaming`.
+        """Rename a behavior, and on request in the behaviors that use it; see `plan_renaming`.
 
         Raises:
-            LibraryError: naming what prevents it; nothing has changed.
+            LibraryError: naming the obstacle; nothing has changed.
         """
         with self.change() as change:
             done = plan_renaming(change, self.domain, old, new, with_users=with_users)
@@ -211,7 +211,7 @@ class BehaviorLibrary:
         return done
 
     def expect(self, name: str, expectations: Sequence[Expectation]) -> BehaviorFile:
-        """Have a behavior carry these expectations and no others; return its new version.
+        """Replace the expectations of a behavior; return its new version.
 
         Raises:
             LibraryError: if there is no such behavior, or it breaks one that blocks.
@@ -229,13 +229,13 @@ class BehaviorLibrary:
         """Copy files of another library into this one unchanged: all or none.
 
         Args:
-            texts: of the files, by behavior name.
+            texts: texts of the files, by behavior name.
 
         Returns:
             The names of the changed behaviors, sorted.
 
         Raises:
-            LibraryError: naming what is wrong; nothing has changed.
+            LibraryError: naming the faults; nothing has changed.
         """
         with self.change() as change:
             changed = change.install(texts)

@@ -1,6 +1,6 @@
 """The keys of a behavior file and their values.
 
-`hitab_core.library.behavior_reader` checks what a model cannot express, such as that an example
+`hitab_core.library.behavior_reader` checks the rest, such as that an example
 has one value per feature and that a target exists.
 """
 
@@ -19,12 +19,12 @@ from hitab_core.library.yaml_places import kind_of
 from hitab_core.term import VOCABULARY_NAME_RULE
 
 
-def _matching(pattern: str, told: str) -> AfterValidator:
+def _matching(pattern: str, expected: str) -> AfterValidator:
     compiled = re.compile(pattern)
 
     def check(text: str) -> str:
         if compiled.fullmatch(text) is None:
-            raise ValueError(f"is {kind_of(text)}, not {told}")
+            raise ValueError(f"is {kind_of(text)}, not {expected}")
         return text
 
     return AfterValidator(check)

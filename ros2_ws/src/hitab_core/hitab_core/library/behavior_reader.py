@@ -38,15 +38,15 @@ def read_behavior(
 ) -> BehaviorFile:
     """Read a behavior from the text of its file.
 
-    The transition functions are learned again from the examples. A file that was edited is what it
-    says; its digests only show that it was edited. Whether the used behaviors exist is not checked
-    here; the library does that.
+    The transition functions are learned again from the examples. The contents of an edited file
+    count; its digests only reveal the edit. The existence of used behaviors is not checked here;
+    the library does that.
 
     Args:
-        text: of the file.
-        file: its name, for errors.
-        domain: in which it must have been trained.
-        name: required of the behavior; by default that of the file.
+        text: text of the file.
+        file: name of the file, for errors.
+        domain: domain in which it must have been trained.
+        name: required name of the behavior; by default the name of the file.
 
     Raises:
         LibraryError: naming every fault, by line.
@@ -60,7 +60,7 @@ def read_behavior(
 
     record = read_record(BehaviorRecord, content, complaints)
     if record is None:
-        complaints.raise_any()  # what follows relies on the form
+        complaints.raise_any()  # the checks below rely on the form
     reader = _Reader(document, record, domain, complaints)
     return reader.read(name or file.removesuffix(BEHAVIOR_SUFFIX), text)
 
@@ -229,7 +229,7 @@ class _Reader:
 
     def _readings(self) -> tuple[list[Term], dict[int, Sequence[float | None]]]:
         """Return the names of the readings, and the readings by command."""
-        # What the domain has no more is not an error here: only who chooses it must have it.
+        # A word that the domain no longer has is no error here; choosing it is.
         readable: list[Term] = self._record.readable
         self._check_distinct("readable", readable)
         readings: dict[int, Sequence[float | None]] = {}
@@ -305,7 +305,7 @@ class _Reader:
         return bool(self._checksum != self._content["checksum"])
 
     def _edits(self, learned: Mapping[str, str]) -> tuple[str, ...]:
-        """Return what differs from what was saved, by line."""
+        """Return the differences from the saved version, by line."""
         stated = self._content["trees"]
         places = [("trees", state) for state in stated.keys() | learned.keys()]
         found: list[tuple[Place, str]] = [
@@ -321,8 +321,8 @@ class _Reader:
             found += [(("domain",), "the signature is not that of the words that it uses")]
         if self._is_edited:
             found += [(("checksum",), "the file was edited or damaged after it was saved")]
-        by_line = sorted((self._document.line(place), told) for place, told in found)
-        return tuple(f"{self._document.file}:{line}: {told}" for line, told in by_line)
+        by_line = sorted((self._document.line(place), text) for place, text in found)
+        return tuple(f"{self._document.file}:{line}: {text}" for line, text in by_line)
 
 
 def _wrong_with(example: Example, labels: Sequence[str], scales: Sequence[Scale]) -> Iterable[str]:

@@ -38,7 +38,7 @@ def behavior_text(content: Mapping[str, Any], rules: Rules) -> str:
     """Return the text of a behavior file.
 
     Args:
-        content: in the form of `hitab_core.library.behavior_model.BehaviorRecord`.
+        content: the content, as in `hitab_core.library.behavior_model.BehaviorRecord`.
         rules: readable rules by state.
     """
     lines = [
@@ -137,7 +137,7 @@ def scalar(value: str | int | float | None) -> str:
     if value is None:
         return "null"
     if isinstance(value, int):
-        return str(value).lower()  # as YAML writes what is true or false
+        return str(value).lower()  # as YAML writes booleans
     if isinstance(value, float):
         text = repr(value)
         digits, e, exponent = text.partition("e")

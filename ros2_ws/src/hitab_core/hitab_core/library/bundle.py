@@ -48,9 +48,9 @@ def make_bundle(texts: Mapping[str, str], repertoire: Repertoire, name: str) -> 
     """Pack a behavior.
 
     Args:
-        texts: of the files of trained behaviors, by name.
-        repertoire: that these behaviors use.
-        name: of the behavior.
+        texts: texts of the files of trained behaviors, by name.
+        repertoire: repertoire that these behaviors use.
+        name: name of the behavior.
 
     Raises:
         LibraryError: if the behavior, or a part of it, has not been saved.
@@ -84,7 +84,7 @@ def plan_bundle(change: LibraryChange, bundle: Bundle) -> LoadedLibrary:
         The library as loaded after the change.
 
     Raises:
-        LibraryError: naming everything wrong with it, or what else could no longer be used.
+        LibraryError: naming every fault of it, or other behaviors that could no longer be used.
         VocabularyError: if they do not fit the domain.
     """
     change.install(dict(bundle.files))
@@ -100,7 +100,7 @@ def read_bundle(bundle: Bundle, reader: LibraryReader) -> dict[str, BehaviorFile
     """Return the files of a bundle by name, each after its parts.
 
     Args:
-        bundle: what was received.
+        bundle: the received bundle.
         reader: reads the files, and caches them.
 
     Raises:

@@ -36,11 +36,11 @@ _HEAD = """\
 
 
 def texts_with_parts(files: Mapping[str, BehaviorFile], names: Iterable[str]) -> dict[str, str]:
-    """Return the texts of some behaviors and of all that they are made of, which come first.
+    """Return the texts of some behaviors and of all their parts, parts first.
 
     Args:
-        files: of the library, all of which can be used.
-        names: of the behaviors.
+        files: files of the library, all of which can be used.
+        names: names of the behaviors.
 
     Raises:
         LibraryError: if there is no behavior of one of these names.
@@ -60,7 +60,7 @@ def bundle_file_text(texts: Mapping[str, str], domain: str) -> str:
     """Return the text of a file with some behaviors, given the texts of their files.
 
     Args:
-        texts: by name, each after its parts.
+        texts: texts by name, each after its parts.
         domain: name of the domain in which they were trained.
     """
     content = {
@@ -80,7 +80,7 @@ def read_bundle_file(path: Path) -> BundleFile:
         LibraryError: naming everything wrong with it.
     """
     text = read_text(path)
-    if OWN_KEYS.search(text) is None:  # nothing that is wrong with its contents would help then
+    if OWN_KEYS.search(text) is None:  # faults of its contents would not help then
         raise LibraryError(
             f"{path}: is not a file of behaviors; give one that was exported from a library"
         )

@@ -20,8 +20,8 @@ class BundleFile(Record):
 
     Attributes:
         domain: name of the domain in which they were trained.
-        digest: of the texts.
-        texts: of the files, by behavior name, each after its parts.
+        digest: digest of the texts.
+        texts: texts of the files, by behavior name, each after its parts.
     """
 
     format: Format = 1

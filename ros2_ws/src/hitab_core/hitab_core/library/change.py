@@ -25,9 +25,9 @@ class LibraryChange:
     `contents`, then `commit` or drop it. Nothing is written before the commit.
 
     Attributes:
-        before, contents: of the library before the change, and after it.
+        before, contents: contents of the library before and after the change.
         changed: the planned files, by name; None for a removed file.
-        numbers: of the versions that the planned files will be, by name.
+        numbers: version numbers of the planned files, by name.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class LibraryChange:
         """Start planning.
 
         Args:
-            on_disk: whose folder is locked exclusively as long as this is used.
+            on_disk: files of the library, locked exclusively while this is used.
             clock: returns the time, ISO 8601, to record in saved files.
             done: called once the change is made.
         """
@@ -80,11 +80,11 @@ class LibraryChange:
         """Plan to add a behavior, or a new version of it; return its file.
 
         Args:
-            automaton: to save.
-            classifier: that learned it.
-            provenance: where it comes from.
+            automaton: the automaton to save.
+            classifier: classifier that learned it.
+            provenance: origin of the automaton.
             restored: whether a person brings an earlier version back.
-            expectations: to store; None to keep the present ones.
+            expectations: expectations to store; None to keep the present ones.
 
         Raises:
             LibraryError: if it does not fit the library, breaks an expectation that blocks, or the
@@ -136,7 +136,7 @@ class LibraryChange:
             The names of the behaviors that will change, sorted.
 
         Raises:
-            LibraryError: naming what is wrong.
+            LibraryError: naming the faults.
         """
         new = {
             name: self._reader.read(text, self._on_disk.file(name).name)
@@ -153,7 +153,7 @@ class LibraryChange:
         """Plan to remove a behavior; its versions stay.
 
         Args:
-            name: of the behavior, which may be lost.
+            name: name of the behavior, which may be lost.
             anyway: remove it even if others can no longer be used then.
 
         Returns:
@@ -186,9 +186,9 @@ class LibraryChange:
         return f"version {self.numbers[name]}, replaces {what}" if what else ""
 
     def before_it(self, name: str) -> str:
-        """Return what a planned version takes the place of, such as ``version 6 (12 examples)``.
+        """Return the version that a planned one replaces, such as ``version 6 (12 examples)``.
 
-        It is "" if there is nothing.
+        Empty if there is none.
         """
         former = self.numbers[name] - 1
         if name in self.before.unreadable:
@@ -234,7 +234,7 @@ class LibraryChange:
         self._plan(changes, files)
 
     def _stated(self, name: str) -> int:
-        """Return which version the file of a behavior says to be; 0 if it cannot be used."""
+        """Return the version number in the file of a behavior; 0 if it cannot be used."""
         there = self.contents.usable.get(name)
         return 0 if there is None else there.provenance.version
 
@@ -258,8 +258,8 @@ def refused_name(name: str, done: str, losses: LostBehaviors) -> str:
     """Return why the name of a lost behavior is not given to another.
 
     Args:
-        name: of the lost behavior.
-        done: what is refused, such as "saved".
+        name: name of the lost behavior.
+        done: the refused operation, such as "saved".
         losses: the behaviors that cannot be used.
     """
     return (

@@ -1,4 +1,4 @@
-"""Checks that behavior files fit together: what they use exists, and none is recursive."""
+"""Checks that behavior files fit together: used behaviors exist, and none is recursive."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ def misfits(
     unreadable: Iterable[str] = (),
     deleted: Callable[[str], int | None] = lambda name: None,
 ) -> tuple[dict[str, str], dict[str, list[str]]]:
-    """Return why behaviors cannot be used, and which of their parts cannot.
+    """Return the reasons why behaviors cannot be used, and their lost parts.
 
     Args:
         files: the behaviors that could be read, by name.
-        domain: gives the basic behaviors and the hand-written automata.
+        domain: domain with the basic behaviors and the hand-written automata.
         unreadable: names of the others; behaviors that use them cannot be used either.
         deleted: returns the newest version of a behavior without a file, or None.
 
     Returns:
-        What is wrong with files, by name, each a text with one line per complaint; and all that
-        is lost, unreadable files and hand-written automata included, each with the lost
-        parts. None marks a cause.
+        The faults of files, by name, each a text with one line per complaint; and all lost
+        behaviors, unreadable files and hand-written automata included, each with the lost
+        parts. A cause has none.
     """
     lost: dict[str, list[str]] = {name: [] for name in unreadable}
     circles: dict[str, list[str]] = {}

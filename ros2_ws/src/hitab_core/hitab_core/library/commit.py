@@ -1,7 +1,7 @@
 """Changes several files of a folder by one rename, even if the power fails.
 
 The new files are written to a folder beside and synced to disk. Then that folder is renamed to
-`CHANGE`, which makes the change: what is in it counts before the files in their places. At last
+`CHANGE`, which makes the change: its files count before the files in their places. At last
 its files are moved to their places. A move changes nothing for readers, so an interruption only
 leaves moves to the next process that uses the folder.
 """
@@ -45,7 +45,7 @@ def held(folder: Path, *, alone: bool, patience: float = LOCK_TIMEOUT_S) -> Iter
     """Lock a folder: exclusively (``alone``) to write, or shared to read. Do not nest.
 
     Args:
-        folder: of the files; made if it is to be written.
+        folder: folder of the files; created for writing if missing.
         alone: lock exclusively, to write.
         patience: seconds to wait for other processes.
 
@@ -102,7 +102,7 @@ def files_in(folder: Path, inside: str = "") -> dict[str, Path]:
     """Return where the files of a folder are, by name.
 
     Args:
-        folder: that `commit` changes.
+        folder: folder that `commit` changes.
         inside: path of a folder in it; empty for the folder itself.
 
     Raises:
@@ -131,7 +131,7 @@ def _listed(folder: Path) -> list[str]:
 
 
 def _put_in_place(folder: Path) -> None:
-    """Move the files of a change to their places, and remove what an interruption left."""
+    """Move the files of a change to their places, and remove leftovers of an interruption."""
     for left_over in folder.glob(f".*{UNFINISHED}"):
         if left_over.is_dir():
             shutil.rmtree(left_over)

@@ -19,13 +19,13 @@ from hitab_core.wording import quantity
 class LostBehaviors:
     """The behaviors of a library that cannot be used.
 
-    Nothing stands in for a lost behavior, not even a basic behavior of its name: who asks for it
-    is refused with the reason.
+    Nothing replaces a lost behavior, not even a basic behavior of its name: a request for it
+    raises an error with the reason.
 
     Attributes:
-        reasons: why, as a sentence, by name.
-        faults: one per cause: what is wrong, and which behaviors need the lost one.
-        remedies: of the cause, by name.
+        reasons: reason of each loss, as a sentence, by name.
+        faults: one per cause: the fault, and the behaviors that need the lost one.
+        remedies: remedies of the cause, by name.
         unread: why the folder cannot be read, so that more may be lost; empty if it can.
     """
 
@@ -61,9 +61,9 @@ class LibraryContents:
 
     Attributes:
         readable: files that are sound in themselves, by name.
-        unreadable: what is wrong with the others, by name.
-        problems: why behaviors cannot be used, by name: the unreadable ones, those that use one of
-            them, and those that do not fit together. One complaint per line.
+        unreadable: faults of the other files, by name.
+        problems: faults of unusable behaviors, by name: of unreadable ones, of behaviors that use
+            one of them, and of behaviors that do not fit together. One complaint per line.
         lost: all that is lost, hand-written automata included, each with its lost parts.
     """
 
@@ -93,10 +93,10 @@ class LibraryContents:
         return found - {name}
 
     def losses(self, folder: Path, sound_version: Callable[[str], int | None]) -> LostBehaviors:
-        """Return what is lost.
+        """Return the lost behaviors.
 
         Args:
-            folder: of the files.
+            folder: folder of the files.
             sound_version: returns the newest readable version of a behavior, or None.
         """
         reasons: dict[str, str] = {}
@@ -104,7 +104,7 @@ class LibraryContents:
         concerned: dict[str, list[str]] = {}
         for name in sorted(self.lost):
             way = [name]
-            while self.lost[way[-1]]:  # what explains it, and in the end the cause
+            while self.lost[way[-1]]:  # down to the cause
                 way.append(self.lost[way[-1]][0])
             cause = way[-1]
             reasons[name] = self._reason(folder, way)
@@ -123,7 +123,7 @@ class LibraryContents:
     def _remedies(
         self, cause: str, folder: Path, sound_version: Callable[[str], int | None]
     ) -> tuple[Remedy, ...]:
-        """Return what a person can do about a lost behavior that no other explains."""
+        """Return the remedies for a lost behavior that is itself a cause."""
         file = folder / file_name(cause)
         if VOCABULARY_NAME.match(cause) is None or cause in RESERVED_NAMES:
             return (Fix.MOVE_AWAY(file=file),)

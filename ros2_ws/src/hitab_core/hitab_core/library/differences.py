@@ -16,14 +16,14 @@ from hitab_core.library.behavior_file import BehaviorFile
 def difference(before: BehaviorFile, after: BehaviorFile, domain: Domain) -> str:
     """Return the differences between two versions of a behavior, as text.
 
-    Each is a line, with ``-`` before what only the first version has, and ``+`` before what only
-    the second one has: states and the like, rules, examples. Example numbers and recording times
+    Each is a line that begins with ``-`` if only the first version has it, or ``+`` if only the
+    second one has it: states and the like, rules, examples. Example numbers and recording times
     are ignored.
     """
     lines = []
     examples = partial(_examples, domain=domain)
-    for title, told in (("", _facts), ("rules:", _rules), ("examples:", examples)):
-        one, other = Counter(told(before)), Counter(told(after))
+    for title, parts in (("", _facts), ("rules:", _rules), ("examples:", examples)):
+        one, other = Counter(parts(before)), Counter(parts(after))
         changes = [f"- {text}" for text in (one - other).elements()]
         changes += [f"+ {text}" for text in (other - one).elements()]
         if title and changes:

@@ -24,7 +24,7 @@ def checksum(content: Mapping[str, Any]) -> str:
 
 
 def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
-    """Return the digest of what was learned, given a behavior file's content.
+    """Return the digest of the learned automaton, given a behavior file's content.
 
     Equal digests mean that the behavior has the same states and features and learned the same
     decisions from the same examples, superseded ones left out. When and by whom it was saved, its
@@ -32,7 +32,7 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
     commands and cycles, nor the readings.
 
     Args:
-        content: in the form of `hitab_core.library.behavior_model.BehaviorRecord`.
+        content: the content, as in `hitab_core.library.behavior_model.BehaviorRecord`.
         trees: digest of each state's transition function.
     """
     numbers = {
@@ -63,7 +63,7 @@ def learned_digest(content: Mapping[str, Any], trees: Mapping[str, str]) -> str:
 
 
 def _place(example: list[Any]) -> list[Any]:
-    """Return what an example is sorted by; a missing value comes first."""
+    """Return the sort key of an example; a missing value comes first."""
     state, values, *rest = example
     return [state, [-math.inf if value is None else value for value in values], *rest]
 

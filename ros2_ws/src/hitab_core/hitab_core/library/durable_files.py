@@ -83,7 +83,7 @@ def make_folder(folder: Path, *, sync: bool = True) -> None:
     """Make a folder and its parents, if missing, and sync their names to disk.
 
     Args:
-        folder: to make.
+        folder: the folder to make.
         sync: sync the names to disk.
     """
     if not folder.is_dir():
@@ -104,8 +104,8 @@ def write_new(path: Path, data: bytes, *, sync: bool = True) -> None:
     """Write a file that is not there yet.
 
     Args:
-        path: of the file.
-        data: its contents.
+        path: path of the file.
+        data: contents of the file.
         sync: sync them to disk; syncing its name is up to the caller.
 
     Raises:
@@ -124,7 +124,7 @@ def write_durably(path: Path, data: bytes, *, sync: bool = True) -> None:
     """Replace the contents of a file by ``data`` atomically.
 
     Args:
-        path: of the file, which may be missing.
+        path: path of the file, which may be missing.
         data: the new contents.
         sync: sync it to disk; otherwise it may get lost if the power fails.
 

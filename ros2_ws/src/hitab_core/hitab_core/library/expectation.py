@@ -10,7 +10,7 @@ from hitab_core.automaton import START, Automaton
 from hitab_core.example import Example
 
 KEY = "expectations"
-"""Their key in the optional section of a behavior file."""
+"""Key of the expectations in the optional section of a behavior file."""
 
 
 @dataclass(frozen=True)
@@ -19,11 +19,11 @@ class Expectation:
 
     Attributes:
         name: unique in the behavior.
-        state: in which the automaton is, or ``Start``.
+        state: state in which the automaton is, or ``Start``.
         features: the situation, by feature, in the units of the domain.
-        next_state: what is to be decided.
-        blocks: whether nothing else is saved under the behavior's name.
-        line: of the file; 0 without a line.
+        next_state: label of the required next state.
+        blocks: whether a version that breaks it cannot be saved.
+        line: line of the file; 0 without a line.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Expectation:
         return cls(name, example.state, known, example.next_state)
 
     def broken(self, automaton: Automaton) -> str:
-        """Return what an automaton decides instead, in words; "" if it decides what is expected.
+        """Return the differing decision of an automaton, in words; "" if it is as expected.
 
         Examples:
             >>> from hitab_core import HandWritten, Term
@@ -61,7 +61,7 @@ class Expectation:
         )
 
     def _decided(self, automaton: Automaton) -> str:
-        """Return what is decided, or why nothing is."""
+        """Return the decision, or the reason why there is none."""
         function = automaton.transitions.get(self.state)
         if self.state not in (START, *automaton.labels):
             return "nothing, since it has no such state"
@@ -79,7 +79,7 @@ class Expectation:
         return likely[0] if len(likely) == 1 else f"by chance among {', '.join(sorted(likely))}"
 
     def record(self) -> dict[str, Any]:
-        """Return its entry in a behavior file."""
+        """Return the entry in a behavior file."""
         return {
             "name": self.name,
             "state": self.state,
@@ -92,15 +92,15 @@ class Expectation:
 def broken_expectations(
     expectations: Iterable[Expectation], automaton: Automaton, file: str = ""
 ) -> list[str]:
-    """Return which expectations an automaton breaks, with its actual decisions.
+    """Return the expectations that an automaton breaks, with its actual decisions.
 
     Args:
-        expectations: to check.
-        automaton: that decides.
+        expectations: expectations to check.
+        automaton: the automaton that decides.
         file: the name of the file that has them; empty if they are named without their lines.
     """
     return [
-        f"{file}:{one.line}: {told}" if file and one.line else told
+        f"{file}:{one.line}: {text}" if file and one.line else text
         for one in expectations
-        if (told := one.broken(automaton))
+        if (text := one.broken(automaton))
     ]

@@ -1,4 +1,4 @@
-"""The files of a library: where they are, how they change, and what they hold."""
+"""The files of a library: their places, changes and contents."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ VERSIONS = ".versions"
 class LibraryFiles:
     """The behavior files in a folder and all their versions, read for one domain.
 
-    Whatever reads or writes more than one file must hold the lock, see `commit.held`.
+    A caller that reads or writes more than one file must hold the lock, see `commit.held`.
 
     Attributes:
-        path: of the folder, which may be missing.
+        path: path of the folder, which may be missing.
         reader: reads the files.
     """
 
@@ -60,7 +60,7 @@ class LibraryFiles:
         """Return the number of the next version of a behavior.
 
         Args:
-            name: of the behavior.
+            name: name of the behavior.
             stated: number of the version that its file says to be; 0 if it says none.
         """
         return 1 + max([0, *self._versions(name), *self._unkept(name, stated)])
@@ -91,7 +91,7 @@ class LibraryFiles:
                 return {}
         return {max(stated, newest + 1): data}
 
-    # -- what they hold ---------------------------------------------------------------------
+    # -- contents ---------------------------------------------------------------------------
 
     def contents(self) -> LibraryContents:
         """Read all files, reusing unchanged ones."""
@@ -107,7 +107,7 @@ class LibraryFiles:
     def contents_of(
         self, readable: Mapping[str, BehaviorFile], unreadable: Mapping[str, LibraryError]
     ) -> LibraryContents:
-        """Sort files by whether they can be used; those of a known loaded library can."""
+        """Sort files by whether they can be used; files of a known loaded library can."""
         if not unreadable and self.reader.knows(readable):
             return LibraryContents(readable, {}, {}, {})
         wrong, lost = misfits(readable, self.reader.domain, unreadable, self.sound_version)
@@ -123,7 +123,7 @@ class LibraryFiles:
         return self.reader.of(contents.usable, self.losses(contents))
 
     def losses(self, contents: LibraryContents) -> LostBehaviors:
-        """Return what is lost of some contents, with the ways out."""
+        """Return the lost behaviors of some contents, with the ways out."""
         return contents.losses(self.path, self.sound_version)
 
     def version(self, name: str, number: int) -> BehaviorFile:
@@ -158,7 +158,7 @@ class LibraryFiles:
         }
 
     def _versions(self, name: str) -> dict[int, Path]:
-        self.file(name)  # which refuses what is no name
+        self.file(name)  # raises if it is no name
         found = self._files(f"{VERSIONS}/{name}")
         return {int(number): path for number, path in found.items() if number.isdecimal()}
 

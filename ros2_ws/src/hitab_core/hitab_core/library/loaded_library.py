@@ -24,7 +24,7 @@ class LoadedLibrary:
 
     Attributes:
         files: the behavior files that can be used, by name.
-        repertoire: these behaviors and those of the domain.
+        repertoire: these behaviors and the domain's.
         losses: the behaviors that cannot be used.
     """
 
@@ -34,7 +34,7 @@ class LoadedLibrary:
 
     @cached_property
     def digest(self) -> str:
-        """Digest of all that was learned."""
+        """Digest of all learned behaviors."""
         return digest_of({name: file.learned for name, file in self.files.items()})
 
     @property
@@ -50,7 +50,7 @@ class LibraryReader:
     no library uses are dropped.
 
     Attributes:
-        domain: in which behaviors were trained.
+        domain: domain in which behaviors were trained.
     """
 
     def __init__(self, domain: Domain) -> None:
@@ -97,7 +97,7 @@ class LibraryReader:
         """Return the loaded library of these files.
 
         Args:
-            files: that can be used, by name.
+            files: files that can be used, by name.
             losses: the behaviors that cannot be used.
 
         Raises:

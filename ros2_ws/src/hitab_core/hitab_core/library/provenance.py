@@ -14,10 +14,10 @@ class Provenance:
 
     Attributes:
         version: number of times it was saved.
-        created: when this version was saved, ISO 8601.
-        author: who trained it.
+        created: time when this version was saved, ISO 8601.
+        author: person who trained it.
         agent: the agent that was trained.
-        tool: what wrote the file.
+        tool: program that wrote the file.
         earlier: checksum of the previous version; empty for the first.
         note: free text.
     """

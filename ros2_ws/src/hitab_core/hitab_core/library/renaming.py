@@ -23,15 +23,15 @@ def plan_renaming(
     """Plan to rename a behavior, and to rename it in the behaviors that use it.
 
     Args:
-        change: of the library.
-        domain: in which the behaviors were trained.
+        change: the change of the library.
+        domain: domain in which the behaviors were trained.
         old: the present name.
         new: the next name.
         with_users: change the behaviors that use it, too.
 
     Returns:
-        The behaviors that use it, and those of them that decide otherwise now: where two decisions
-        are equally good, the names of the behaviors may tell which is taken.
+        The behaviors that use it, and the ones among them whose decisions change: of two equally
+        good decisions, the names of the behaviors may determine which is taken.
 
     Raises:
         LibraryError: if there is no such behavior, the new name is taken, something in the library

@@ -38,7 +38,7 @@ class Record(BaseModel):
 
     @classmethod
     def known(cls) -> list[str]:
-        """Return its keys in a file; a field that is no key has an alias with a colon."""
+        """Return the keys in a file; a field that is no key has an alias with a colon."""
         names = [field.alias or name for name, field in cls.model_fields.items()]
         return [name for name in names if not name.startswith(":")]
 
@@ -49,7 +49,7 @@ class Record(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _note(cls, value: Any, info: ValidationInfo) -> Any:
-        """Note what this mapping is, for `read_record`."""
+        """Note the type of this mapping, for `read_record`."""
         if info.context is not None:
             info.context[id(value)] = cls
         return {} if value is None else value
@@ -91,8 +91,8 @@ class OneOf:
         if not isinstance(value, dict):
             raise ValueError(f"must be `key: value` lines, not {kind_of(value)}")
         if self._tag(value) is None:
-            told = "needs exactly one kind" if {*value} & {*self.records} else "has no known kind"
-            raise ValueError(f"{told} {has(self.records, *value)}")
+            fault = "needs exactly one kind" if {*value} & {*self.records} else "has no known kind"
+            raise ValueError(f"{fault} {has(self.records, *value)}")
         return value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> Any:
@@ -120,7 +120,7 @@ class MappingOr:
 
 
 def read_use(text: str) -> Term:
-    """Return the term of a behavior, feature or target; a ValueError says what is wrong."""
+    """Return the term of a behavior, feature or target; a ValueError describes the fault."""
     try:
         return Term.parse(text)
     except HitabError as error:
@@ -141,7 +141,7 @@ Texts = Annotated[tuple[str, ...], BeforeValidator(_tuple)]
 """A list of texts; a single text counts as one."""
 
 NONE_IS_EMPTY = BeforeValidator(lambda value: {} if value is None else value)
-"""Marks a mapping that may be left empty, as that of a record may."""
+"""Marks a mapping that may be left empty, as a record's mapping may."""
 
 Names = Annotated[dict[str, str], NONE_IS_EMPTY]
 """Texts by name."""
@@ -163,18 +163,18 @@ def open_record(model: type[R], document: Document, newest: int) -> R:
     """Read a document as a record; without ``format:`` it has the first format.
 
     Args:
-        model: of the record.
-        document: to read.
+        model: model of the record.
+        document: the document to read.
         newest: the newest format that the caller reads.
 
     Raises:
-        HitabError: of the document's type, naming everything that is wrong, by file and line.
+        HitabError: of the document's type, naming every fault, by file and line.
     """
     complaints = Complaints(document)
     found = document.value.get("format", 1) if isinstance(document.value, dict) else 1
     if isinstance(found, int) and found > newest:
         complaints.add(("format",), newer_format(found, newest))
-        complaints.raise_any()  # what else seems wrong may be new
+        complaints.raise_any()  # other faults may be new features
     read = read_record(model, document.value, complaints)
     complaints.raise_any()
     assert read is not None
@@ -182,7 +182,7 @@ def open_record(model: type[R], document: Document, newest: int) -> R:
 
 
 def _place(value: Any, loc: Sequence[str | int]) -> tuple[Place, Any]:
-    """Return the path of an error, without pydantic's own words, and what is around its place."""
+    """Return the path of an error, without pydantic's own words, and the value around it."""
     path: list[str | int] = []
     around = value
     for key in loc:

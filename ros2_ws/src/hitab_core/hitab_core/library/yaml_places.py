@@ -49,7 +49,7 @@ class Document:
         file: name of the text, for complaints.
         value: the content, of dict, list, str, int, float, bool and None.
         lines: line number, from 1, of every item, by path.
-        error: type of the errors of what is wrong with it.
+        error: type of the errors about its faults.
     """
 
     file: str
@@ -81,7 +81,7 @@ class Complaints:
         return len(self._found)
 
     def add(self, path: Place, text: str) -> None:
-        """Note a fault at ``path``, and what a person can do about it."""
+        """Note a fault at ``path``, with the way out."""
         found = (self.document.line(path), text)
         if found not in self._found:
             self._found.append(found)
@@ -128,8 +128,8 @@ def read_yaml(text: str, file: str, *, error: type[HitabError] = LibraryError) -
 
     Args:
         text: the document.
-        file: its name, for errors.
-        error: type of the errors of what is wrong with it.
+        file: name of the file, for errors.
+        error: type of the errors about its faults.
 
     Raises:
         error: naming the file and line of anything that is not YAML, or not plain data.

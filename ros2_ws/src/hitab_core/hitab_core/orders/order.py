@@ -17,16 +17,16 @@ class Order:
     """A commander's order to all its subordinates.
 
     Attributes:
-        epoch: of the commander's process; larger after a restart.
+        epoch: epoch of the commander's process; larger after a restart.
         sequence: counts up within the epoch; 0 before the first order.
-        name: of the order, such as ``Attack``; a behavior of the commander.
-        behaviors: to perform, such as ``GoTo(ball)``, by receiver: a subordinate's name, else a
-            role, else `ALL_OTHERS`. Empty text: perform nothing.
+        name: name of the order, such as ``Attack``; a behavior of the commander.
+        behaviors: behavior to perform, such as ``GoTo(ball)``, by receiver: a subordinate's name,
+            a role, or `ALL_OTHERS`. An empty text means none.
         report: features whose values the subordinates should report.
         report_position: whether they should report their position.
         report_states: whether they should report the active states of their top-level behavior.
         report_period: seconds, in a subordinate's own time, between reports of changing values.
-        round: in lockstep, number of the round that the order ends; 0 outside of rounds.
+        round: number of the round that the order ends, in lockstep; 0 outside of rounds.
     """
 
     epoch: int = 0
@@ -58,20 +58,20 @@ class Report:
 
     Attributes:
         agent: name of the subordinate.
-        epoch, sequence: of the last order received; 0 before the first.
+        epoch, sequence: number of the last order received; 0 before the first.
         waits: whether that order is still pending.
-        mode: of the agent.
+        mode: mode of the agent.
         stopped: whether its robot may not act.
-        path: its top-level behavior and, if requested, the active states inwards; empty if idle
+        path: the top-level behavior and, if requested, the active states inwards; empty if idle
             or stopped.
-        flags: raised by its top-level behavior since that order.
-        values: of the features that the commander requested; NaN without a value.
+        flags: flags that its top-level behavior has raised since that order.
+        values: values of the features that the commander requested; NaN without a value.
         position: x and y, m; empty if not requested or unknown.
-        cycle, episode, seed: of its last percept.
+        cycle, episode, seed: cycle, episode and seed of the last percept.
         seconds: the agent's own time, s.
-        round: in lockstep, number of the last percept; 0 in real time.
+        round: number of the last percept, in lockstep; 0 in real time.
         look: whether that percept was for observation only.
-        restart: whether it began an episode.
+        restart: whether that percept began an episode.
     """
 
     agent: str

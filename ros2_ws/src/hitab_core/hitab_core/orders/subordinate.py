@@ -31,8 +31,8 @@ class Subordinate:
         ordered: the behavior that the order demands of the agent, or None.
         waits: whether the order is still pending.
         refusal: why the order cannot be obeyed, and the way out; empty if it can.
-        episode, seed, seconds: of the last percept, for the reports.
-        round: in lockstep, number of the last percept; 0 in real time.
+        episode, seed, seconds: episode, seed and time of the last percept, for the reports.
+        round: number of the last percept, in lockstep; 0 in real time.
     """
 
     def __init__(self, agent: Agent, role: str = "") -> None:
@@ -49,8 +49,8 @@ class Subordinate:
         self.round = 0
         self._asked: tuple[str, ...] = ()
         self._readers: list[Callable[[], float] | None] = []
-        self._told: Report | None = None
-        self._told_at = -math.inf
+        self._reported: Report | None = None
+        self._reported_at = -math.inf
         self._beaten = False
 
     # -- obeying ----------------------------------------------------------------------------
@@ -104,7 +104,7 @@ class Subordinate:
                 why = f'"{self.ordered}" could not be started: {error!r}'
             if not isinstance(error, HitabError) or isinstance(error, LostBehaviorError):
                 with suppress(Exception):
-                    # Neither a half-started behavior nor what was ordered before.
+                    # Neither a half-started behavior nor the previously ordered one.
                     agent.perform(None)
             self.refusal = f'cannot obey the order "{name}": {why}'
             return False
@@ -133,23 +133,23 @@ class Subordinate:
             seconds: the agent's own time, from its percepts.
         """
         doing = self._doing()
-        if doing == self._told:
+        if doing == self._reported:
             order = self.order
             if order is None or not (order.report or order.report_position):
                 return None
             # Tolerate half a millisecond, since times are sums of cycles.
-            if 0.0 <= seconds - self._told_at < order.report_period - 5e-4:
+            if 0.0 <= seconds - self._reported_at < order.report_period - 5e-4:
                 return None
-        self._told_at = seconds
+        self._reported_at = seconds
         return self._report(doing)
 
     def round_begins(self, number: int, *, look: bool, restart: bool) -> Report:
         """Return the report that is due in a round of lockstep.
 
         Args:
-            number: of the round and of its percept.
+            number: number of the round and of its percept.
             look: whether the percept is for observation only.
-            restart: whether it begins an episode.
+            restart: whether the percept begins an episode.
         """
         self.round = number
         return self._report(self._doing(), look=look, restart=restart)
@@ -175,7 +175,7 @@ class Subordinate:
         return report
 
     def report(self) -> Report:
-        """Return a report of what the agent is doing now."""
+        """Return a report of the agent's activity now."""
         return self._report(self._doing())
 
     def _doing(self) -> Report:
@@ -201,7 +201,7 @@ class Subordinate:
         )
 
     def _report(self, doing: Report, *, look: bool = False, restart: bool = False) -> Report:
-        self._told = doing
+        self._reported = doing
         self._beaten = True
         values = tuple(NAN if read is None else value_or_nan(read) for read in self._readers)
         return replace(

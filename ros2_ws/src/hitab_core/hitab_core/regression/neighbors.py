@@ -1,10 +1,10 @@
-"""Regression by the nearest moments shown: numbers as in those that are most like the situation.
+"""Regression by the nearest moments shown: numbers as in the moments most like the situation.
 
-The numbers are a mean of those of the three nearest moments, weighted by the inverse of their
+The numbers are the mean over the three nearest moments, weighted by the inverse of their
 distance, as scikit-learn's ``KNeighborsRegressor(3, weights="distance")`` has it; on a circle, the
-mean direction. So they never leave what was shown, however far the situation is from it, a moment
-shown is answered exactly, and an answer is explained by three moments. Learning is sorting them
-into arrays, which an agent does while it runs.
+mean direction. So they never leave the range of the moments shown, however far the situation is,
+are exact at a moment shown, and are explained by three moments. Learning is sorting them into
+arrays, which an agent does while it runs.
 
 A situation is a point: a feature is a line in units of its usual difference, see
 `hitab_core.spread`, a circle on which a short way has this length, or, with categories, corners
@@ -31,7 +31,7 @@ MOMENTS_MAX = 1000
 """Maximum number of moments; more are thinned out to those farthest from one another."""
 
 SPREAD_ROWS = 300
-"""Usual differences are taken from so many moments, since they need all pairs."""
+"""Usual differences are taken from this many moments, since they need all pairs."""
 
 OPPOSED = 1e-6
 """Directions whose mean vector is shorter than this have no mean."""
@@ -41,9 +41,9 @@ class NumberExample(NamedTuple):
     """One of the moments that numbers were taken from.
 
     Attributes:
-        example: its number, as among the examples of the automaton.
-        distance: from the situation, in usual differences.
-        weight: its share in the numbers, from 0 to 1.
+        example: number of the example.
+        distance: distance from the situation, in usual differences.
+        weight: share in the numbers, from 0 to 1.
     """
 
     example: int
@@ -55,8 +55,8 @@ class NumberTable(NamedTuple):
     """Learned numbers as plain data, for other programs.
 
     Attributes:
-        axes: of each feature the turn and the radius of its circle, both 0 if it has none, its
-            usual difference and its number of categories.
+        axes: by feature, the turn and the radius of its circle, both 0 if it has none, its usual
+            difference and its number of categories.
         moments: the place of each and its numbers.
     """
 
@@ -86,8 +86,8 @@ class Neighbors:
 
         Args:
             values: shape (n, m), of the features at each moment; NaN where one had no value.
-            numbers: shape (n, k), what was shown there, within the bounds.
-            scales: how the values of each of the m features compare.
+            numbers: shape (n, k), the numbers shown there, within the bounds.
+            scales: scale of each of the m features.
             wanted: the k numbers.
             examples: the number of each moment; empty to count from 0.
         """
@@ -147,7 +147,8 @@ class Neighbors:
         """Return the moments that the numbers are taken from here, the nearest first.
 
         Args:
-            values: of the m features; NaN where one has no value. None has one: no moments.
+            values: values of the m features; NaN where one has no value. Without any value
+                there are no moments.
         """
         return [m._replace(example=self._examples[m.example]) for m in self._nearest(values)]
 
@@ -174,8 +175,8 @@ def mean(values: Sequence[float], weights: Sequence[float], number: BoundedNumbe
 
     Args:
         values: within its bounds.
-        weights: theirs, with the sum 1.
-        number: what they are values of.
+        weights: weights of the values, with the sum 1.
+        number: the number that has these values.
     """
     if not number.circular:
         found = sum(v * w for v, w in zip(values, weights, strict=True))
@@ -201,7 +202,7 @@ class _Axis:
 
     @property
     def form(self) -> tuple[float, float, float, int]:
-        """Its turn, radius, usual difference and number of categories."""
+        """The turn, radius, usual difference and number of categories of the feature."""
         return self._turn, self._radius, self._usual, len(self._scale.categories)
 
     def __call__(self, value: float) -> Sequence[float]:
@@ -243,15 +244,15 @@ def learn_numbers(
     examples: Iterable[Example],
     numbers_of: Callable[[Term], Sequence[BoundedNumber]],
 ) -> dict[str, Neighbors]:
-    """Return what gives the numbers of each state whose behavior takes some, by label.
+    """Return the functions for the numbers of states that take numbers, by label.
 
     A state learns from all commands of it, whatever state they left. Without one that gave
     numbers, nothing is learned for it.
 
     Args:
-        states: of the automaton.
-        scales: how the values of each feature compare.
-        examples: with one value per feature.
+        states: states of the automaton.
+        scales: scale of each feature.
+        examples: examples with one value per feature.
         numbers_of: returns the numbers that the behavior of a state takes.
     """
     learned = {}

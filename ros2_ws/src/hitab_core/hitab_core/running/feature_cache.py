@@ -22,7 +22,7 @@ NO_PERCEPT_YET = "nothing perceived yet; let the world run, or wait for the robo
 
 
 def resolved(function: Callable[..., Any], body: Any, domain: Domain, term: Term) -> Any:
-    """Return ``function`` bound to the body and to ``use``'s targets, resolved at each call."""
+    """Return ``function`` bound to the body and to the term's targets, resolved at each call."""
     for argument in term.arguments:
         if argument not in domain.targets:
             raise VocabularyError(f'"{argument}" in "{term}" is not bound to a target')
@@ -42,7 +42,7 @@ class FeatureCache:
     the features in use, and each feature is read once however many levels use it.
 
     Attributes:
-        values: of the features, by slot.
+        values: values of the features, by slot.
         perceived: whether there was a percept yet.
         missed: why a feature that a decision needed had no value, by feature; see `lacking`.
     """
@@ -150,9 +150,9 @@ class FeatureCache:
             raise
 
     def failing(self) -> Mapping[Term, Exception]:
-        """Return what the domain's code raises where it reads features, instead of a value.
+        """Return the exceptions of the domain's code in reading features.
 
-        The first percept reads each feature; later ones read those that failed, used or not.
+        The first percept reads each feature; later ones read the failed ones, used or not.
         """
         if not self.perceived:
             return {}
@@ -171,7 +171,7 @@ class FeatureCache:
 
     @contextmanager
     def blind_unless_perceived(self) -> Iterator[None]:
-        """Explain what a domain's code raises when it looks for a percept that never came.
+        """Explain an exception of domain code that expects a percept before the first one.
 
         Raises:
             FeatureValueError: instead of any error but a `HitabError`, before the first percept.
@@ -207,8 +207,8 @@ def checked(read: Callable[[], float], name: str, categories: int, required: boo
     """Return a feature's value.
 
     Args:
-        read: reads it.
-        name: of the feature with its targets, for errors.
+        read: function that reads the feature.
+        name: name of the feature with its targets, for errors.
         categories: number of categories; `ON_CIRCLE` for a toroidal feature, 0 for any other.
         required: see `Feature.required`.
 

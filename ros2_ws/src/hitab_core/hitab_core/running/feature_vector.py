@@ -1,7 +1,6 @@
-"""The feature vector of one automaton: features of the domain, and the automaton's own ones.
+"""The feature vector of one automaton: features of the domain, and its own flags and timers.
 
-Its own ones are flags, which the behavior of the active state has raised, and timers. A flag that
-a query has seen goes down.
+Flags are raised by the behavior of the active state; a query clears them.
 """
 
 from __future__ import annotations
@@ -20,17 +19,17 @@ class FeatureVector:
     """The features of an automaton being performed, each read when a decision needs it.
 
     Args:
-        context: of the agent.
-        bindings: of the automaton's parameters to targets.
-        features: of the automaton, in its own terms.
+        context: context of the agent.
+        bindings: bindings of the automaton's parameters to targets.
+        features: features of the automaton, in its own terms.
 
     Attributes:
-        features: as given.
-        bindings: as given.
-        slots: of the features, in the agent's `FeatureCache`.
-        values, read_one: that cache's values by slot, and its `FeatureCache.read`.
-        entered: since when the active state counts as active, s.
-        has_own: whether there is something to do before a query; see `query`.
+        features: features of the automaton, in its own terms.
+        bindings: bindings of the automaton's parameters to targets.
+        slots: slots of the features, in the agent's `FeatureCache`.
+        values, read_one: values of that cache by slot, and its `FeatureCache.read`.
+        entered: time of the entry into the active state, s.
+        has_own: whether `query` has anything to do: flags, timers or required features.
     """
 
     def __init__(
@@ -46,7 +45,7 @@ class FeatureVector:
         self.choose(features)
 
     def choose(self, features: Sequence[Term]) -> None:
-        """Consist of these features from now on."""
+        """Replace the features."""
         self.features = tuple(features)
         self.slots: list[int] = []
         self._flags: list[tuple[int, str]] = []
@@ -72,14 +71,14 @@ class FeatureVector:
         self._seen = dict.fromkeys(FLAGS, now)
 
     def enter(self) -> None:
-        """Have a state be active from now on."""
+        """Reset the timer of the active state."""
         self.entered = self._clock.now
 
     def query(self, child: Running | None) -> None:
-        """Fill in flags and timers, as a transition function sees them; take the flags down.
+        """Fill in flags and timers for a transition function; clear the flags.
 
         Args:
-            child: what the active state performs.
+            child: behavior of the active state.
 
         Raises:
             FeatureValueError: if a required feature has no value.
@@ -94,7 +93,7 @@ class FeatureVector:
             self.take_down(raised)
 
     def take_down(self, raised: set[str]) -> None:
-        """Lower flags, which have been seen now."""
+        """Clear flags; their timers count from now."""
         for flag in raised:
             self._seen[flag] = self._clock.now
         raised.clear()
@@ -127,7 +126,7 @@ class FeatureVector:
             return math.nan
 
     def peek(self, child: Running | None) -> list[float]:
-        """Return what `read` returns before a query; leave flags up."""
+        """Return the values that the next query would see, without clearing flags."""
         for slot, flag in self._flags:
             self.values[slot] = self._is_up(flag, child)
         for slot, flag in self._timers:

@@ -15,7 +15,8 @@ class NumberRange:
     """Range around the shown moments in which numbers are taken from them.
 
     Attributes:
-        max_distance: in usual differences; farther off, a state that takes numbers does nothing.
+        max_distance: maximum distance, in usual differences; beyond it, a state that takes numbers
+            does nothing.
         reason: why such a state did nothing in this tick, or empty.
     """
 
@@ -27,10 +28,10 @@ class GivenNumbers:
     """Gives the active state of an automaton its numbers, which follow from the features.
 
     Args:
-        number_range: how far from the moments shown there are numbers.
+        number_range: range around the moments shown in which there are numbers.
 
     Attributes:
-        functions: of the states that take numbers, by label.
+        functions: functions of the states that take numbers, by label.
     """
 
     def __init__(self, number_range: NumberRange) -> None:
@@ -40,12 +41,12 @@ class GivenNumbers:
     def give(
         self, automaton: str, state: str, child: object, read: Callable[[], list[float]]
     ) -> None:
-        """Have a state go on with the numbers of now, or halt if nothing near was shown.
+        """Continue a state with the present numbers, or halt it outside of the range.
 
         Args:
-            automaton, state: their labels.
-            child: performs the state.
-            read: returns the values of the automaton's features.
+            automaton, state: labels of the automaton and its active state.
+            child: behavior of the state.
+            read: function that returns the values of the automaton's features.
         """
         function = self.functions.get(state)
         if function is None or not isinstance(child, RunningWithNumbers):

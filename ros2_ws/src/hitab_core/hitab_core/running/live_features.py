@@ -26,7 +26,7 @@ def live_features(
 
     Args:
         running: the agent's performance.
-        context: of the agent.
+        context: context of the agent.
         also: more features, bound to targets, listed under the label "".
 
     Raises:
@@ -41,7 +41,7 @@ def live_features(
             for feature in running.automaton.features
         ]
         running = running.child
-    # Flags and timers are those of one automaton.
+    # Flags and timers belong to one automaton.
     readings += [
         (
             "",

@@ -26,14 +26,14 @@ class Change:
     """A change of state as decided; creating one reads no features.
 
     Attributes:
-        automata: labels of the automata, from the top level to the one that changes.
+        automata: labels of the automata, from the top level to the changing automaton.
         source, destination: labels of the states.
         commanded: whether by the demonstrator rather than by a transition function.
         terms: the automaton's features, in its own terms.
-        bindings: of its parameters to targets.
-        values: of each feature; None if not read in this tick, NaN if it was missing. Empty if
+        bindings: bindings of its parameters to targets.
+        values: value of each feature; None if not read in this tick, NaN if missing. Empty if
             commanded.
-        function: that decided; None if commanded.
+        function: transition function that decided; None if commanded.
     """
 
     automata: Sequence[str]

@@ -1,4 +1,4 @@
-"""What everything that one agent performs shares, and what each performance can do."""
+"""The context shared by all performances of one agent, and the interface of a performance."""
 
 from __future__ import annotations
 
@@ -46,14 +46,14 @@ class RunContext:
 
     Attributes:
         repertoire: the available behaviors.
-        body: of this agent, made by the domain.
-        feature_cache: its features, read from this body.
+        body: body of this agent, made by the domain.
+        feature_cache: the agent's features, read from this body.
         draw: uniform random numbers on [0, 1) from the agent's own seeded generator.
         most_probable: take the most probable next state instead of drawing one.
         observe: called at each change of state, after the decision and before the new state
             starts. Its exceptions do not propagate; see `hitab_core.running.observing`.
-        clock: for the timers of its automata.
-        number_range: how far from the moments shown there are numbers.
+        clock: clock of the timers.
+        number_range: range around the moments shown in which there are numbers.
     """
 
     repertoire: Repertoire

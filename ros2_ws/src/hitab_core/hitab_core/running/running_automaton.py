@@ -12,7 +12,7 @@
     S_t+1 = S_t? --no----> _enter: stop the behavior of S_t, start that of S_t+1
         |                     |
         v                     v
-    one pulse              child.tick(): a basic behavior, or the same step of an automaton
+    one pulse              child.tick(): a basic behavior; for an automaton, this same step
         |
         v
     an action              body.act()
@@ -41,8 +41,10 @@ from hitab_core.term import Term
 from hitab_core.transition_function import Decide, NumberFunction, TransitionFunction
 
 
-def performance(context: RunContext, term: Term, above: RunningAutomaton | None = None) -> Running:
-    """Return a performance of a behavior, not started; all arguments must be targets."""
+def performance(
+    context: RunContext, term: Term, parent: RunningAutomaton | None = None
+) -> Running:
+    """Return a behavior ready to start; all arguments must be targets."""
     behavior = context.repertoire.get(term.name)
     if isinstance(behavior, ActionBehavior):
         return RunningAction(context.repertoire.domain, context.body, behavior, term)
@@ -50,20 +52,24 @@ def performance(context: RunContext, term: Term, above: RunningAutomaton | None 
         kind = RunningWithNumbers if behavior.numbers else RunningBasicBehavior
         return kind(context.repertoire.domain, context.body, behavior, term)
     bindings = dict(zip(behavior.parameters, term.arguments, strict=True))
-    return RunningAutomaton(context, behavior, bindings, above, str(term))
+    return RunningAutomaton(context, behavior, bindings, parent, str(term))
 
 
 class RunningAutomaton:
-    """An automaton being performed: its active state and, inside it, what that performs.
+    """An automaton being performed: its active state and the child that performs this state.
 
-    `tick` is the paper's step: query the transition function of the active state, change state if
-    it says so, pulse the active behavior. When a demonstrator is in control, `go_to` and `pulse`
-    replace the query.
+    `tick` is the paper's step: query the transition function of the active state, change the state
+    if necessary, pulse the active behavior. In training mode a demonstrator's `go_to` replaces the
+    query, and `pulse` the tick.
 
     Attributes:
-        path: labels of the automata around this one, and its own.
-        raised: the flags that are up, for the automaton above.
-        vector: its features.
+        context: the agent's repertoire, body and clock.
+        automaton: the automaton, as learned and stored.
+        bindings: parameters of the automaton, each with its target.
+        label: label of the state that this automaton performs in its parent, or its name.
+        path: labels of all automata from the outermost one to this.
+        raised: raised flags, which the parent's next query reads and clears.
+        vector: the feature vector.
     """
 
     def __init__(
@@ -71,16 +77,17 @@ class RunningAutomaton:
         context: RunContext,
         automaton: Automaton,
         bindings: Mapping[str, str] | None = None,
-        above: RunningAutomaton | None = None,
+        parent: RunningAutomaton | None = None,
         label: str = "",
     ) -> None:
         self.context = context
         self.automaton = automaton
         self.bindings = dict(bindings or {})
         self.label = label or automaton.name
-        self.path: tuple[str, ...] = (*(above.path if above is not None else ()), self.label)
+        self.path: tuple[str, ...] = (*(parent.path if parent is not None else ()), self.label)
         self.raised: set[str] = set()
         self.vector = FeatureVector(context, self.bindings, automaton.features)
+        # A state is an index into these lists; Start is 0.
         self._labels: list[str] = [START]
         self._index: dict[str, int] = {START: 0}
         self._children: list[Running | None] = [None]
@@ -93,7 +100,7 @@ class RunningAutomaton:
 
     @property
     def active(self) -> str:
-        """The label of the active state."""
+        """Label of the active state."""
         return self._labels[self._active]
 
     @property
@@ -103,12 +110,12 @@ class RunningAutomaton:
 
     @property
     def function(self) -> TransitionFunction | None:
-        """The transition function of the active state; None if it has none."""
+        """Transition function of the active state; None if it has none."""
         return self._functions.get(self.active)
 
     @property
     def active_path(self) -> list[str]:
-        """The active states, from this automaton inwards."""
+        """Labels of the active states, from this automaton inwards."""
         child = self.child
         inner = child.active_path if isinstance(child, RunningAutomaton) else []
         return [self.active, *inner]
@@ -130,17 +137,17 @@ class RunningAutomaton:
         """Query, change state if the transition function says so, and pulse.
 
         Raises:
-            FeatureValueError: if a required feature has no value, in whatever state.
+            FeatureValueError: if a required feature has no value, even if no test reads it.
         """
         active = self._active  # S_t
         child = self._children[active]
         if child is None:
-            active = self._active = 0  # Start and flag states are left at once
+            active = self._active = 0  # a flag state returns to Start, which is left at once
         vector = self.vector
         if vector.has_own:
-            vector.query(child)  # flags and timers; other features are read when they are tested
+            vector.query(child)  # flags and timers; other features are read when a test needs them
         decide = self._decide[active]
-        if decide is not None:  # else there is no example of leaving it
+        if decide is not None:  # otherwise no example leaves this state
             chosen = decide(vector.values, vector.read_one, self.context.draw)  # S_t+1
             if chosen != active:
                 child = self._enter(chosen)
@@ -150,13 +157,13 @@ class RunningAutomaton:
             child.tick()
 
     def _enter(self, index: int, *, commanded: bool = False) -> Running | None:
-        """Stop the active state's behavior and start that of another state."""
+        """Stop the behavior of the active state and start the behavior of another one."""
         observe = self.context.observe
         if observe is not None:
             vector, function = self.vector, self.function
-            seen = vector.features, vector.bindings, vector.known(), function
+            decision = vector.features, vector.bindings, vector.known(), function
             change = self.path, self.active, self._labels[index], commanded
-            observe(Change(*change) if commanded else Change(*change, *seen))
+            observe(Change(*change) if commanded else Change(*change, *decision))
         old = self._children[self._active]
         if old is not None:
             old.stop()
@@ -178,13 +185,13 @@ class RunningAutomaton:
             self._active = 0  # a flag was raised; the flag state is left at once
 
     def go_to(self, label: str) -> None:
-        """Change to a state on a demonstrator's command; do not restart the active state."""
+        """Change to a state on a demonstrator's command; do nothing if it is active."""
         index = self._index[label]
         if index != self._active:
             self._enter(index, commanded=True)
 
     def add_state(self, state: Term) -> None:
-        """Add a state, as training does when a behavior is first commanded."""
+        """Add a state unless it exists, as when a behavior is commanded for the first time."""
         label = str(state)
         if label in self._index:
             return
@@ -201,7 +208,7 @@ class RunningAutomaton:
         transitions: Mapping[str, TransitionFunction],
         numbers: Mapping[str, NumberFunction] | None = None,
     ) -> None:
-        """Use these functions from now on; keep the active state."""
+        """Replace the transition functions, and the functions for numbers; keep the state."""
         self._numbers.functions = dict(numbers or {})
         self._functions = dict(transitions)
         self._decide = [None] * len(self._labels)
@@ -211,22 +218,22 @@ class RunningAutomaton:
             )
 
     def set_features(self, features: Sequence[Term]) -> None:
-        """Use other features; transition functions must follow."""
+        """Replace the features; the caller must then set transition functions that use them."""
         self.automaton = replace(self.automaton, features=tuple(features), transitions={})
         self.vector.choose(features)
         self.set_transitions({})
 
     def set_numbers(self, numbers: tuple[float, ...]) -> None:
-        """Perform the active state with these numbers, if its behavior takes any."""
+        """Give numbers to the behavior of the active state, if it takes any."""
         child = self.child
         if isinstance(child, RunningWithNumbers):
             child.give(numbers)
 
     def take_down_flags(self) -> None:
-        """Lower the flags of the active state, since a demonstrator's command is the query."""
+        """Clear the flags of the active behavior, since a command replaces the query."""
         if self.child is not None:
             self.vector.take_down(self.child.raised)
 
     def look(self, feature: Term) -> float:
-        """Return the current value of a feature in its own terms, or NaN; change nothing."""
+        """Return the present value of a feature, or NaN, without clearing flags."""
         return self.vector.look(feature, self.child)

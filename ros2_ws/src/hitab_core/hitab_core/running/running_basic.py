@@ -52,7 +52,7 @@ class RunningWithNumbers(RunningBasicBehavior):
     """A basic behavior that takes numbers; it does nothing while it has none.
 
     Attributes:
-        numbers: for its next pulse, or empty.
+        numbers: numbers for the next pulse, or empty.
     """
 
     __slots__ = ("_halted", "numbers")
@@ -73,10 +73,10 @@ class RunningWithNumbers(RunningBasicBehavior):
         super().start()
 
     def give(self, numbers: tuple[float, ...]) -> None:
-        """Go on with these numbers."""
+        """Continue with these numbers."""
         if self._halted:
             self._halted = False
-            self._start()  # what is one-shot does not pulse again
+            self._start()  # a one-shot behavior does not pulse again
         self.numbers = numbers
 
     def halt(self) -> None:

@@ -43,12 +43,12 @@ MOVE_AWAY = "discard the training, or move this file away to start without it"
 class AgentDatabase:
     """The tables of an agent: `training`, `record` and `person`.
 
-    `training.waits` is empty for the training that the next start resumes, NULL for one that is
-    over, or the library that it is for, while the agent uses another. A record's key is
+    `training.waits` is empty for the training that the next start resumes, NULL for an ended one,
+    or the library of the training, while the agent uses another. A record's key is
     ``training << 32 | number``, so a training is read without an index.
 
     Attributes:
-        path: of the file.
+        path: path of the file.
     """
 
     def __init__(self, folder: Path) -> None:

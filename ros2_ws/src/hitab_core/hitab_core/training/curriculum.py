@@ -20,10 +20,10 @@ class Curriculum:
     """The choices made before training begins.
 
     Attributes:
-        name: of the automaton to be trained.
+        name: name of the automaton to be trained.
         features: available to the transition functions.
-        states: that may be commanded; empty for anything in the repertoire.
-        parameters: its free variables.
+        states: states that may be commanded; empty for anything in the repertoire.
+        parameters: free variables of the automaton.
         arguments: the targets that the parameters are bound to during training.
         classifier: ``"tree"`` or a scikit-learn classifier (`scikit_learn_adapter`).
     """
@@ -36,7 +36,7 @@ class Curriculum:
     classifier: str = "tree"
 
     def to_record(self) -> dict[str, Any]:
-        """Return it as plain data for the journal."""
+        """Return the curriculum as plain data for the journal."""
         return {
             "automaton": self.name,
             "features": [str(f) for f in self.features],
@@ -48,7 +48,7 @@ class Curriculum:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Curriculum:
-        """Read what `to_record` wrote."""
+        """Return the object that `to_record` wrote."""
         keys = ("automaton", "features", "states", "parameters", "arguments", "classifier")
         return cls.parse(*(record[key] for key in keys))
 
@@ -86,7 +86,7 @@ def check_curriculum(curriculum: Curriculum, repertoire: Repertoire) -> None:
     """Check that everything a curriculum names exists, including its classifier.
 
     Raises:
-        VocabularyError: naming what does not exist.
+        VocabularyError: naming the unknown word.
     """
     name = curriculum.name
     for text in (name, *curriculum.parameters):

@@ -1,4 +1,4 @@
-"""What happens in a training, for assistants to subscribe to.
+"""Events of a training; assistants may subscribe.
 
 An assistant sees percepts, commands and changes. It may propose when a command was due, and is
 otherwise a guest: its exceptions do not propagate (`hitab_core.running.observing.guest`).
@@ -30,22 +30,22 @@ class Request(NamedTuple):
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Request:
-        """Return that which a record of the journal carries out."""
+        """Return the request that a record of the journal carries out."""
         demonstrator, number = record["request"]
         return cls(str(demonstrator), int(number))
 
 
 @dataclass(frozen=True)
 class Given:
-    """How a command is given.
+    """The circumstances of a command: who gives it, and when it was due.
 
     Attributes:
-        cycle: of the world, stored with the examples.
-        ago: how long before what the demonstrator saw the command was due, s of simulated time.
+        cycle: the world's cycle, stored with the examples.
+        ago: time from when the command was due to what the demonstrator saw, s of simulated time.
         seen: the world's cycle that the demonstrator saw; 0 for the last one.
         pace: simulated seconds that pass for the demonstrator in a second; 0 if the situation
             has waited. Without ``ago``, an assistant may estimate how late the command comes.
-        request: who gives it and with which number, to recognize it when it comes again.
+        request: demonstrator and number, to recognize the command when it comes again.
     """
 
     cycle: int = 0
@@ -56,12 +56,12 @@ class Given:
 
     @property
     def who(self) -> str:
-        """Who gives it; empty if unknown."""
+        """The demonstrator; empty if unknown."""
         return "" if self.request is None else self.request.demonstrator
 
     @property
     def record(self) -> dict[str, Any]:
-        """What the journal keeps of it."""
+        """The part that the journal keeps."""
         return {} if self.request is None else {"request": list(self.request)}
 
     def check(self) -> None:
@@ -78,7 +78,7 @@ class Given:
 
 
 NOW = Given()
-"""A command that is meant for now, by nobody in particular."""
+"""A command that is due now, by an unknown demonstrator."""
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,11 @@ class CommandGiven:
     """A command that is about to be recorded.
 
     Attributes:
-        label: of the state that it goes to.
-        given: how it is given.
+        label: label of the commanded state.
+        given: who gives the command, and when it was due.
         taken_over_in: label of the state in which the person took over to give it; empty if the
             automaton had not decided.
-        stated: returns the moment that it was meant for, as far as the person says.
+        stated: function that returns the percept for which it is due by the person's statement.
     """
 
     label: str
@@ -100,12 +100,12 @@ class CommandGiven:
 
 
 class Proposal(NamedTuple):
-    """When a command was due, as an assistant sees it.
+    """An assistant's estimate of when a command was due.
 
     Attributes:
-        due: the moment.
-        settled: earlier examples, as this command shows them.
-        record: for the journal, so that a replay needs no assistant.
+        due: the percept.
+        settled: earlier examples, changed in the light of this command.
+        record: fields of the journal's record, so that a replay needs no assistant.
     """
 
     due: PerceptRecord
@@ -124,7 +124,7 @@ class Event(Generic[P, T]):
         self._hear.append(guest(hear))
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> T | None:
-        """Tell all subscribers; return the first answer, if there is one."""
+        """Call all subscribers; return the first answer, if there is one."""
         first: T | None = None
         for hear in self._hear:
             answer = hear(*args, **kwargs)
@@ -138,11 +138,11 @@ class TrainingEvents:
 
     Attributes:
         perceived: a percept.
-        begun: the percept in which a state is entered that does not follow from those before;
+        begun: the percept in which a state is entered other than by a decision or command;
             None if there was none.
         commanded: a command, before it is recorded; the answer says when it was due.
-        changed: a step of the training, as the journal keeps it; those of a resumed one, too.
-        decided: the label of the state that is active after a tick of what was learned.
+        changed: a step of the training, as the journal keeps it; also when it is resumed.
+        decided: the label of the state that is active after a tick of the learned automaton.
         episode: another episode begins.
         interrupted: the label of the state in which the person or something else intervened.
     """

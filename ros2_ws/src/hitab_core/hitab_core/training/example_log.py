@@ -21,18 +21,18 @@ NUMBERS_MAX = 6
 
 
 class ExampleLog:
-    """Examples in the order of recording, which is that of their numbers.
+    """Examples in the order of recording, which is the order of their numbers.
 
-    An edit is first prepared, which refuses the impossible and changes nothing, and then made by
-    `make`. The history holds differences, and an edit looks only at the examples to change
+    An edit is first prepared, which raises if it is impossible and changes nothing, and then made
+    by `make`. The history holds differences, and an edit looks only at the examples to change
     and at those with the same values. So both grow with the edits, not with the number of
     examples. Each edit also marks the default examples that a command contradicts, or no longer
     does (`hitab_core.default_example`).
 
     Attributes:
-        history: of the edits, for undo and redo.
+        history: the edits, for undo and redo.
         next_number, next_command: numbers of the next example and of the next command.
-        recorded: how many examples commands have added, whatever became of them.
+        recorded: number of examples that commands have added, deleted ones included.
     """
 
     def __init__(self, examples: Iterable[Example] = ()) -> None:
@@ -41,7 +41,7 @@ class ExampleLog:
         self._there = defaultdict[Place, set[int]](set)
         self._leaving = Counter[Place]()  # how many contradict default examples there
         self._contradictory = set[Place]()  # where ordinary examples contradict each other
-        self._told: tuple[Example, ...] | None = None
+        self._as_tuple: tuple[Example, ...] | None = None
         self.recorded = 0
         self.next_number = self.next_command = 1
         self.history = History()
@@ -52,9 +52,9 @@ class ExampleLog:
     @property
     def examples(self) -> tuple[Example, ...]:
         """All current examples."""
-        if self._told is None:
-            self._told = tuple(self._examples)
-        return self._told
+        if self._as_tuple is None:
+            self._as_tuple = tuple(self._examples)
+        return self._as_tuple
 
     def __len__(self) -> int:
         return len(self._examples)
@@ -62,11 +62,12 @@ class ExampleLog:
     # -- preparing --------------------------------------------------------------------------
 
     def addition(self, taught: Sequence[Example], settled: Sequence[Example] = ()) -> Edit:
-        """Prepare to add what a command taught; its first example gives the states.
+        """Prepare to add the examples of a command; the first one gives the states.
 
         Args:
-            taught: the examples.
-            settled: earlier examples as the command shows them (`hitab_core.assistant.lateness`).
+            taught: the examples of the command.
+            settled: earlier examples, changed in the light of the command
+                (`hitab_core.assistant.lateness`).
         """
         if not taught:
             return Edit()
@@ -76,7 +77,7 @@ class ExampleLog:
         return replace(edit, left=first.state, entered=first.next_state)
 
     def prepared(self, record: Mapping[str, Any]) -> Edit | None:
-        """Prepare what a record of the journal describes; None if it changes no examples.
+        """Prepare the edit that a record of the journal describes; None if there is none.
 
         Raises:
             TrainingError: if it is not possible.
@@ -115,11 +116,11 @@ class ExampleLog:
         The default example of a changed command says the same of the new next state.
 
         Args:
-            numbers: of the examples.
+            numbers: numbers of the examples.
             next_state: the new one.
-            given: with which numbers it is commanded.
-            goes_on: whether it goes on, as a one-shot behavior does not; None, in a record of an
-                earlier version: default examples stay as they are.
+            given: numbers of the next state's behavior.
+            goes_on: whether the new behavior continues, as a one-shot one does not; None in a
+                record of an earlier version, and then default examples stay as they are.
         """
         wanted = self._known(numbers)
         changed = [
@@ -153,11 +154,11 @@ class ExampleLog:
     def replacement(
         self, changed: Iterable[Example], words: str = "", deleted: Iterable[int] = ()
     ) -> Edit:
-        """Prepare to add examples, or have them in place of those with the same numbers.
+        """Prepare to add examples, which replace any with the same numbers.
 
         Args:
             changed: the examples.
-            words: what that does.
+            words: the effect, for people.
             deleted: numbers of examples to delete.
         """
         came = {e.number: e for e in changed if self._by_number.get(e.number) is not e}
@@ -194,7 +195,7 @@ class ExampleLog:
     def make(self, edit: Edit) -> None:
         """Make a prepared edit; no other edit may come in between."""
         edit.apply(self._examples)
-        self._told = None
+        self._as_tuple = None
         for example in edit.gone:
             del self._by_number[example.number]
             self._count(example, -1)

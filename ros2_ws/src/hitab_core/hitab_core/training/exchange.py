@@ -33,11 +33,11 @@ def exchanged(
     value; some examples must have one.
 
     Args:
-        examples: with values of ``before``.
+        examples: examples with values of ``before``.
         before: the features of their values.
-        features: of the new values.
+        features: features of the new values.
         readable: names of their readings.
-        name: of the automaton, for errors.
+        name: name of the automaton, for errors.
 
     Raises:
         TrainingError: if no example has a value of a feature.
@@ -89,8 +89,8 @@ def realigned(
     """Return examples with their readings in another order.
 
     Args:
-        examples: with readings of ``names``.
-        names: of their readings.
+        examples: examples with readings of ``names``.
+        names: names of their readings.
         readable: names of the new readings; NaN where there is none.
     """
     if tuple(names) == tuple(readable):

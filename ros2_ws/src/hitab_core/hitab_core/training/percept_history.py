@@ -1,4 +1,4 @@
-"""A history of percepts: those of the last seconds, and those around each command.
+"""A history of percepts: of the last seconds, and around each command.
 
 A person needs time to react, so the situation that a command is meant for is already past when the
 command arrives. A command that says how long ago it was due is recorded with the situation of that
@@ -35,7 +35,7 @@ STEP_SECONDS = 0.02
 
 
 class PerceptHistory:
-    """Reads whatever can be read, and keeps it for as long as a command may refer to it.
+    """Reads all readable features, and keeps the percepts to which a command may refer.
 
     It never reaches back beyond a jump: a new episode, or a change of a paused world.
 
@@ -53,11 +53,11 @@ class PerceptHistory:
         """Keep nothing yet.
 
         Args:
-            domain: of the agent.
-            parameters: of the automaton in training.
-            chosen: its features.
-            names: of the readings; empty for all that can be read. What cannot be read any more is
-                NaN.
+            domain: domain of the agent.
+            parameters: parameters of the automaton in training.
+            chosen: features of the automaton in training.
+            names: names of the readings; empty for all readable features. Features that are no
+                longer readable are NaN.
         """
         found = tuple(names) or readable(domain, parameters)
         self.readable = (*found, *(term for term in chosen if term not in found))
@@ -78,22 +78,22 @@ class PerceptHistory:
 
     @property
     def is_past(self) -> bool:
-        """Whether something was perceived that a late command can be meant for."""
+        """Whether there is a percept at which a late command can have been due."""
         return bool(self._kept) and (self._entered is None or self.time > self._entered.time)
 
     def _read(self, running: RunningAutomaton) -> tuple[float, ...]:
-        """Return the readings of now; NaN for what cannot be read."""
+        """Return the present readings; NaN if one cannot be read."""
         values = map(running.vector.look, self.readable, repeat(running.child))
         return tuple(value if math.isfinite(value) else math.nan for value in values)
 
     def keep(
         self, running: RunningAutomaton, cycle: int, time: float, *, jumped: bool = False
     ) -> PerceptRecord:
-        """Keep and return what the agent perceives now, before it acts on that.
+        """Keep and return the present percept, before the agent acts on it.
 
         Args:
             running: the performed behavior.
-            cycle: of the world.
+            cycle: the world's cycle.
             time: simulated time, s.
             jumped: whether the situation does not follow from the last one.
         """
@@ -116,7 +116,7 @@ class PerceptHistory:
             del kept[:first]
 
     def enter(self, label: str, due: PerceptRecord) -> None:
-        """Have a commanded state be active since the command was due."""
+        """Change the percepts since a command was due to the commanded state."""
 
         def entered(moment: PerceptRecord) -> PerceptRecord:
             seconds = moment.time - due.time
@@ -127,7 +127,7 @@ class PerceptHistory:
         self._entered = entered(due)
 
     def reenter(self, left: str, state: str) -> None:
-        """Have a state be active instead of the one that was entered last, which was undone."""
+        """Change the percepts in the state of an undone command to the state before it."""
         for place in range(len(self._kept) - 1, -1, -1):
             if self._kept[place].state != left:
                 break
@@ -162,23 +162,23 @@ class PerceptHistory:
         ago: float,
         seen: int,
     ) -> PerceptRecord:
-        """Return the moment for which a command is meant.
+        """Return the moment at which a command was due.
 
         Args:
-            running: what the agent performs.
-            features: of the automaton in training.
-            cycle: of the world, now.
+            running: the performed behavior.
+            features: features of the automaton in training.
+            cycle: the world's cycle, now.
             ago, seen: see `at`.
 
         Raises:
             TrainingError: if that moment is not kept.
-            FeatureValueError: as reading the features.
+            FeatureValueError: see `FeatureVector.read`.
         """
         if ago or seen:
             due = self.at(ago, seen)
             entered = self._entered
             if entered is not None and due.time <= entered.time:
-                due = entered  # no command was due before the one that the person gave before it
+                due = entered  # no command was due before the person's previous command
             if not self.shows(due, features):  # nothing was sensed for a moment
                 near = [m for m in self._since_entered() if abs(m.time - due.time) <= ago]
                 shown = [m for m in near if self.shows(m, features)]
@@ -196,7 +196,7 @@ class PerceptHistory:
         """Return the moment nearest to when a command was due.
 
         Args:
-            ago: how long before what the demonstrator saw, s of simulated time.
+            ago: time from when it was due to what the demonstrator saw, s of simulated time.
             seen: the world's cycle that the demonstrator saw; 0 for the last one.
 
         Raises:
@@ -226,7 +226,7 @@ class PerceptHistory:
         return [moment for moment in self._kept if moment.time >= time]
 
     def _since_entered(self) -> Sequence[PerceptRecord]:
-        """Return the moments for which a command can be meant, after that of the one before it."""
+        """Return the moments at which a command can be due, after that of the previous command."""
         entered = self._entered
         if entered is None:
             return self._kept
@@ -237,7 +237,7 @@ class PerceptHistory:
         return tuple(moment.readings[self._column[feature]] for feature in features)
 
     def shows(self, moment: PerceptRecord, features: Sequence[Term]) -> bool:
-        """Return whether there can be an example of a moment: one of some features has a value."""
+        """Return whether there can be an example of a moment: some feature has a value."""
         values = self.in_moment(moment, features)
         return not values or not all(map(math.isnan, values))
 
@@ -271,20 +271,20 @@ class PerceptHistory:
         return tuple(m for i, m in enumerate(reversed(chosen)) if i % step == 0)[::-1]
 
     def around(self, due: PerceptRecord) -> dict[str, Any]:
-        """Return what to keep with a command that was due in a moment, for the journal."""
+        """Return the journal's fields for the percepts around a command."""
         return {"time": self.time, "moments": [m.to_record() for m in self.window(due)]}
 
     def keep_around(self, record: Mapping[str, Any]) -> None:
-        """Keep what the journal's record of a command says of the percepts around it."""
+        """Keep the percepts around a command, from its record in the journal."""
         moments = tuple(map(PerceptRecord.from_record, record.get("moments", ())))
         if moments:
             command = int(record["examples"][0]["command"])
             self._windows[command] = (float(record["time"]), moments)
 
     def kept(self) -> Iterator[PerceptRecord]:
-        """Iterate over what is kept around all commands."""
+        """Iterate over the percepts kept around all commands."""
         return (moment for _, moments in self._windows.values() for moment in moments)
 
     def kept_around(self, command: int) -> tuple[float, tuple[PerceptRecord, ...]] | None:
-        """Return when a command was given, s, and the moments that are kept around it."""
+        """Return the time of a command, s, and the moments kept around it."""
         return self._windows.get(command)

@@ -22,11 +22,11 @@ class PerceptRecord:
     """One percept of an agent in training.
 
     Attributes:
-        cycle: of the world.
+        cycle: the world's cycle.
         time: simulated time, s.
-        state: label of the state that was active, or, once a command was due before, would have
-            been active had it come in time.
-        readings: see `readable`.
+        state: label of the active state; after a late command, the state that would have been
+            active if the command had come in time.
+        readings: values of the features that `readable` returns.
     """
 
     cycle: int
@@ -35,7 +35,7 @@ class PerceptRecord:
     readings: tuple[float, ...]
 
     def to_record(self) -> dict[str, Any]:
-        """Return it as plain data for the journal."""
+        """Return the percept as plain data for the journal."""
         return {
             "cycle": self.cycle,
             "time": self.time,
@@ -45,7 +45,7 @@ class PerceptRecord:
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> PerceptRecord:
-        """Read what `to_record` wrote."""
+        """Return the object that `to_record` wrote."""
         return cls(
             int(record["cycle"]),
             float(record["time"]),
@@ -55,13 +55,13 @@ class PerceptRecord:
 
 
 def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Term, ...]:
-    """Return what can be read in every moment: the domain's features, flags and timers.
+    """Return the features read in every moment: the domain's, flags and timers.
 
     Features of the domain are read for all targets and parameters.
 
     Args:
-        domain: of the agent.
-        parameters: of the automaton in training.
+        domain: domain of the agent.
+        parameters: parameters of the automaton in training.
     """
     things = [*sorted(domain.targets), *parameters]
     features = sorted(domain.features.values(), key=lambda feature: feature.name)
@@ -76,7 +76,7 @@ def readable(domain: Domain, parameters: Sequence[str]) -> tuple[Term, ...]:
 
 
 def nearest(moments: Sequence[PerceptRecord], time: float) -> PerceptRecord:
-    """Return the one of some moments that is nearest to a time; the later one of two as near.
+    """Return the moment nearest to a time; of two equally near ones, the later.
 
     One moment too early costs more than one too late: nothing may have happened yet.
     """

@@ -1,4 +1,4 @@
-"""Going on with the training of a behavior that was saved."""
+"""Resuming the training of a saved behavior."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def resumed(
     """Return a curriculum completed from a trained behavior, and that behavior's examples.
 
     Args:
-        curriculum: what to train; without a name, features or parameters, those of
-            ``earlier``, whose features are all that were chosen for it, trimmed ones too.
-        earlier: whose examples to continue from.
-        repertoire: of the agent.
+        curriculum: the automaton to train; an empty name, features or parameters are taken
+            from ``earlier``, trimmed features included.
+        earlier: the trained behavior whose examples to continue from.
+        repertoire: repertoire of the agent.
 
     Raises:
         TrainingError: if it has no examples, or they lack a value for one of the features.

@@ -1,4 +1,4 @@
-"""Retiming: have commands been due at another time, so that their examples show what was then."""
+"""Retiming: changes the time at which commands were due, and so their examples' situations."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from hitab_core.training.undo import Edit
 
 
 def retiming(trainer: Trainer, numbers: Iterable[int], ago: float) -> Edit:
-    """Prepare to have commands been due at another time.
+    """Prepare to change the time at which commands were due.
 
     Args:
-        trainer: of the examples.
-        numbers: of examples; each stands for its command.
-        ago: how long before the command it was due, s.
+        trainer: the trainer.
+        numbers: numbers of examples; each stands for its command.
+        ago: time from when it was due to the command, s.
 
     Raises:
-        TrainingError: if one of the numbers is unknown, or what was then is not kept.
-        FeatureValueError: as `PerceptHistory.values`.
+        TrainingError: if a number is unknown, or percepts of that time are not kept.
+        FeatureValueError: see `PerceptHistory.values`.
     """
     commands = trainer.log.commands_of(numbers)
     dues = {command: _then(trainer, command, n, ago) for command, n in commands.items()}
@@ -34,14 +34,14 @@ def retiming(trainer: Trainer, numbers: Iterable[int], ago: float) -> Edit:
 
 
 def moved(trainer: Trainer, dues: Mapping[int, PerceptRecord]) -> list[Example]:
-    """Return the examples of commands as they are if these were due in other moments.
+    """Return the examples of commands as they would be if due in other moments.
 
     Args:
-        trainer: of the examples.
+        trainer: the trainer.
         dues: the moment in which each command was due.
 
     Raises:
-        FeatureValueError: as `PerceptHistory.values`.
+        FeatureValueError: see `PerceptHistory.values`.
     """
     found, features = [], trainer.curriculum.features
     for e in trainer.examples:
@@ -59,7 +59,7 @@ def moved(trainer: Trainer, dues: Mapping[int, PerceptRecord]) -> list[Example]:
 
 
 def _then(trainer: Trainer, command: int, example: int, ago: float) -> PerceptRecord:
-    """Return the moment so long before a command."""
+    """Return the moment a given time before a command."""
     window = trainer.history.kept_around(command)
     if window is None:
         raise TrainingError(

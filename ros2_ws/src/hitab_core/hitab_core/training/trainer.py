@@ -3,13 +3,14 @@
     a command              command(state)
         |
         v
-    S_t and f_t            the moment it is meant for: of now, or when it was due (`events`)
+    S_t and f_t            of the percept that the command refers to: the present or an earlier
+        |                  one, since people react late (`percept_history`, `events`)
         |
         v
-    examples               <S_t, f_t, S_t+1>; by default, too: <S_t+1, f_t, S_t+1>
+    examples               <S_t, f_t, S_t+1>, and the default example <S_t+1, f_t, S_t+1>
         |
         v
-    the journal            on disk before anything is done or acknowledged
+    the journal            written to disk before the command is performed or acknowledged
         |
         v
     the log                all examples, with undo and redo
@@ -51,7 +52,7 @@ from hitab_core.training.percepts import PerceptRecord
 from hitab_core.training.undo import Direction, Edit
 
 Record = Mapping[str, Any]
-"""A step of a training, as its journal keeps it."""
+"""An entry of a training's journal; ``do`` names the step, such as ``"command"`` or ``"undo"``."""
 
 Journal = Callable[[Record], None]
 """Writes a record to disk before it returns."""
@@ -61,21 +62,21 @@ class Trainer:
     """Trains one automaton of one agent.
 
     In training mode the demonstrator decides: `command` changes the state and records examples. In
-    testing mode the learned transition functions decide. Switching between the two keeps the
-    active state and its behavior.
+    testing mode the learned transition functions decide. Changing the mode keeps the active state
+    and its behavior.
 
-    A behavior may take numbers, such as a speed. Then each command gives them, and what was
-    learned gives those of the nearest examples.
+    A behavior may take numbers, such as a speed. In training mode the commands give them; in
+    testing mode they are computed from the nearest examples.
 
     Attributes:
-        context: of the agent.
-        curriculum: what is trained, with the features that were chosen.
-        running: the automaton, being performed.
-        history: of percepts.
-        log: of examples, with what can be undone and redone.
-        testing: whether what was learned decides.
-        note: what the demonstrator should know of this, until an example is recorded.
-        events: that assistants may subscribe to.
+        context: the agent's repertoire, body and clock.
+        curriculum: name, parameters and chosen features of the automaton in training.
+        running: the automaton in training, as the agent performs it.
+        history: recent percepts of the agent.
+        log: the examples, with undo and redo.
+        testing: whether the learned transition functions decide.
+        note: a message for the demonstrator; cleared by the next recorded command.
+        events: events of this training; assistants may subscribe.
     """
 
     def __init__(
@@ -89,15 +90,15 @@ class Trainer:
         """Start in training mode, in Start.
 
         Args:
-            context: of the agent.
-            curriculum: what to train.
-            examples: to continue from, with readings in the order of `PerceptHistory.readable`.
-            journal: keeps each step.
-            names: of the readings of ``examples``; empty for all that can be read. What cannot be
-                read any more is NaN.
+            context: the agent's repertoire, body and clock.
+            curriculum: the automaton to train.
+            examples: examples of an earlier training to continue.
+            journal: writes each step to disk.
+            names: features that the readings of ``examples`` belong to; empty for all readable
+                features. A feature that is no longer readable is NaN.
 
         Raises:
-            VocabularyError: if the curriculum names what does not exist.
+            VocabularyError: if the curriculum names an unknown behavior, feature or target.
         """
         check_curriculum(curriculum, context.repertoire)
         self.context = context
@@ -105,17 +106,20 @@ class Trainer:
         domain = context.repertoire.domain
         self.history = PerceptHistory(domain, curriculum.parameters, curriculum.features, names)
         self.log = ExampleLog(examples)
-        self.testing = self._tested = self._taken_over = self._left = False
+        self.testing = False
+        self._tested = False  # at least once: later commands are corrections
+        self._taken_over = False  # from testing mode, with no command since
+        self._left = False  # the agent performs another behavior
         self.note, self._journal = "", journal
         self.events = TrainingEvents()
-        self.running = self._perform()
+        self.running = self._in_start()
 
-    def _perform(self) -> RunningAutomaton:
-        """Return the automaton with the states of the examples, in Start."""
-        given = self.curriculum
+    def _in_start(self) -> RunningAutomaton:
+        """Return a running automaton in Start: states of the examples, no transition functions."""
+        curriculum = self.curriculum
         states = tuple(map(Term.parse, self.states))
-        blank = Automaton(given.name, states, given.features, {}, given.parameters)
-        bindings = dict(zip(given.parameters, given.arguments, strict=True))
+        blank = Automaton(curriculum.name, states, curriculum.features, {}, curriculum.parameters)
+        bindings = dict(zip(curriculum.parameters, curriculum.arguments, strict=True))
         return RunningAutomaton(self.context, blank, bindings)
 
     @property
@@ -135,57 +139,64 @@ class Trainer:
 
         Args:
             state: the behavior with its targets and numbers, or a flag.
-            given: how it is commanded.
+            given: who gives the command, and when it was due.
 
         Returns:
             The recorded examples: one, plus a default example unless the behavior is one-shot or
                 was already running.
 
         Raises:
-            TrainingError: in testing mode, if the behavior is not among the chosen ones, or if
-                the command was due when nothing is known of.
+            TrainingError: in testing mode, if the curriculum excludes the behavior, or if the
+                percept at which the command was due is not kept.
             VocabularyError: if there is no such behavior or target.
             FeatureValueError: if no feature had a value, or one was infinite.
         """
         self._check_in_control()
         state, numbers = self.context.repertoire.commanded(state)
         check_state(state, self.curriculum, self.context.repertoire)
-        meant = self._meant(str(state), given)
-        taught = self._examples(state, numbers, meant.due)
-        record: Record = {"do": "command", "examples": list(map(example_record, taught))}
-        record = {**record, **self.history.around(meant.due), **meant.record, **given.record}
-        self._do(record, self.log.addition(taught, meant.settled))
-        self._go_to(state, numbers, meant.due)
+        proposal = self._due(str(state), given)
+        examples = self._examples(state, numbers, proposal.due)
+        record: Record = {"do": "command", "examples": list(map(example_record, examples))}
+        record = {**record, **self.history.around(proposal.due), **proposal.record, **given.record}
+        self._do(record, self.log.addition(examples, proposal.settled))
+        self._go_to(state, numbers, proposal.due)
         self.note, self._taken_over = "", False
-        return taught
+        return examples
 
     def _examples(
-        self, state: Term, numbers: tuple[float, ...], moment: PerceptRecord
+        self, state: Term, numbers: tuple[float, ...], due: PerceptRecord
     ) -> list[Example]:
-        """Return the example of a command in a moment, and the default example, if it has one."""
-        features, log = self.curriculum.features, self.log
-        s_t, f_t, s_next = moment.state, self.history.values(moment, features), str(state)
-        kind = ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED
-        ago = max(0.0, self.history.time - moment.time)
-        more = log.next_number, log.next_command, moment.cycle, ago, moment.readings, numbers
-        example = Example(s_t, f_t, s_next, kind, *more)
-        if s_next == s_t or self.context.repertoire.is_one_shot(state):
+        """Return the example of a command that was due at a percept, and its default example."""
+        f_t = self.history.values(due, self.curriculum.features)
+        example = Example(
+            state=due.state,
+            features=f_t,
+            next_state=str(state),
+            kind=ExampleKind.CORRECTION if self._tested else ExampleKind.DEMONSTRATED,
+            number=self.log.next_number,
+            command=self.log.next_command,
+            cycle=due.cycle,
+            ago=max(0.0, self.history.time - due.time),
+            readings=due.readings,
+            numbers=numbers,
+        )
+        if example.next_state == example.state or self.context.repertoire.is_one_shot(state):
             return [example]
-        return [example, default_example(example, as_entered(features, f_t))]
+        return [example, default_example(example, as_entered(self.curriculum.features, f_t))]
 
-    def _go_to(self, state: Term, numbers: tuple[float, ...], moment: PerceptRecord) -> None:
-        """Begin to perform a commanded state, as if since the moment in which it was due."""
+    def _go_to(self, state: Term, numbers: tuple[float, ...], due: PerceptRecord) -> None:
+        """Begin to perform a commanded state; its timer counts from when the command was due."""
         label, running = str(state), self.running
-        self.history.enter(label, moment)
+        self.history.enter(label, due)
         running.take_down_flags()
         running.add_state(state)
         running.go_to(label)
         running.set_numbers(numbers)
-        if label != moment.state:
-            running.vector.entered = moment.time
+        if label != due.state:
+            running.vector.entered = due.time
 
-    def _meant(self, label: str, given: Given) -> Proposal:
-        """Return the moment for which a command was meant: the present or an earlier one."""
+    def _due(self, label: str, given: Given) -> Proposal:
+        """Return when a command was due: by an assistant's estimate, or as the person states."""
         given.check()
         running, features = self.running, self.curriculum.features
         stated = partial(self.history.due, running, features, given.cycle, given.ago, given.seen)
@@ -203,7 +214,10 @@ class Trainer:
     # -- testing mode -----------------------------------------------------------------------
 
     def test(self, *, restart: bool = False) -> None:
-        """Learn the transition functions and let them decide.
+        """Switch to testing mode: learn the transition functions, and let them decide.
+
+        Args:
+            restart: also return to Start.
 
         Raises:
             TrainingError: if no example leaves Start.
@@ -217,16 +231,16 @@ class Trainer:
             self.restart()
 
     def take_over(self) -> None:
-        """Give control to the demonstrator, at the active state."""
+        """Switch to training mode, in the active state: the demonstrator decides."""
         self._do({"do": "train"})
         self.events.interrupted(self.running.active)
         self._taken_over, self.testing = self.testing, False
 
     def automaton(self, done: str = "tested") -> Automaton:
-        """Return what has been learned so far, untrimmed.
+        """Return the automaton learned so far, untrimmed.
 
         Args:
-            done: what is to be done with it, for the refusal.
+            done: past participle for the error text, as in "cannot be tested".
 
         Raises:
             TrainingError: if no example leaves Start.
@@ -237,27 +251,27 @@ class Trainer:
         self, examples: tuple[Example, ...], done: str, features: Sequence[str] | None = None
     ) -> Automaton:
         """Return an automaton with a transition function for each state that has examples."""
-        given = self.curriculum
+        curriculum = self.curriculum
         if not any(e.state == START for e in examples):
             first = "take over first, and " if self.testing else ""
             raise TrainingError(
-                f'"{given.name}" cannot be {done}: no example leaves {START}; '
+                f'"{curriculum.name}" cannot be {done}: no example leaves {START}; '
                 f"{first}command the behavior to begin with"
             )
         states = tuple(map(Term.parse, states_in(examples)))
-        chosen = given.features if features is None else tuple(map(Term.parse, features))
-        blank = Automaton(given.name, states, chosen, {}, given.parameters, examples)
+        chosen = curriculum.features if features is None else tuple(map(Term.parse, features))
+        blank = Automaton(curriculum.name, states, chosen, {}, curriculum.parameters, examples)
         domain, readable = self.context.repertoire.domain, self.history.readable
-        return relearned(replace(blank, readable=readable), domain, given.classifier)
+        return relearned(replace(blank, readable=readable), domain, curriculum.classifier)
 
     # -- the agent perceives and acts -------------------------------------------------------
 
     def perceive(self, cycle: int, time: float, *, jumped: bool = False) -> None:
-        """Keep what the agent perceives now, before it acts on that; see `PerceptHistory.keep`."""
+        """Keep the present percept, before the agent acts on it; see `PerceptHistory.keep`."""
         self.events.perceived(self.history.keep(self.running, cycle, time, jumped=jumped))
 
     def tick(self) -> None:
-        """Perform one timestep.
+        """Perform one timestep; only in testing mode may it change the state.
 
         Raises:
             FeatureValueError: if a required feature has no value.
@@ -277,16 +291,16 @@ class Trainer:
         self.events.begun(self.history.restart(START))
 
     def leave(self) -> None:
-        """Stop, since the agent performs something else; come back with `restart`."""
+        """Stop, since the agent performs another behavior; `restart` resumes the training."""
         self.events.interrupted(self.running.active)
         self.running.stop()
         self._left = True
         self.history.begin()
 
-    # -- undo, redo and what else changes examples --------------------------------------------
+    # -- undo, redo and other edits of examples -----------------------------------------------
 
     def undo(self) -> None:
-        """Undo the last command or edit; undoing a command returns the agent to the state before.
+        """Undo the last command or edit; for a command, return to the state before.
 
         Raises:
             TrainingError: if there is nothing to undo.
@@ -294,7 +308,7 @@ class Trainer:
         self.edit({"do": "undo"})
 
     def redo(self) -> None:
-        """Redo what was undone last; for a command, perform the commanded behavior.
+        """Redo the last undone command or edit; for a command, perform the behavior again.
 
         Raises:
             TrainingError: if nothing was undone, or a new edit came after it.
@@ -302,25 +316,29 @@ class Trainer:
         self.edit({"do": "redo"})
 
     def edit(self, record: Record) -> None:
-        """Change examples as a record of the journal says; in testing mode, learn from them.
+        """Carry out an edit of examples; in testing mode, learn from the changed examples.
+
+        Args:
+            record: the edit, as the journal keeps it.
 
         Raises:
-            TrainingError: if that is not possible; nothing has changed.
+            TrainingError: if the edit is impossible; nothing has changed.
         """
         edit = self.prepared(record)
         assert edit is not None
         learned = None
-        if self.testing:  # before the step is made, since learning may be refused
+        if self.testing:  # before the step is recorded, since learning may be refused
             learned = self._learned(self.log.after(edit), "tested after this", edit.features)
-        for label in (*states_in(edit.came), edit.entered or START):  # they may be gone by now
+        # Before it, too: restored examples may use a behavior that the library no longer has.
+        for label in (*states_in(edit.came), edit.entered or START):
             self.running.add_state(Term.parse(label))
         self._do(record, edit)
         if learned is not None:
             self.running.set_transitions(learned.transitions, learned.numbers)
         if edit.entered is not None and not self._left:
-            self._perform_again(edit, edit.entered)
+            self._return_to(edit.entered, edit)
 
-    def _perform_again(self, edit: Edit, entered: str) -> None:
+    def _return_to(self, entered: str, edit: Edit) -> None:
         """Perform the state before an undone command, or the one after a redone command."""
         self.note = ""
         self.running.raised.discard(str(edit.left))
@@ -334,17 +352,17 @@ class Trainer:
         """Return the edit that a record describes, or None if it changes no examples.
 
         Raises:
-            TrainingError: if it is not possible.
+            TrainingError: if the edit is impossible.
         """
         return self.log.prepared(record)
 
     def _do(self, record: Record, edit: Edit | None = None) -> None:
-        """Make a step: on disk first, since what was acknowledged must survive a crash."""
+        """Write a step to the journal, then make it: acknowledged steps must survive a crash."""
         self._journal({"time": self.history.time, **record})
         self.make(record, edit)
 
     def make(self, record: Record, edit: Edit | None) -> None:
-        """Make a step that is on disk."""
+        """Make a step that the journal has: change the examples and notify assistants."""
         if edit is not None:
             self.log.make(edit)
         if record["do"] == "command":
@@ -357,14 +375,19 @@ class Trainer:
     def trimmed(
         self, name: str = "", bindings: Mapping[str, str] | None = None, *, keep_unused: bool
     ) -> tuple[Automaton, list[str]]:
-        """Return what to save: bound, and without unused states and features; see `Agent.save`.
+        """Return the automaton to save, without unused states and features.
+
+        Args:
+            name: name to save it under; by default that of the curriculum.
+            bindings: a target or parameter for each argument to replace.
+            keep_unused: keep unused states and features.
 
         Returns:
-            The automaton, and notes on what was trimmed.
+            The automaton, and notes on the trimmed states and features.
 
         Raises:
             TrainingError: if no example leaves Start.
-            VocabularyError: if something would remain unbound.
+            VocabularyError: if an argument would remain unbound.
         """
         repertoire, classifier = self.context.repertoire, self.curriculum.classifier
         learned = self.automaton("saved")

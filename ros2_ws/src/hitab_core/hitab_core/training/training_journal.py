@@ -30,7 +30,7 @@ _END = f"UPDATE training SET waits = NULL WHERE id = {_CURRENT}"
 
 
 class TrainingJournal:
-    """Keeps trainings and what is known of people on disk, where they survive the process.
+    """Keeps trainings and data about demonstrators on disk, where they survive the process.
 
     Without a folder it keeps nothing.
 
@@ -45,7 +45,7 @@ class TrainingJournal:
         """Name the database; nothing is read or written yet.
 
         Args:
-            folder: of the agent's database; None to keep no journal.
+            folder: folder of the agent's database; None to keep no journal.
             domain: name of the agent's domain, to begin or resume trainings.
         """
         self._database = None if folder is None else AgentDatabase(folder)
@@ -57,15 +57,15 @@ class TrainingJournal:
     def begin(
         self, curriculum: Curriculum, examples: Iterable[Example], readable: Iterable[Term]
     ) -> None:
-        """Begin the journal of a training, in place of the one before.
+        """Begin the journal of a training, which replaces the previous one.
 
         Args:
-            curriculum: what is trained.
-            examples: to continue from.
+            curriculum: the automaton in training.
+            examples: examples to continue from.
             readable: names of all readings.
 
         Raises:
-            LibraryError: if it cannot be written; then the one before is still there.
+            LibraryError: if it cannot be written; then the previous one is kept.
         """
         if self._database is None:
             return
@@ -87,7 +87,7 @@ class TrainingJournal:
         self.under_way, self._written, self.damage = training, 1, ""
 
     def write(self, record: Mapping[str, object]) -> None:
-        """Write what was done; it is on disk when this returns.
+        """Write a step; it is on disk when this returns.
 
         Raises:
             LibraryError: if it cannot be written.
@@ -125,11 +125,11 @@ class TrainingJournal:
         return []
 
     def wait(self, library: str, instead_of: str = "") -> None:
-        """Have a training wait for its library, while the agent uses another.
+        """Mark a training as waiting for its library, while the agent uses another.
 
         Args:
             library: the library's folder; empty to resume the training at the next start.
-            instead_of: what the training waits for so far.
+            instead_of: the library that the training has been waiting for.
 
         Raises:
             LibraryError: if that cannot be written.
@@ -174,10 +174,10 @@ class TrainingJournal:
     def resume(
         self, replay: Callable[[Sequence[Record]], T], has_saved: Callable[[str, str], bool]
     ) -> T | None:
-        """Return the interrupted training; None if there is none, or `damage` says why not.
+        """Return the interrupted training; None if there is none, or if `damage` is set.
 
         Args:
-            replay: makes it again from its records.
+            replay: function that restores a training from its records.
             has_saved: whether the library has a behavior of this name and checksum.
 
         Raises:
@@ -220,12 +220,12 @@ class TrainingJournal:
             self.close()
             return None
         self.under_way, self._written = training or 0, len(records)
-        with suppress(LibraryError):  # only what the training took depends on it
+        with suppress(LibraryError):  # only the cost of the training depends on it
             self.write({"do": RESUMED})
         return resumed
 
     def _read(self, tables: sqlite3.Connection) -> int | None:
-        """Return the training to resume, and read what is known of people."""
+        """Return the training to resume, and read the data about demonstrators."""
         if tables.execute("PRAGMA schema_version").fetchone() == (0,):
             return None  # the process was killed before it had made the tables
         self.people.update(tables.execute("SELECT name, lateness FROM person"))

@@ -60,7 +60,7 @@ class Edit:
         )
 
     def apply(self, examples: list[Example]) -> None:
-        """Apply it to a list that is sorted by number."""
+        """Apply the edit to a list that is sorted by number."""
         for example in reversed(self.gone):
             del examples[bisect_left(examples, example.number, key=NUMBER)]
         for example in self.came:
