@@ -85,8 +85,10 @@ def part_of(
     repertoire = Repertoire(opened.domain, automata)
     if term is not None:
         if term.name not in repertoire:
-            there = [*automata, *opened.domain.automata]
-            raise LibraryError(f'{library}: has no behavior "{term.name}" {has(there, term.name)}')
+            behaviors = [*automata, *opened.domain.automata]
+            raise LibraryError(
+                f'{library}: has no behavior "{term.name}" {has(behaviors, term.name)}'
+            )
         repertoire.check_performable(term)
     return CastMember(repertoire, term, opened, versions)
 

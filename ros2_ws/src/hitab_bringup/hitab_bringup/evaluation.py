@@ -118,10 +118,10 @@ def players_of(world: World, parts: Mapping[str, CastMember]) -> dict[str, Playe
 
 
 def _there(world: World, parts: Mapping[str, CastMember]) -> dict[str, CastMember]:
-    there = {name: parts[name] for name in world.agents if name in parts}
-    if not there:
+    cast = {name: parts[name] for name in world.agents if name in parts}
+    if not cast:
         raise DescriptionError(f"the world has none of {some([*parts])} {has(world.agents)}")
-    return there
+    return cast
 
 
 @contextmanager
@@ -154,15 +154,15 @@ def _commanded(
     if not by_name:
         return GameSetup(world, players_of(world, parts))
     agents = _there(world, parts)
-    there, made = {*agents}, []
+    playing, made = {*agents}, []
     for name in TopologicalSorter(
         {n: [*c.subordinates] for n, c in by_name.items()}
     ).static_order():
         one = by_name.get(name)
-        group = tuple(sub for sub in one.subordinates if sub in there) if one else ()
+        group = tuple(sub for sub in one.subordinates if sub in playing) if one else ()
         if one is None or not group:
             continue  # an agent, or the commander of some that this world does not have
-        there.add(name)
+        playing.add(name)
         behavior = str(parts[name].behavior or "")
         library = _library(parts[name], leaving)
         roles, asks = one.subordinates, one.asks_position

@@ -28,10 +28,10 @@ class HelpfulCommand(TyperCommand):
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the parameters, `--help` included."""
         parameters: list[Any] = super().get_params(ctx)
-        told = _told_of_parameters(inspect.getdoc(self.callback) or "")
+        helps = _parameter_helps(inspect.getdoc(self.callback) or "")
         for parameter in parameters:
             if getattr(parameter, "help", "") is None:
-                parameter.help = told.get(parameter.name)
+                parameter.help = helps.get(parameter.name)
         return parameters
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -62,7 +62,7 @@ def verbs(
             yield from verbs(group.typer_instance, (*path, str(group.name)))
 
 
-def _told_of_parameters(doc: str) -> dict[str, str]:
+def _parameter_helps(doc: str) -> dict[str, str]:
     """Return the help of each parameter that a docstring has under "Args:"."""
     section = _ARGS.search(doc)
     found = _ARG.findall(section[1]) if section else ()

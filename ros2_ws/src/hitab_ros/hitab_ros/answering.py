@@ -21,14 +21,14 @@ Answered = Callable[[Exception | None], None]
 def what_went_wrong(error: Exception) -> str:
     """Say what is wrong, without the ways out; of a fault of the code, with its place."""
     try:
-        said = str(error)
+        text = str(error)
     except Exception:  # a foreign error without a usable text
-        said = "(no description)"
+        text = "(no description)"
     if isinstance(error, HitabError):
         return plain(error.problem)
     places = traceback.extract_tb(error.__traceback__)
     place = f" in {Path(places[-1].filename).name}:{places[-1].lineno}" if places else ""
-    return plain(f"{type(error).__name__}{place}: {said}")
+    return plain(f"{type(error).__name__}{place}: {text}")
 
 
 def remedies_for(error: Exception | None) -> tuple[Remedy, ...]:

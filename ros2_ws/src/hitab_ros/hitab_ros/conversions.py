@@ -31,8 +31,8 @@ Data = TypeVar("Data")
 @functools.cache
 def _shared(kind: Any, data: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]]]:
     """Return the fields that a message and a dataclass have both, and what reads them."""
-    there = {field.name for field in fields(data)}
-    names = tuple(name for name in kind.get_fields_and_field_types() if name in there)
+    shared = {field.name for field in fields(data)}
+    names = tuple(name for name in kind.get_fields_and_field_types() if name in shared)
     return names, attrgetter(*names)
 
 
@@ -171,12 +171,12 @@ def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> 
         feature: as the domain declares it.
         scale: of its values; None if it is not asked for.
     """
-    told = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
-    told.description = feature.description
+    message = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
+    message.description = feature.description
     if scale is not None:
-        told.kind, told.period = scale.kind.value, float(scale.period)
-        told.categories = list(scale.categories)
-    return told
+        message.kind, message.period = scale.kind.value, float(scale.period)
+        message.categories = list(scale.categories)
+    return message
 
 
 def cost_message(cost: TrainingCost) -> msg.TrainingCost:

@@ -134,14 +134,14 @@ def shown(found: Sequence[Diagnosis], process: str) -> list[DiagnosticStatus]:
     if len(found) <= 1:
         return [one.status() for one in found]
     counts = Counter(one.level for one in found)
-    told = ", ".join(f"{counts[level]} {level.name}" for level in Level if counts[level])
+    tally = ", ".join(f"{counts[level]} {level.name}" for level in Level if counts[level])
     worst = max(counts, key=lambda level: level.severity)
     values = {"agents": len(found)} | {level.name: counts[level] for level in Level}
     summary = Diagnosis(
         process.rpartition("/")[2],
         process,
-        [] if worst is Level.OK else [(worst, told)],
-        lambda: (told, values),
+        [] if worst is Level.OK else [(worst, tally)],
+        lambda: (tally, values),
     )
     wrong = [one for one in found if one.found]
     wrong.sort(key=lambda one: one.level.severity, reverse=True)

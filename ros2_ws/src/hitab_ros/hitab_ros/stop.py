@@ -147,6 +147,6 @@ def why_stopped(why: str, causes: Iterable[str]) -> str:
     """
     if not why:
         return ""
-    if told := "; ".join(causes):
-        return f"{STOPPED}: {told}"
+    if reasons := "; ".join(causes):
+        return f"{STOPPED}: {reasons}"
     return f"waits to be armed: {why if why == JUST_STARTED else f'{why}; that is over'}"

@@ -38,10 +38,10 @@ def expected(
     Raises:
         LibraryError: if something is unknown, or the name is taken.
     """
-    there = {one.name for one in file.expectations}
-    numbered = (f"expectation_{number}" for number in range(1, len(there) + 2))
-    name = name or next(one for one in numbered if one not in there)
-    if name in there:
+    taken = {one.name for one in file.expectations}
+    numbered = (f"expectation_{number}" for number in range(1, len(taken) + 2))
+    name = name or next(one for one in numbered if one not in taken)
+    if name in taken:
         raise LibraryError(f'{file.name} has an expectation "{name}" already; choose another name')
     automaton = file.automaton
     if example:
@@ -114,8 +114,8 @@ def forgotten(file: BehaviorFile, name: str) -> list[Expectation]:
 
 def in_words(one: Expectation, domain: Domain) -> str:
     """Return an expectation for people to read."""
-    seen = [_shown(feature, value, domain) for feature, value in one.features.items()]
-    seeing = f", with {', '.join(seen)}" if seen else ""
+    values = [_shown(feature, value, domain) for feature, value in one.features.items()]
+    seeing = f", with {', '.join(values)}" if values else ""
     return f"expects {one.name}: in {one.state}{seeing} -> {one.next_state}"
 
 

@@ -191,14 +191,15 @@ def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
             f'{folder}: its behaviors are of domain "{domain}", and no agent of swarm '
             f'"{swarm.name}" is {has(theirs)}'
         )
-    meant = domain or domains[0]
+    trained_in = domain or domains[0]
     return replace(
         swarm,
         agents=tuple(
-            replace(a, library=folder) if _named(a.domain) == meant else a for a in swarm.agents
+            replace(a, library=folder) if _named(a.domain) == trained_in else a
+            for a in swarm.agents
         ),
         commanders=tuple(
-            replace(c, library=folder) if c.domain == meant else c for c in swarm.commanders
+            replace(c, library=folder) if c.domain == trained_in else c for c in swarm.commanders
         ),
     )
 

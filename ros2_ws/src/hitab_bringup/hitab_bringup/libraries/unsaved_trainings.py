@@ -65,11 +65,11 @@ def announcements(
     for status in sorted(statuses, key=lambda status: natural(status.agent)):
         if status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
             agent = status.agent
-            told = f'{agent} resumes the training of "{status.behavior}"'
-            told += f" ({quantity(status.examples, 'example')}) and waits for commands"
-            told += "; its group waits for its orders" if agent in commanders else ""
+            sentence = f'{agent} resumes the training of "{status.behavior}"'
+            sentence += f" ({quantity(status.examples, 'example')}) and waits for commands"
+            sentence += "; its group waits for its orders" if agent in commanders else ""
             ways = [Fix.TEST(agent=agent), Fix.SAVE(agent=agent), Fix.DISCARD(agent=agent)]
-            sentences.append(with_commands(told, ways if status.examples else ways[2:]))
+            sentences.append(with_commands(sentence, ways if status.examples else ways[2:]))
     for agent, library in waiting(folder):
         own = library.is_relative_to(folder / "libraries")
         way = "without --library" if own else f"with --library {library}"

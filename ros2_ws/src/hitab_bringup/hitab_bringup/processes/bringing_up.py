@@ -148,8 +148,8 @@ def _started(
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt):
             say(f"interrupted: stopping what was started of {swarm.name} …")
-        there = folder.read()
-        if record is None or there is None or there.identity == record.identity:
+        current = folder.read()
+        if record is None or current is None or current.identity == record.identity:
             supervision.stop(folder)  # otherwise another swarm was started here since
         raise
 
@@ -297,8 +297,8 @@ def _to_know(
     _let_agents_perceive(running.link, agents, record.commanders)
     if not record.world:
         _let_robots_hear(running.link, agents)
-    there = sorted(agents.statuses.items())
-    yield from each_once((name, text) for name, s in there for text in s.faults)
+    statuses = sorted(agents.statuses.items())
+    yield from each_once((name, text) for name, s in statuses for text in s.faults)
     yield from read_only(folder.path)
     world = running.world.status
     begins_paused = swarm.world is not None and swarm.world.paused

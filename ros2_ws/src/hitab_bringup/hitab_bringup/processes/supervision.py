@@ -171,12 +171,12 @@ def _failure(process: str, exit_code: int, folder: RunFolder) -> str:
     lines = folder.tail(process)
     if exit_code == DO_NOT_RESTART and lines:
         return f"{process}: {lines[-1].removeprefix('error: ')} (log: {folder.log(process)})"
-    told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (empty)"
+    excerpt = "\n".join(f"  | {line}" for line in lines) if lines else "  | (empty)"
     # How, as in "exit status 127" or "terminated by SIGSEGV", is only in the supervisor's log.
     text = (folder.path / "supervisord.log").read_text(encoding="utf-8", errors="replace")
     how = [f" ({how})" for how in re.findall(rf" exited: {process} \(([^;]*);", text)]
     end = f"the end of {folder.log(process)}{''.join(how[-1:])}"
-    return f"{process} ended while starting; {end}:\n{told}"
+    return f"{process} ended while starting; {end}:\n{excerpt}"
 
 
 def stop(folder: RunFolder) -> list[int]:

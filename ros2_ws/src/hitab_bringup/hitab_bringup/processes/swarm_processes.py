@@ -64,9 +64,9 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
         found.append(
             replace(process, namespace=space, remap=remap) if process.is_node else process
         )
-    there = {(process.module, process.namespace) for process in found}
+    started = {(process.module, process.namespace) for process in found}
     companions = _companions(swarm, folder)
-    return [*found, *(p for p in companions if (p.module, p.namespace) not in there)]
+    return [*found, *(p for p in companions if (p.module, p.namespace) not in started)]
 
 
 def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:

@@ -108,9 +108,9 @@ class CommanderTree:
         counts = line.commands
         needed = {n: -(-len(members) // counts[n]) for n, members in found.items() if members}
         if len(set(needed.values())) > 1:
-            told = ", ".join(f"{count} of {name}" for name, count in needed.items())
+            given = ", ".join(f"{count} of {name}" for name, count in needed.items())
             text = (
-                f"`commands:` these counts give different numbers of commanders ({told}); change "
+                f"`commands:` these counts give different numbers of commanders ({given}); change "
                 "the counts, or the sizes of the groups"
             )
             self._complain(key, "commands", text)

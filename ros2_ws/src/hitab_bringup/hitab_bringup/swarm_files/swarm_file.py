@@ -106,8 +106,8 @@ def world_module(kind: str) -> str:
     A package registers its own under the entry-point group ``hitab.worlds``; the default is
     ``<kind>_world.world_main``.
     """
-    told = entry_points(group=WORLDS, name=kind)
-    return next((point.value for point in told), f"{kind}_world.world_main")
+    registered = entry_points(group=WORLDS, name=kind)
+    return next((point.value for point in registered), f"{kind}_world.world_main")
 
 
 def _under(above: Nodes, line: L, keys: set[str]) -> L:
@@ -166,8 +166,8 @@ class _Reader:
         groups = {key: tree.with_superiors(group) for key, group in groups.items()}
         agents = [agent for group in groups.values() for agent in group]
         if self._world_file:
-            there = {f"agent_{i + 1}" for i in range(len(agents))}
-            if there != {agent.name for agent in agents}:
+            own = {f"agent_{i + 1}" for i in range(len(agents))}
+            if own != {agent.name for agent in agents}:
                 text = "of a world in one file are called agent_1, agent_2 and so on: rename them"
                 self._complaints.add(("agents",), text)
         for section, found in (("agents", groups), ("commanders", lines)):
@@ -200,8 +200,8 @@ class _Reader:
     def _check_folders(self, line: MemberSettings, *place: str) -> None:
         for key in sorted({"library", "start_from"} & line.model_fields_set):
             folder = getattr(line, key)
-            there = self._start(folder) if key == "start_from" else self._path.parent / folder
-            if folder and AGENT_MARK not in folder and not there.is_dir():
+            library = self._start(folder) if key == "start_from" else self._path.parent / folder
+            if folder and AGENT_MARK not in folder and not library.is_dir():
                 text = (
                     f'`{key}:` there is no folder "{folder}"; make it, correct the path, which is '
                     "relative to this file, or leave it out"
@@ -216,8 +216,8 @@ class _Reader:
 
     def _start(self, text: str) -> Path:
         """Return a library to begin with: a folder, or one that has a name, as for `up -l`."""
-        there = self._path.parent / text
-        return there if there.is_dir() else known_libraries().get(text, there)
+        library = self._path.parent / text
+        return library if library.is_dir() else known_libraries().get(text, library)
 
     def _in_file(self, text: str) -> str:
         """Return the path of a file with a world, or its words; other names are as they are."""

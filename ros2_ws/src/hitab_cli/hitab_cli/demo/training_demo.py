@@ -46,10 +46,10 @@ def offered_demo(name: str = "") -> Demo:
     Raises:
         HitabError: if no installed domain offers this.
     """
-    there = {point.name: point for point in entry_points(group=DEMO_ENTRY_POINTS)}
-    if name not in there and (name or not there):
-        raise HitabError(f'no installed domain offers a demo "{name}" {has(there, name)}')
-    demo: Demo = there[name or min(there)].load()
+    offered = {point.name: point for point in entry_points(group=DEMO_ENTRY_POINTS)}
+    if name not in offered and (name or not offered):
+        raise HitabError(f'no installed domain offers a demo "{name}" {has(offered, name)}')
+    demo: Demo = offered[name or min(offered)].load()
     return demo
 
 
@@ -208,10 +208,10 @@ def _show(
     reports: Sequence[LessonReport], figures: Mapping[str, Any], demo: Demo, out: Path
 ) -> None:
     console.out().print()
-    told = demo.reference
+    reference = demo.reference
     _print_table(
         "What training took",
-        ("automaton", "commands", "examples", f"examples, {told}"),
+        ("automaton", "commands", "examples", f"examples, {reference}"),
         [(r.lesson, r.commands, r.examples, demo.examples.get(r.lesson, "")) for r in reports],
     )
     evaluation = figures["evaluation"]
@@ -219,7 +219,7 @@ def _show(
     against = f" against {demo.against}" if demo.against else ""
     _print_table(
         f"{quantity(evaluation['episodes'], 'episode')}{against}",
-        ("", "ours", told),
+        ("", "ours", reference),
         [
             *(
                 (name, _shown(mean["mean"], mean["se"]), _shown(*demo.references.get(name, ())))

@@ -66,9 +66,9 @@ def _doing(status: AgentStatus, training: str) -> str:
     if status.mode in (status.TRAINING, status.TESTING):
         examples = quantity(status.examples, "example")
         asks = f", {quantity(status.questions, 'question')}" if status.questions else ""
-        told = f'{status.mode} "{status.behavior}": {examples} ({status.default_examples} default)'
+        text = f'{status.mode} "{status.behavior}": {examples} ({status.default_examples} default)'
         done = "performs nothing yet" if path in ("", START) else f"performs {path}"
-        return f"{told}{asks}; {done}"
+        return f"{text}{asks}; {done}"
     done = path or status.behavior
     doing = f"{status.mode}: {done}" if done else str(status.mode)
     if not status.examples:
@@ -100,8 +100,8 @@ def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
         )
         return
     parameter = asked.term.arguments[asked.place]
-    there = enumerate(asked.targets[:9], 1)
-    targets = "   ".join(f"{number} {target}" for number, target in there)
+    numbered = enumerate(asked.targets[:9], 1)
+    targets = "   ".join(f"{number} {target}" for number, target in numbered)
     yield console.line(f"{asked.term}: which target is {parameter}?  {targets}   Esc none", "bold")
 
 

@@ -63,9 +63,9 @@ def label(
     if driven.missing:
         console.note(driven.missing)
     domain = named_domain(driven.domain)
-    asked = driven.moments, domain, driven.agent, behavior or [], feature, corrections
+    request = driven.moments, domain, driven.agent, behavior or [], feature, corrections
     with console.progress("labeling", line_every=10_000) as advance:
-        strip = Strip(*asked, told=advance)
+        strip = Strip(*request, told=advance)
     spans = strip.spans
     console.note(
         f"{quantity(len(strip.moments), 'moment')} of {strip.agent} in {recording.name}: "

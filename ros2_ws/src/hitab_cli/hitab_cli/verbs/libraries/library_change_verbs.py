@@ -34,19 +34,19 @@ def restore(
     Example:
       hitab library restore Keepaway 2 --agent keeper_1
     """
-    there = opened(library, agent, swarm)
+    chosen = opened(library, agent, swarm)
     if version is None:
-        there.load(strict=False)
-        versions = there.on_disk.versions(name)
+        chosen.load(strict=False)
+        versions = chosen.on_disk.versions(name)
         if not versions:
-            kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
-            raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
+            kept = sorted(path.name for path in (chosen.folder / ".versions").glob("*"))
+            raise LibraryError(f'{chosen.folder}: no version of "{name}" was kept {has(kept)}')
         if len(versions) > 1:
             raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
         (version,) = versions
-    path = there.restore(name, version)
+    path = chosen.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
-    _tell_of_change(there, name)
+    _tell_of_change(chosen, name)
 
 
 def delete(
@@ -64,17 +64,17 @@ def delete(
     Example:
       hitab library delete Chase --agent keeper_1
     """
-    there = opened(library, agent, swarm)
-    users = there.remove(name, anyway=anyway)
-    console.say(f"deleted {name} from {there.folder}")
+    chosen = opened(library, agent, swarm)
+    users = chosen.remove(name, anyway=anyway)
+    console.say(f"deleted {name} from {chosen.folder}")
     if users:
         console.say(f"{', '.join(users)} cannot be used until there is a {name} again")
-    number = there.on_disk.sound_version(name)
+    number = chosen.on_disk.sound_version(name)
     if number is not None:
-        console.say(as_command(Fix.RESTORE(behavior=name, version=number, folder=there.folder)))
+        console.say(as_command(Fix.RESTORE(behavior=name, version=number, folder=chosen.folder)))
     else:
-        console.say(f"kept the damaged file in {there.folder / '.versions' / name}")
-    _tell_of_change(there)
+        console.say(f"kept the damaged file in {chosen.folder / '.versions' / name}")
+    _tell_of_change(chosen)
 
 
 def rename(
@@ -96,17 +96,17 @@ def rename(
     Example:
       hitab library rename Chase ChaseBall --with-users --agent keeper_1
     """
-    there = opened(library, agent, swarm)
-    users, otherwise = there.rename(name, new, with_users=with_users)
-    console.say(f"renamed {name} to {new} in {there.folder}")
+    chosen = opened(library, agent, swarm)
+    users, otherwise = chosen.rename(name, new, with_users=with_users)
+    console.say(f"renamed {name} to {new} in {chosen.folder}")
     if users:
         console.say(f"changed what uses it: {', '.join(users)}")
     for user in otherwise:
         console.note(
             f"{user} decides differently now, where its examples contradict each other; see "
-            f"`{called()} library diff {user} -l {shlex.quote(str(there.folder))}`"
+            f"`{called()} library diff {user} -l {shlex.quote(str(chosen.folder))}`"
         )
-    _tell_of_change(there)
+    _tell_of_change(chosen)
 
 
 def export(
@@ -130,11 +130,11 @@ def export(
     """
     from hitab_core.library import bundle_file_text, texts_with_parts
 
-    there = opened(library, agent, swarm)
-    there.load()
-    texts = texts_with_parts(there.files, names or there.files)
-    text = bundle_file_text(texts, there.domain.name)
-    path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
+    chosen = opened(library, agent, swarm)
+    chosen.load()
+    texts = texts_with_parts(chosen.files, names or chosen.files)
+    text = bundle_file_text(texts, chosen.domain.name)
+    path = output or Path(f"{names[0] if names else chosen.folder.resolve().name}.bundle.yaml")
     write_new(path, text, "" if replace else "--replace")
     console.say(f"wrote {', '.join(texts)} to {path}")
 
@@ -165,13 +165,13 @@ def import_(
     bundle = read_bundle_file(file)
     is_new = library is not None and library not in known_libraries()
     folder = Path(library or "").expanduser() if is_new else library_meant(library, agent, swarm)
-    there = (
+    chosen = (
         BehaviorLibrary(folder, named_domain(bundle.domain))
         if not folder.is_dir() or domain_in(folder) is None
         else open_library(folder)
     )
-    there.reader.read_all(bundle.texts)
-    with there.change() as change:
+    chosen.reader.read_all(bundle.texts)
+    with chosen.change() as change:
         changed = change.install(bundle.texts)
         replaced = {name: change.before_it(name) for name in changed}
         numbers = dict(change.numbers)
@@ -181,11 +181,11 @@ def import_(
         console.note("nothing is changed; without --dry-run:")
     for name in bundle.texts:
         what = replaced.get(name)
-        told = f"version {numbers[name]}, replaces {what}" if what else "new"
-        console.say(f"{name}: {told if name in changed else 'the same is there already'}")
+        change_text = f"version {numbers[name]}, replaces {what}" if what else "new"
+        console.say(f"{name}: {change_text if name in changed else 'the same is there already'}")
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
-        _tell_of_change(there, *changed)
+        _tell_of_change(chosen, *changed)
 
 
 def reload(
@@ -247,17 +247,17 @@ def expect(
 
     from hitab_bringup import expected, forgotten
 
-    there = opened(library, agent, swarm, name)
-    there.load()
-    file = there.file(name)
+    chosen = opened(library, agent, swarm, name)
+    chosen.load()
+    file = chosen.file(name)
     if forget:
         kept = forgotten(file, forget)
     else:
-        new = expected(file, there.domain, decision or [], example, called_so)
+        new = expected(file, chosen.domain, decision or [], example, called_so)
         kept = [*file.expectations, replace(new, blocks=blocks)]
-    saved = there.expect(name, kept)
+    saved = chosen.expect(name, kept)
     console.say(f"{name} carries {quantity(len(saved.expectations), 'expectation')}")
-    _tell_of_change(there, name)
+    _tell_of_change(chosen, name)
 
 
 def tell_broken(library: BehaviorLibrary, *names: str) -> None:
@@ -273,11 +273,11 @@ def _tell_of_change(library: BehaviorLibrary, *names: str) -> None:
 
     tell_broken(library, *names)
     for swarm, agents in users_of(library.folder):
-        told: list[tuple[str, str]] = []
+        answers: list[tuple[str, str]] = []
         try:
             with connection(swarm) as swarm_up:
-                told += [(agent, text) for agent, text, _ in swarm_up.agents.reload(agents)]
+                answers += [(agent, text) for agent, text, _ in swarm_up.agents.reload(agents)]
         except SwarmError as error:
-            told.append((swarm, f"{error.what}; its agents have not read the change"))
-        for text in each_once(told):
+            answers.append((swarm, f"{error.what}; its agents have not read the change"))
+        for text in each_once(answers):
             console.say(f"read again: {text}")

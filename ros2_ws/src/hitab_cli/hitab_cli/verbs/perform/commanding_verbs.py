@@ -69,8 +69,8 @@ def demonstrate(
     console.say(outcome(agent, term.name, status))
     tell_faults(status)
     if status.questions:
-        asked = quantity(status.questions, "question")
-        console.say(with_commands(asked, [Fix.QUESTIONS(agent=agent)]))
+        questions = quantity(status.questions, "question")
+        console.say(with_commands(questions, [Fix.QUESTIONS(agent=agent)]))
 
 
 def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
@@ -161,14 +161,14 @@ def distribute(
             progress=lambda done, total: advance(done, total, ""),
         )
     console.note(report.message)
-    told = [f"{name}: has it" for name in report.accepted]
-    told += [f"{name}: {why}" for name, why in report.missing.items()]
+    lines = [f"{name}: has it" for name in report.accepted]
+    lines += [f"{name}: {why}" for name, why in report.missing.items()]
     fields = ("sequence", "digest", "accepted", "refused", "silent")
-    console.show(json, {field: getattr(report, field) for field in fields}, *told)
+    console.show(json, {field: getattr(report, field) for field in fields}, *lines)
     if report.missing:
-        there, missing = len(report.accepted), len(report.missing)
+        have, missing = len(report.accepted), len(report.missing)
         raise HitabError(
-            f'only {there} of {there + missing} receivers have "{behavior}" now; mend what is '
+            f'only {have} of {have + missing} receivers have "{behavior}" now; mend what is '
             "said of the others, and distribute it again"
         )
 
@@ -200,5 +200,5 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
 
 def _with_description(name: str, kinds: list[str], description: str) -> str:
     """Return a line such as ``Pass  one-shot: kick the ball to a teammate``."""
-    said = ": ".join(filter(None, (", ".join(kinds), description)))
-    return f"{name}  {said}" if said else name
+    meaning = ": ".join(filter(None, (", ".join(kinds), description)))
+    return f"{name}  {meaning}" if meaning else name

@@ -72,8 +72,8 @@ def go(context: typer.Context, reason: str = "") -> None:
             + as_command(Fix.ARM(robot=context.args[0]))
         )
     unsure = "they may still be stopped; try again"
-    heard = _switch(False, reason, "released", unsure, CONFIRM_S)
-    console.say(f"released: {heard}; robots wait for `{called()} arm`")
+    confirmed = _switch(False, reason, "released", unsure, CONFIRM_S)
+    console.say(f"released: {confirmed}; robots wait for `{called()} arm`")
 
 
 def arm(
@@ -144,13 +144,13 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
     """
     from hitab_client import Stops
 
-    told: list[object] = []
+    shown: list[object] = []
 
     def tell(who: dict[str, str], after: float) -> None:
         is_late = after > CONFIRM_S and seconds > CONFIRM_S
-        if [who, is_late] == told or not (who or is_late):
+        if [who, is_late] == shown or not (who or is_late):
             return
-        told[:] = who, is_late
+        shown[:] = who, is_late
         if is_late:
             whom = _listed(who) or f"no node answers in ROS domain {where}"
             console.note(
@@ -164,15 +164,15 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
         where = " or ".join(str(end.domain_id) for end in ends)
         by = user_name()
         lacking = Stops.switch_all(ends, by, reason, engaged=engaged, seconds=seconds, tell=tell)
-        there = [end.label(name, ends) for end in ends for name in end.names()]
-    if not there:
+        found = [end.label(name, ends) for end in ends for name in end.names()]
+    if not found:
         raise SwarmError(
             "the stop was not heard: no robot and no simulated world answers in ROS domain "
             f"{where}; use the robots' own switches, check ROS_DOMAIN_ID and "
             "ROS_AUTOMATIC_DISCOVERY_RANGE, and try again",
             Fix.DOCTOR(),
         )
-    confirmed = [name for name in there if name not in lacking]
+    confirmed = [name for name in found if name not in lacking]
     if lacking:
         others = f"; {done}: {some(confirmed)}" if confirmed else ""
         raise SwarmError(f"not confirmed: {_listed(lacking)}; {unsure}{others}")

@@ -188,7 +188,7 @@ def _show(
         "swarm": swarm,
         "episodes": len(played),
         "seed": seed,
-        "agents": {key: _told(one) for key, one in zip(SIDES, parts, strict=False)},
+        "agents": {key: _cast_data(one) for key, one in zip(SIDES, parts, strict=False)},
         "measures": {one.measure.name: one.to_json() for one in compared},
         "ended": ended,
     }
@@ -200,7 +200,7 @@ def _show(
     console.show(json, data, title, console.table(columns, rows), *lines)
 
 
-def _told(parts: Mapping[str, CastMember]) -> dict[str, Any]:
+def _cast_data(parts: Mapping[str, CastMember]) -> dict[str, Any]:
     return {
         name: {
             "behavior": str(part.behavior or ""),

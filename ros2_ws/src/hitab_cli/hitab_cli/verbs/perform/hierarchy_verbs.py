@@ -62,8 +62,8 @@ def tree(
         console.show(json, data, *(_drawn(branch, agents) for branch in branches))
         for branch in branches if json is None else ():
             if branch.order and branch.order == branch.behavior:
-                told = f"{branch.name} gives {branch.order} until another order"
-                console.note(with_commands(told, [Fix.PERFORM(agent=branch.name)]))
+                text = f"{branch.name} gives {branch.order} until another order"
+                console.note(with_commands(text, [Fix.PERFORM(agent=branch.name)]))
         for why in lost:
             console.error(why)
 
@@ -78,8 +78,8 @@ def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
     from hitab_client.run_processes import sentences
 
     why = {name: swarm_up.processes.why_silent(name) for name in started}
-    there = [name for name, silence in why.items() if silence is None or not silence.lasts]
-    view.await_groups(WAIT_SECONDS + swarm_up.agents.more_seconds, there)
+    awaited = [name for name, silence in why.items() if silence is None or not silence.lasts]
+    view.await_groups(WAIT_SECONDS + swarm_up.agents.more_seconds, awaited)
     view.discover()
     return sentences({n: silence for n, silence in why.items() if n not in view.groups})
 
@@ -143,8 +143,10 @@ def _unable(members: Sequence[Any]) -> str:
     """Return how many members cannot perform an order, and why; empty if all can."""
     silent = sum(member.silent for member in members)
     stopped = sum(member.stopped and not member.silent for member in members)
-    told = ", ".join([f"{silent} silent"] * (silent > 0) + [f"{stopped} stopped"] * (stopped > 0))
-    return f" ({told})" if told else ""
+    reasons = ", ".join(
+        [f"{silent} silent"] * (silent > 0) + [f"{stopped} stopped"] * (stopped > 0)
+    )
+    return f" ({reasons})" if reasons else ""
 
 
 def _why_not(branch: Branch) -> str:

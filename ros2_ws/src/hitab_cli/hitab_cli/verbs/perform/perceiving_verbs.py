@@ -66,14 +66,14 @@ def why(agent: AgentName, swarm: SwarmName = None) -> None:
             kind, unit = (feature.kind, feature.unit) if feature else (FeatureKind.BOOLEAN, "")
             return f"{name} = {_value(value, kind, unit)} {shown_unit(unit)}".rstrip()
 
-        def told(event: TransitionEvent) -> None:
+        def show_event(event: TransitionEvent) -> None:
             looked_at = ", ".join(map(seen, event.features, event.values))
             because = "commanded" if event.commanded else looked_at or "always"
             change = f"{'/'.join(event.automaton)}: {event.from_state} -> {event.to_state}"
             console.say(f"cycle {event.cycle}: {change} ({because})")
 
         topic = names.of_agent(agent, names.TRANSITIONS, agents.prefix)
-        swarm_up.link.subscribe(TransitionEvent, topic, told, qos.EVENTS)
+        swarm_up.link.subscribe(TransitionEvent, topic, show_event, qos.EVENTS)
         console.note(f"{agent} is {agents.statuses[agent].mode}; Ctrl-C ends this")
         while True:
             swarm_up.link.spin(WATCH_SECONDS)
@@ -89,10 +89,10 @@ def _all(words: Any) -> Iterator[str]:
 
 def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> dict[str, Any]:
     """Return the features now, and the agent's faults, as plain data."""
-    told = swarm_up.agents.read_features(agent, chosen)
+    answer = swarm_up.agents.read_features(agent, chosen)
     known = {Term.parse(feature.name).name: feature for feature in words.features}
     found = []
-    for read in told.readings:
+    for read in answer.readings:
         name = Term.parse(read.feature).name
         if read.automaton and name not in OWN_NAMES:
             continue  # it is among the chosen ones, or not asked for
@@ -107,7 +107,7 @@ def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> di
             }
         )
     status = swarm_up.agents.statuses.get(agent)
-    faults = [*(status.faults if status is not None else ()), told.message]
+    faults = [*(status.faults if status is not None else ()), answer.message]
     return {
         "agent": agent,
         "features": sorted(found, key=lambda reading: bool(reading["automaton"])),

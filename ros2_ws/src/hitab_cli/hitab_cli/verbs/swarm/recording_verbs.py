@@ -50,21 +50,21 @@ def record(
       hitab record -o session.mcap -t /robot_1/scan -t /robot_1/odom
       hitab record -o session --robots
     """
-    with connection(swarm, reads=True) as there:
+    with connection(swarm, reads=True) as swarm_up:
         from hitab_client.recording import Recorder
 
-        path = _path(output, there.record.swarm if there.record else "")
+        path = _path(output, swarm_up.record.swarm if swarm_up.record else "")
         chosen = [topic if topic.startswith("/") else f"/{topic}" for topic in topics or ()]
-        recorder = Recorder(there.link, path, also=chosen, robots=robots)
-        if there.has_world:
-            there.link.spin_until(lambda: there.world.status is not None, STATUS_S)
-        if there.world.is_paused:
+        recorder = Recorder(swarm_up.link, path, also=chosen, robots=robots)
+        if swarm_up.has_world:
+            swarm_up.link.spin_until(lambda: swarm_up.world.status is not None, STATUS_S)
+        if swarm_up.world.is_paused:
             console.note(
                 with_commands("the world is paused: nothing changes", [Fix.RESUME_WORLD()])
             )
         began = time.monotonic()
         try:
-            _record(there.link, recorder, seconds)
+            _record(swarm_up.link, recorder, seconds)
         except KeyboardInterrupt:
             pass  # how it ends
         finally:
@@ -101,7 +101,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
     """Record until the time is over, or the file cannot be written any more."""
     console.note(f"recording to {recorder.bag.path}; Ctrl-C ends it")
     began = time.monotonic()
-    told: list[str] = []
+    shown: list[str] = []
     with console.err().status("recording") as status:
         looked = began
         while not recorder.problem:
@@ -115,7 +115,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
             recorder.look()
             far = f"{quantity(recorder.bag.count, 'message')}, {now - began:.0f} s"
             status.update(f"recording: {far}")
-            if recorder.perceiving != told and not recorder.awaited:
-                told = recorder.perceiving
-                agents = ", ".join(agent.removeprefix("/") for agent in told)
+            if recorder.perceiving != shown and not recorder.awaited:
+                shown = recorder.perceiving
+                agents = ", ".join(agent.removeprefix("/") for agent in shown)
                 console.note(f"from now on it has the percepts of: {agents}")

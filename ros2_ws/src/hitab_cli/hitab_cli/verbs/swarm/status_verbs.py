@@ -67,8 +67,8 @@ def status(
                 Fix.UP(swarm="keepaway"),
             )
         console.show(json, data, *_rendered(data, silent))
-        told = [*data["agents"], *filter(None, [data["world"]])]
-        if check and (silent or any(one["faults"] or one.get("missing") for one in told)):
+        reports = [*data["agents"], *filter(None, [data["world"]])]
+        if check and (silent or any(one["faults"] or one.get("missing") for one in reports)):
             raise typer.Exit(1)
 
 
@@ -139,15 +139,15 @@ def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str,
 
     agents, world, processes = swarm_up.agents, swarm_up.world, swarm_up.processes
     started = (*agents.expected, *(["world"] if swarm_up.has_world else []))
-    told = {name: processes.why_silent(name) for name in started}
+    reasons = {name: processes.why_silent(name) for name in started}
     reported = {*agents.statuses, *(["world"] if world.status is not None else [])}
     # Of one that has reported only a process that has ended or is suspended counts.
-    told = {n: why for n, why in told.items() if n not in reported or (why and why.lasts)}
+    reasons = {n: why for n, why in reasons.items() if n not in reported or (why and why.lasts)}
     for name, seconds in (signs.silent() if signs is not None else {}).items():
         for_now = f"has been silent for {seconds:.0f} s"
         silent = Silence(processes.process_of(name), for_now, lasts=False)
-        told[name] = processes.why_silent(name) or silent
-    return told
+        reasons[name] = processes.why_silent(name) or silent
+    return reasons
 
 
 def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> list[Any]:
@@ -221,12 +221,12 @@ def _wrong(status: dict[str, Any]) -> list[str]:
     what = "last refusal" if "agent" in status else "last error"
     if status.get("refused_at"):
         what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))
-    told = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
+    problems = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
     if status.get("unsure"):
-        told.append(f"unsure: {status['unsure']}")
+        problems.append(f"unsure: {status['unsure']}")
     if status.get("questions"):
-        told.append(f"asks {quantity(status['questions'], 'question')}")
+        problems.append(f"asks {quantity(status['questions'], 'question')}")
     if status.get("remarks"):
         see = as_command(Fix.QUESTIONS(agent=status["agent"]))
-        told.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
-    return told
+        problems.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
+    return problems

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from hitab_client import WorldClient
 
-TOLD_SECONDS = 2.0  # to wait for why an episode has ended
+OUTCOME_SECONDS = 2.0  # to wait for why an episode has ended
 
 app = typer.Typer(help="Drive the world: pause, step, place, snapshot.")
 
@@ -105,12 +105,12 @@ def _silent(swarm_up: Connection) -> list[SwarmError]:
 def _ended(world: WorldClient, episodes: range) -> str:
     """Return which episodes have ended, and why, such as ``3 (out)``; "" if none has."""
 
-    def told() -> dict[int, str]:
+    def outcomes() -> dict[int, str]:
         return {episode.number: f" ({episode.ended})" for episode in world.episodes}
 
     if episodes:
-        world.link.spin_until(lambda: episodes[-1] in told(), TOLD_SECONDS)
-    return ", ".join(f"{number}{told().get(number, '')}" for number in episodes)
+        world.link.spin_until(lambda: episodes[-1] in outcomes(), OUTCOME_SECONDS)
+    return ", ".join(f"{number}{outcomes().get(number, '')}" for number in episodes)
 
 
 def _step(world: WorldClient, cycles: int) -> WorldState:

@@ -113,14 +113,16 @@ def list_(
 
     found = find_meant(swarm, chosen_by_user())
     folder = generations_folder(found[0].path if found else None, agent)
-    there = sorted(path.stem for path in folder.glob("*.yaml"))
-    if not there or (behavior and behavior not in there):
+    bootstrapped = sorted(path.stem for path in folder.glob("*.yaml"))
+    if not bootstrapped or (behavior and behavior not in bootstrapped):
         what = f"{behavior} of {agent}" if behavior else agent
         raise SwarmError(
-            f"{what} has no generations {has(there, behavior)}",
+            f"{what} has no generations {has(bootstrapped, behavior)}",
             Fix.NEXT_GENERATION(agent=agent),
         )
-    known = {name: read_generations(folder, name) for name in ([behavior] if behavior else there)}
+    known = {
+        name: read_generations(folder, name) for name in ([behavior] if behavior else bootstrapped)
+    }
     plain = [
         {"agent": agent, "behavior": name, "generations": [one.model_dump() for one in all_]}
         for name, all_ in known.items()
@@ -158,10 +160,10 @@ def _make(
     from hitab_client.bootstrapping import Bootstrapping
 
     options["say"] = console.note if json == "-" else console.say
-    with connection(swarm) as there, console.progress("bootstrapping") as progress:
-        folder = there.folder.path if there.folder else None
+    with connection(swarm) as swarm_up, console.progress("bootstrapping") as progress:
+        folder = swarm_up.folder.path if swarm_up.folder else None
         options["progress"] = progress
-        steps = Bootstrapping(there.agents, there.await_world(), folder, **options)
+        steps = Bootstrapping(swarm_up.agents, swarm_up.await_world(), folder, **options)
         generation = getattr(steps, step)(agent, *given)
-    told = f"{agent} is in training mode, with generation {generation.version}"
-    console.show(json, [generation.model_dump()], told)
+    text = f"{agent} is in training mode, with generation {generation.version}"
+    console.show(json, [generation.model_dump()], text)

@@ -120,10 +120,10 @@ def demonstrator_of(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstr
     if agent:
         agents.await_agent(agent)
     else:
-        there = agents.await_agents()
-        if not there:
+        names = agents.await_agents()
+        if not names:
             raise SwarmError("no agent answers", Fix.STATUS())
-        agent = min(there, key=natural)
+        agent = min(names, key=natural)
     swarm_up.await_world()
     demonstrator = Demonstrator(
         agents, world, asks=asks, keys=behavior_keys.Keys(behavior_keys.file())

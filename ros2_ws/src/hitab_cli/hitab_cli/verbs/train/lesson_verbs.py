@@ -83,8 +83,8 @@ def _played(player: LessonPlayer) -> LessonReport:
             )
         raise
     for agent, automaton in player.begun.items():
-        told = f'{agent} is still training "{automaton}"; go on by hand and save it'
-        console.note(with_commands(told, [Fix.DISCARD(agent=agent)]))
+        text = f'{agent} is still training "{automaton}"; go on by hand and save it'
+        console.note(with_commands(text, [Fix.DISCARD(agent=agent)]))
     return report
 
 

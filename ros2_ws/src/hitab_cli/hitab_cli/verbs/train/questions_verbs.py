@@ -50,22 +50,22 @@ def questions(
             console.say(done.message)
             return
         found = swarm_up.agents.training(agent, searched=True)
-    told = [with_commands(str(remark), [remark.remedy]) for remark in found.remarks]
-    told += [] if found.questions else [f"{agent} has no question"]
+    lines = [with_commands(str(remark), [remark.remedy]) for remark in found.remarks]
+    lines += [] if found.questions else [f"{agent} has no question"]
     for question in found.questions:
-        told.append(f"{question.number}. {question.text}")
+        lines.append(f"{question.number}. {question.text}")
         for index, offered in enumerate(question.choices):
             proposed = "" if index else " (proposed)"
-            told.append(f"   {offered.name}: {offered.effect}{proposed}")
+            lines.append(f"   {offered.name}: {offered.effect}{proposed}")
     if found.questions:
-        told.append(
+        lines.append(
             f"`{called()} questions {agent} --answer {found.questions[0].number}` answers as "
             "proposed; add --choice CHOICE to answer otherwise."
         )
-    asked = [_record(question) for question in found.questions]
-    data = {"questions": asked, "answered": list(found.answered)}
+    records = [_record(question) for question in found.questions]
+    data = {"questions": records, "answered": list(found.answered)}
     remarks = [{"code": r.code.name, **dict(r.arguments)} for r in found.remarks]
-    console.show(json, {**data, "remarks": remarks}, *told)
+    console.show(json, {**data, "remarks": remarks}, *lines)
 
 
 def _record(question: Any) -> dict[str, Any]:
