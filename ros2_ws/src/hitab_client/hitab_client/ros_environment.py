@@ -36,30 +36,30 @@ def problems() -> Iterator[Problem]:
     """Yield why ROS would not start, or not as the variables say."""
     said = os.environ.get("ROS_DOMAIN_ID", "")
     if said and not (said.isdecimal() and int(said) < DOMAINS):
-        told = f"ROS_DOMAIN_ID={said} is not a number from 0 to {DOMAINS - 1}"
-        yield "ROS domain", told, "unset ROS_DOMAIN_ID, or choose a number up to 101"
+        fault = f"ROS_DOMAIN_ID={said} is not a number from 0 to {DOMAINS - 1}"
+        yield "ROS domain", fault, "unset ROS_DOMAIN_ID, or choose a number up to 101"
     found, installed = find_spec("rclpy"), Path(sysconfig.get_path("purelib")) / "rclpy"
     if found is not None and installed.exists() and not is_from_wheels():
-        told = f"rclpy is loaded from {found.origin} instead of {installed}"
+        fault = f"rclpy is loaded from {found.origin} instead of {installed}"
         way_out = "unset PYTHONPATH, or use a terminal without another ROS's set-up file"
-        yield "ROS", told, way_out
+        yield "ROS", fault, way_out
     chosen = os.environ.get("RMW_IMPLEMENTATION", "")
     folders = [Path(name) for name in os.environ.get("LD_LIBRARY_PATH", "").split(":") if name]
     if chosen and folders and not any((f / f"lib{chosen}.so").exists() for f in folders):
-        told = f"RMW_IMPLEMENTATION={chosen} is not installed"
-        yield "DDS", told, "unset RMW_IMPLEMENTATION, or install that middleware"
+        fault = f"RMW_IMPLEMENTATION={chosen} is not installed"
+        yield "DDS", fault, "unset RMW_IMPLEMENTATION, or install that middleware"
     said = os.environ.get(RANGE, "")
     if said and said not in RANGES:
         yield "discovery", f"{RANGE}={said} is none of {', '.join(RANGES)}", f"unset {RANGE}"
     here = is_of_this_machine(os.environ)
     if here and (wrong := _no_answer("127.0.0.1", DISCARD)) == os.strerror(errno.ENETUNREACH):
-        told = f"this machine cannot reach itself at 127.0.0.1: {wrong}"
-        yield "network", told, "start its loopback interface with `sudo ip link set lo up`"
+        fault = f"this machine cannot reach itself at 127.0.0.1: {wrong}"
+        yield "network", fault, "start its loopback interface with `sudo ip link set lo up`"
     yield from _without_server(os.environ.get(SERVER, ""), here)
     if os.environ.get("ROS_SECURITY_ENABLE") == "true" and is_from_wheels():
-        told = "ROS_SECURITY_ENABLE=true, but ROS from wheels has no DDS security"
+        fault = "ROS_SECURITY_ENABLE=true, but ROS from wheels has no DDS security"
         way_out = "unset ROS_SECURITY_ENABLE, or use HiTAB with an installed ROS 2 Jazzy"
-        yield "security", told, way_out
+        yield "security", fault, way_out
 
 
 def _without_server(said: str, here: bool) -> Iterator[Problem]:
@@ -68,11 +68,11 @@ def _without_server(said: str, here: bool) -> Iterator[Problem]:
     away = [host != "localhost" and not host.startswith("127.") for host, _ in servers]
     way_out = f"unset {SERVER} ROS_SUPER_CLIENT"
     if here and servers and all(away):
-        told = f"{SERVER}={said} is on another machine, but HiTAB stays on this one"
-        yield "discovery", told, f"{way_out}, or set {RANGE}=SUBNET"
+        fault = f"{SERVER}={said} is on another machine, but HiTAB stays on this one"
+        yield "discovery", fault, f"{way_out}, or set {RANGE}=SUBNET"
     elif servers and all(why := [_no_answer(*server) for server in servers]):
-        told = f"{SERVER}={said}: there is no server ({', '.join(dict.fromkeys(why))})"
-        yield "discovery", told, f"start the server, or {way_out}"
+        fault = f"{SERVER}={said}: there is no server ({', '.join(dict.fromkeys(why))})"
+        yield "discovery", fault, f"start the server, or {way_out}"
 
 
 def _no_answer(host: str, port: int) -> str:
@@ -103,5 +103,5 @@ def refuse_problems() -> None:
     Raises:
         SwarmError: naming the variable and the way out.
     """
-    for _, told, way_out in problems():
-        raise SwarmError(f"{told}; {way_out}")
+    for _, fault, way_out in problems():
+        raise SwarmError(f"{fault}; {way_out}")

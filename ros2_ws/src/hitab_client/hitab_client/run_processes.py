@@ -212,10 +212,10 @@ def sentences(why: Mapping[str, Silence | None]) -> list[str]:
     alike: dict[Silence | None, list[str]] = {}
     for name, silence in why.items():
         alike.setdefault(silence, []).append(name)
-    told = [silence.of(*names) for silence, names in alike.items() if silence is not None]
+    texts = [silence.of(*names) for silence, names in alike.items() if silence is not None]
     if unexplained := alike.get(None):
-        told.append(f"{some(unexplained)} {'does' if len(unexplained) == 1 else 'do'} not answer")
-    return told
+        texts.append(f"{some(unexplained)} {'does' if len(unexplained) == 1 else 'do'} not answer")
+    return texts
 
 
 def _how(state: Mapping[str, Any]) -> str:

@@ -94,7 +94,7 @@ def find_file(given: str, folder: str, what: str) -> Path:
             return candidate
     if path.is_dir():
         raise HitabError(f'no {what} "{given}": this is a folder; name a file in it')
-    there = [p.stem for place in folders for p in place.glob("*.yaml")]
+    names = [p.stem for place in folders for p in place.glob("*.yaml")]
     if os.sep in given:
-        there = [str(p) for p in path.parent.glob("*.y*ml")]
-    raise HitabError(f'no {what} "{given}": no such file {has(there, given)}')
+        names = [str(p) for p in path.parent.glob("*.y*ml")]
+    raise HitabError(f'no {what} "{given}": no such file {has(names, given)}')

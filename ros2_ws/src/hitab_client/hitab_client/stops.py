@@ -157,8 +157,8 @@ class Stops:
             self.look()
             await self.link.until(lambda: topic in self._reports, REPEAT_S)
         if topic not in self._reports:
-            there = some(self.names()) if self.names() else "none is there"
-            raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
+            known = some(self.names()) if self.names() else "none is there"
+            raise SwarmError(f"no robot {robot} says whether it may act; robots: {known}")
         request = Arm.Request(stop=self._reports[topic][1].stop)
         service = f"/{robot}/{names.ARM}"
         missing = SwarmError(f"{robot} cannot be re-armed: no node offers {service}")
@@ -204,10 +204,10 @@ class Stops:
                 for end in ends
                 for name, why in end.unconfirmed(engaged=engaged).items()
             }
-            there = any(end.names() for end in ends)
-            if there and not lacking and Stops.settled(ends):
+            found = any(end.names() for end in ends)
+            if found and not lacking and Stops.settled(ends):
                 break
-            if says and (lacking or not there):
+            if says and (lacking or not found):
                 tell(lacking, time.monotonic() - began)
         return lacking
 

@@ -123,8 +123,8 @@ def find_meant(which: str | None, domain_id: int | None) -> Found | None:
         return None
     if which is not None or domain_id is None:
         return find_running(which)
-    there = [found for found in running_swarms() if found[1].domain_id == domain_id]
-    return only(there, f"swarms are up in ROS domain {domain_id}")
+    in_domain = [found for found in running_swarms() if found[1].domain_id == domain_id]
+    return only(in_domain, f"swarms are up in ROS domain {domain_id}")
 
 
 def whose(identities: Iterable[str]) -> Iterator[str]:
@@ -203,8 +203,8 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
     where = f"ROS domain {link.node.context.get_domain_id()}"
 
     def spaces() -> set[str]:
-        there = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
-        return there & {namespace.rstrip("/")} if namespace else there
+        found = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
+        return found & {namespace.rstrip("/")} if namespace else found
 
     def is_occupied() -> bool:
         return len(link.node.get_node_names()) > 1
@@ -214,19 +214,19 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
     ):
         which = f"namespace {namespace} of {where}" if namespace else where
         raise SwarmError(f"no swarm answers in {which}", Fix.UP(swarm="keepaway"))
-    there: set[str] = set()
-    while there != (there := spaces() or there):
+    prefixes: set[str] = set()
+    while prefixes != (prefixes := spaces() or prefixes):
         link.spin_until(lambda: False, SETTLE_SECONDS)
-    agents = [AgentPresence(link, prefix=space, identity=identity) for space in sorted(there)]
+    agents = [AgentPresence(link, prefix=space, identity=identity) for space in sorted(prefixes)]
     if len(agents) > 1:
         for some_agents in agents:
             some_agents.discover()
         link.spin_until(lambda: all(a.statuses or a.strangers for a in agents), SETTLE_SECONDS)
         agents = [a for a in agents if a.statuses] or agents
     if len(agents) > 1:
-        told = ", ".join(a.prefix or "/" for a in agents)
+        namespaces = ", ".join(a.prefix or "/" for a in agents)
         raise SwarmError(
-            f"swarms answer in several namespaces of {where}; {WAY_TO_CHOOSE}: {told}"
+            f"swarms answer in several namespaces of {where}; {WAY_TO_CHOOSE}: {namespaces}"
         )
     return agents[0].prefix
 

@@ -236,10 +236,10 @@ class SwarmClient(AgentPresence):
 
         def has_come() -> bool:
             self.watch_training(agent)
-            wanted, there = self.statuses[agent].training_revision, self.trainings.get(agent)
-            if not wanted or there is None:
+            wanted, training = self.statuses[agent].training_revision, self.trainings.get(agent)
+            if not wanted or training is None:
                 return not wanted
-            return there.revision >= wanted and (there.searched or not searched)
+            return training.revision >= wanted and (training.searched or not searched)
 
         if not await self.link.until(
             has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
@@ -447,21 +447,21 @@ class SwarmClient(AgentPresence):
             await self.await_agents.coroutine()
         for agent in (source, *receivers):
             await self.await_agent.coroutine(agent)
-        meant = [name for name in receivers or self.mates_of(source) if name != source]
-        if not meant:
+        chosen = [name for name in receivers or self.mates_of(source) if name != source]
+        if not chosen:
             raise SwarmError(f"there is no other agent of the domain of {source} to send it to")
-        await self.acknowledgements.await_hearing(meant)
+        await self.acknowledgements.await_hearing(chosen)
         answer = await self.ask.coroutine(
             source,
             Distribute,
             names.DISTRIBUTE,
             behavior=behavior,
             arguments=list(arguments),
-            receivers=meant,
+            receivers=chosen,
             start=start,
         )
         report = await self.acknowledgements.gather(
-            answer.sequence, answer.digest, meant, seconds, progress
+            answer.sequence, answer.digest, chosen, seconds, progress
         )
         report.message = answer.message
         return report

@@ -201,13 +201,13 @@ class WorldClient:
             SwarmError: if one takes longer.
         """
         last = (await self.control.coroutine(Control.Request.STEP, cycles=cycles)).cycle
-        told = [self.status]
+        seen = [self.status]
 
         def rests() -> bool:
             """Raise if the world rests before, by a status that was sent since then."""
-            if self.status is not told[-1]:
-                told.append(self.status)  # the first new one may have been sent before
-            if (status := told[-1]) and len(told) > 2 and self.is_paused and status.cycle < last:
+            if self.status is not seen[-1]:
+                seen.append(self.status)  # the first new one may have been sent before
+            if (status := seen[-1]) and len(seen) > 2 and self.is_paused and status.cycle < last:
                 why = status.last_error or "it was paused"
                 raise SwarmError(
                     f"the world did not reach cycle {last}, but rests at cycle {status.cycle}: "
@@ -328,11 +328,11 @@ class WorldClient:
 
         def played() -> list[Episode]:
             """Return the run's episodes so far as first told: a restarted world repeats some."""
-            told: dict[int, Episode] = {}
+            by_number: dict[int, Episode] = {}
             for episode in self.episodes:
                 if episode.run == run:
-                    told.setdefault(episode.number, episode)
-            return list(told.values())
+                    by_number.setdefault(episode.number, episode)
+            return list(by_number.values())
 
         while (seen := len(played())) < episodes:
             if progress is not None:

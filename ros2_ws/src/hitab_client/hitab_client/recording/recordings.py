@@ -80,17 +80,17 @@ def rename(name: str, new: str) -> Path:
     path, stem = recording(name), new.strip().removesuffix(RECORDING_SUFFIX)
     if RECORDING_NAME.fullmatch(stem) is None:
         raise SwarmError(f'"{new}" cannot be the name of a recording: use {RECORDING_NAME_RULE}.')
-    there = path.with_name(f"{stem}{RECORDING_SUFFIX}")
-    if there == path:
+    goal = path.with_name(f"{stem}{RECORDING_SUFFIX}")
+    if goal == path:
         return path
     try:
-        there.hardlink_to(path)  # fails if the name is taken
+        goal.hardlink_to(path)  # fails if the name is taken
         path.unlink()
     except FileExistsError:
-        raise SwarmError(f'There is a recording "{there.name}" already: choose another.') from None
+        raise SwarmError(f'There is a recording "{goal.name}" already: choose another.') from None
     except OSError as error:
         raise SwarmError(f"{path} cannot be renamed: {error.strerror}.") from None
-    return there
+    return goal
 
 
 def delete(name: str) -> None:
