@@ -1,6 +1,6 @@
-"""Check of the environment variables for ROS, without loading ROS.
+"""Check of the environment for ROS, without loading ROS.
 
-With a middleware that is not installed, ROS ends the process that loads it.
+The check comes first, because ROS ends a process whose middleware is not installed.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ DOMAINS = 233
 SERVER = "ROS_DISCOVERY_SERVER"
 SERVERS = re.compile(r"(?:^|;) *(?:UDPv4:\[)?([\w.-]+)\]?(?::(\d+))? *(?=;|$)")
 SERVER_PORT, DISCARD = 11811, 9
-PORT_TIMEOUT_SECONDS = 0.2  # in which a machine refuses connections to an unused port
+PORT_TIMEOUT_SECONDS = 0.2  # time within which a machine refuses connections to an unused port
 
 RANGES = ("LOCALHOST", "SUBNET", "SYSTEM_DEFAULT", "OFF")
 
@@ -33,7 +33,7 @@ Problem = tuple[str, str, str]
 
 
 def problems() -> Iterator[Problem]:
-    """Yield why ROS would not start, or not as the variables say."""
+    """Yield the reasons why ROS would not start, or would ignore its variables."""
     said = os.environ.get("ROS_DOMAIN_ID", "")
     if said and not (said.isdecimal() and int(said) < DOMAINS):
         fault = f"ROS_DOMAIN_ID={said} is not a number from 0 to {DOMAINS - 1}"
@@ -63,7 +63,7 @@ def problems() -> Iterator[Problem]:
 
 
 def _without_server(said: str, here: bool) -> Iterator[Problem]:
-    """Yield why nodes would not find each other by the discovery servers that are named."""
+    """Yield the reasons why nodes would not find each other by the named discovery servers."""
     servers = [(host, int(port or SERVER_PORT)) for host, port in SERVERS.findall(said)]
     away = [host != "localhost" and not host.startswith("127.") for host, _ in servers]
     way_out = f"unset {SERVER} ROS_SUPER_CLIENT"
@@ -76,7 +76,7 @@ def _without_server(said: str, here: bool) -> Iterator[Problem]:
 
 
 def _no_answer(host: str, port: int) -> str:
-    """Return why messages cannot be received at a port; "" if they may be."""
+    """Return why a port receives no messages; empty if it may."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.settimeout(PORT_TIMEOUT_SECONDS)
         try:
@@ -91,17 +91,17 @@ def _no_answer(host: str, port: int) -> str:
 
 
 def is_from_wheels() -> bool:
-    """Whether ROS is part of this Python environment instead of an installation of its own."""
+    """Whether ROS is installed in this Python environment, instead of on the system."""
     found = find_spec("rclpy")
     place = Path(found.origin or "").resolve() if found is not None else Path("/")
     return place.is_relative_to(Path(sys.prefix).resolve())
 
 
 def refuse_problems() -> None:
-    """Refuse to go on if ROS would not start.
+    """Raise if ROS would not start.
 
     Raises:
-        SwarmError: naming the variable and the way out.
+        SwarmError: if so; names the variable and the way out.
     """
     for _, fault, way_out in problems():
         raise SwarmError(f"{fault}; {way_out}")

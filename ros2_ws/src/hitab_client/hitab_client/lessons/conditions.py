@@ -212,7 +212,7 @@ class All(Condition):
     suffices: ClassVar[Callable[[list[bool]], bool]] = all
 
     def holds(self, view: WorldView) -> bool:
-        """Whether enough conditions hold; all are evaluated, so that a wrong name shows at once."""
+        """Whether enough conditions hold; all are evaluated, to detect wrong names at once."""
         return type(self).suffices([part.holds(view) for part in self.parts])
 
     def describe(self, view: WorldView | None = None) -> str:

@@ -42,8 +42,8 @@ class Driven:
 def driving_of(path: Path, agent: str = "") -> Driven:
     """Return the recorded actions of an agent, whatever program or person drove it.
 
-    In a world, an agent or a program in its place publishes actions. The actions of a robot are the
-    velocities that its relay passed on, which includes a person's driving by hand.
+    In a world, an agent or a program in its place publishes actions. A robot's actions are the
+    velocities that its relay passed on, which include a person's driving by hand.
 
     Args:
         path: path of the recording.

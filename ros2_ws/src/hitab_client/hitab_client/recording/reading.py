@@ -1,7 +1,7 @@
 """Reader of recordings, including MCAP bags of ``ros2 bag record``.
 
-A file is read from the beginning to the end of its data, in the order of writing. Neither the index,
-which an unfinished file lacks, nor the times, whose clock may have been set, give that order.
+A file is read from the beginning to the end of its data, in the order of writing. The index, which
+an unfinished file lacks, and the times, whose clock may have been set, do not give that order.
 """
 
 from __future__ import annotations
@@ -241,7 +241,7 @@ def agent_meant(path: Path, agents: Sequence[str], agent: str) -> str:
 
     Args:
         path: path of the recording.
-        there: the agents, with their namespaces.
+        agents: the recorded agents, with their namespaces.
         agent: the agent's name, with its namespace if the name is ambiguous; empty for the only
             agent.
 
