@@ -29,22 +29,26 @@ def give_signs_of_life(node: Node, swarm: str = "", others: Iterable[str] = ()) 
     _give(node, names.in_swarm(node, names.ALIVE), signs, lambda: True)
 
 
-def give_signs_of_operator(node: Node, prefix: str, there: Callable[[], object]) -> None:
+def give_signs_of_operator(node: Node, prefix: str, is_present: Callable[[], object]) -> None:
     """Publish from now on that an operator of a swarm's agents is present.
 
     Args:
         node: node of the operator's console.
         prefix: namespace of the swarm.
-        there: returns whether the operator is in reach of the console.
+        is_present: returns whether the operator is in reach of the console.
     """
-    _give(node, names.of_swarm(names.OPERATORS, prefix), [Alive(process=node.get_name())], there)
+    _give(
+        node, names.of_swarm(names.OPERATORS, prefix), [Alive(process=node.get_name())], is_present
+    )
 
 
-def _give(node: Node, topic: str, signs: Iterable[Alive], there: Callable[[], object]) -> None:
+def _give(
+    node: Node, topic: str, signs: Iterable[Alive], is_present: Callable[[], object]
+) -> None:
     publisher = node.create_publisher(Alive, topic, qos.SIGNS_OF_LIFE)
 
     def show() -> None:
-        for sign in signs if there() else ():
+        for sign in signs if is_present() else ():
             publisher.publish(sign)
 
     steady_timer(node, HEARTBEAT_PERIOD_S, show)

@@ -1,4 +1,4 @@
-"""The view of `hitab drive`: what the agent does, what came of the last key, and the keys."""
+"""View of `hitab drive`: the agent's status, the outcome of the last key, and the keys."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ SPACE = "Space"
 def lines(
     demonstrator: Demonstrator, silent: Mapping[str, float], *, help_wanted: bool
 ) -> Iterator[Text]:
-    """Yield the lines that are shown.
+    """Yield the lines of the view.
 
     Args:
         demonstrator: the person.
-        silent: for how long each silent agent has given no sign of life, s.
+        silent: time since the last sign of life of each silent agent, s, by name.
         help_wanted: whether to explain all keys.
     """
     status, agent = demonstrator.status, demonstrator.agent

@@ -29,7 +29,7 @@ def restore(
     """Make an earlier version of a behavior the newest one, even if it was deleted or damaged.
 
     Args:
-        version: Number of the version; without it, the only one, or those that there are.
+        version: Number of the version. Default: the only one; several are listed.
 
     Example:
       hitab library restore Keepaway 2 --agent keeper_1
@@ -59,7 +59,7 @@ def delete(
     """Delete a behavior. Its versions are kept and can be restored.
 
     Args:
-        anyway: Delete it even if others can no longer be used then.
+        anyway: Delete it even if other behaviors become unusable.
 
     Example:
       hitab library delete Chase --agent keeper_1
@@ -85,13 +85,13 @@ def rename(
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Rename a behavior, and on request in what uses it: all or nothing.
+    """Rename a behavior and, on request, its uses in other behaviors: all or nothing.
 
-    Swarm descriptions, lessons and kinds of commanders that name it stay as they are.
+    Swarm descriptions, lessons and kinds of commanders that name the behavior do not change.
 
     Args:
         new: Its new name.
-        with_users: Rename it in the behaviors that use it, too.
+        with_users: Also rename it in the behaviors that use it.
 
     Example:
       hitab library rename Chase ChaseBall --with-users --agent keeper_1
@@ -117,10 +117,10 @@ def export(
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Write behaviors, and everything they are made of, to one file.
+    """Write behaviors, with everything that they use, to one file.
 
     Args:
-        names: The behaviors; what they are made of comes along. Default: all.
+        names: The behaviors; those that they use are included. Default: all.
         output: The file to write. Default: NAME.bundle.yaml here.
         replace: Replace the file if it exists.
 
@@ -191,9 +191,9 @@ def import_(
 def reload(
     agents: Annotated[list[str] | None, typer.Argument()] = None, swarm: SwarmName = None
 ) -> None:
-    """Have agents read their libraries again, after a change by other means.
+    """Make agents reload their libraries after a change by other means.
 
-    The agent's behavior begins again at Start.
+    The agents' behaviors begin again at Start.
 
     Args:
         agents: The agents. Default: all of the swarm.
@@ -225,18 +225,18 @@ def expect(
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Have a behavior carry an expectation: in this state and situation, it goes to that state.
+    """Add an expectation to a behavior: in a state and situation, it must go to a given state.
 
     Whenever the behavior is tested in a training, saved, distributed, reloaded, or checked, each
-    expectation that is broken is named with what is decided instead.
+    broken expectation is reported with the actual decision.
 
     Args:
-        decision: The state, the state to go to or to stay in, and the situation; angles in
+        decision: The state, the expected next state (or the same), and the situation; angles in
             degrees.
-        example: Instead, the situation and decision of this example.
-        called_so: What to call the expectation.
-        blocks: Do not save the behavior while this is broken.
-        forget: Take this expectation back.
+        example: Take the situation and decision of this example instead.
+        called_so: Name of the expectation.
+        blocks: Do not save the behavior while the expectation is broken.
+        forget: Remove this expectation.
 
     Examples:
       hitab library expect Chase GoFast TurnToBall "DirectionTo(ball)=150" --agent keeper_1
@@ -261,14 +261,14 @@ def expect(
 
 
 def tell_broken(library: BehaviorLibrary, *names: str) -> None:
-    """Say which expectations behaviors of a library break."""
+    """Report broken expectations of behaviors of a library."""
     for name in names:
         for text in library.file(name).broken:
             console.note(f"but: {text}")
 
 
 def _tell_of_change(library: BehaviorLibrary, *names: str) -> None:
-    """Say what changed behaviors break; have the agents that use the library read it again."""
+    """Report expectations that changed behaviors break; make the library's agents reload it."""
     from hitab_bringup import users_of
 
     tell_broken(library, *names)

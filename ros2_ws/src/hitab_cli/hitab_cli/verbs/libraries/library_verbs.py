@@ -1,4 +1,4 @@
-"""Verbs for libraries of trained behaviors: list, show, check, diff, and those that change."""
+"""Verbs for libraries of trained behaviors: list, show, check, diff, and the changing verbs."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read_file(
 ) -> None:
     """Inspect and change libraries of trained behaviors."""
     if file is not None:
-        load_domain(str(file))  # libraries find it by its name
+        load_domain(str(file))  # libraries find the domain by its name
 
 
 @app.command("list")
@@ -159,7 +159,8 @@ def _known(name: str, loaded: Any, problems: Mapping[str, str]) -> str:
 def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None) -> None:
     """Check all files of a library, or of all libraries of the swarm that is up.
 
-    This covers their format and whether they fit together, and says which were edited by hand.
+    This covers the format of the files and whether they fit together, and lists files that were
+    edited by hand.
 
     Example:
       hitab library check -l hitab-demo/library

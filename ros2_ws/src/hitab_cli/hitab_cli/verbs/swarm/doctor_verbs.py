@@ -1,4 +1,4 @@
-"""The verb that looks for problems: doctor."""
+"""Verb that looks for problems: doctor."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STYLES = {"ok": "", "warning": "yellow", "error": "bold red"}
 
 
 def doctor(json: JsonPath = None) -> None:
-    """Check this computer, ROS, DDS, and what runs; name each problem and its remedy.
+    """Check this computer, ROS, DDS, and running swarms; name each problem and its remedy.
 
     The exit status is 1 if there is an error.
 
@@ -43,7 +43,7 @@ def _findings() -> Iterator[Finding]:
     from hitab_bringup.doctor import machine, ros, runs
 
     yield from machine.python()
-    # Where it cannot start, ROS may end the process that loads it.
+    # If ROS cannot start, it may end the process that loads it.
     starts = [Finding(about, text, ERROR, way) for about, text, way in problems()] or [
         *ros.installation(),
         *ros.middleware(),

@@ -1,4 +1,4 @@
-"""The verb that records a swarm."""
+"""Verb that records a swarm: record."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from hitab_client.recording import Recorder
 
 STATUS_S = 1.0
-"""How long to wait for the status of the world, s."""
+"""Timeout for the status of the world, s."""
 
 TOPIC_PERIOD_S = 0.5
 """Period of the search for new topics, s."""
@@ -33,17 +33,17 @@ def record(
     seconds: Annotated[float | None, typer.Option("--seconds", min=0.1)] = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Record to a bag (MCAP) what a swarm perceives and does, until Ctrl-C.
+    """Record the percepts and actions of a swarm to a bag (MCAP), until Ctrl-C.
 
-    The studio shows it again; `hitab library label` trains from what was done.
+    The studio replays recordings; `hitab library label` trains from recorded actions.
 
     Args:
-        output: The file to write; .mcap is added. Default: one among the recordings that the
-            studio shows.
+        output: The file to write; .mcap is added. Default: a new file among the recordings that
+            the studio shows.
         topics: Also record this topic, such as /robot_1/scan. Repeatable.
         robots: Also record all topics with messages that robots use: those of sensor_msgs,
             nav_msgs, geometry_msgs and tf2_msgs, so also images and point clouds.
-        seconds: End by itself after so many seconds. Default: with Ctrl-C.
+        seconds: End after this time, s. Default: with Ctrl-C.
 
     Examples:
       hitab record
@@ -66,7 +66,7 @@ def record(
         try:
             _record(swarm_up.link, recorder, seconds)
         except KeyboardInterrupt:
-            pass  # how it ends
+            pass  # Ctrl-C ends the recording
         finally:
             with not_interrupted():
                 recorder.close()
@@ -98,7 +98,7 @@ def _path(output: Path | None, swarm: str) -> Path:
 
 
 def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
-    """Record until the time is over, or the file cannot be written any more."""
+    """Record until the time is over, or the file can no longer be written."""
     console.note(f"recording to {recorder.bag.path}; Ctrl-C ends it")
     began = time.monotonic()
     shown: list[str] = []

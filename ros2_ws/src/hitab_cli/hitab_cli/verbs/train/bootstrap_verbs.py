@@ -43,12 +43,12 @@ def next_(
 ) -> None:
     """Make the next generation: save the behavior in training, and train on among the teammates.
 
-    The teammates get it and perform it from Start, and it is evaluated. The training goes on with
-    the examples so far, in the world as it was. A generation has the number of its version in the
-    agent's library.
+    The teammates receive the behavior and perform it from Start, and it is evaluated. The training
+    continues with the examples so far, in the world as it was. The number of a generation is the
+    version of the behavior in the agent's library.
 
     Args:
-        note: To keep with the generation.
+        note: Text to keep with the generation.
 
     Examples:
       hitab bootstrap next keeper_1 --note "the closest one takes the ball"
@@ -72,14 +72,15 @@ def back(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Go back to a generation: it is the next one, too, and the training goes on from it.
+    """Return to a generation, which becomes the next one; the training continues from it.
 
-    What it uses stays as it is now.
+    Behaviors that the generation uses stay as they are now.
 
     Args:
-        behavior: The behavior that is bootstrapped.
-        generation: Its number; see `hitab bootstrap list`. Any version in the library will do.
-        discard: Give up examples that are in no generation.
+        behavior: The bootstrapped behavior.
+        generation: Number of the generation, see `hitab bootstrap list`, or any version in the
+            library.
+        discard: Discard examples that no generation contains.
 
     Example:
       hitab bootstrap back keeper_1 Keepaway 2
@@ -97,8 +98,8 @@ def list_(
 ) -> None:
     """List the generations of an agent's behaviors, with their scores.
 
-    A score is the mean of a figure in a few episodes, with its standard error: of the length of an
-    episode, and of what else the world reports.
+    A score is the mean of a measure over a few episodes, with its standard error. The measures are
+    the length of an episode and those that the world reports.
 
     Args:
         behavior: A behavior. Default: all.

@@ -1,4 +1,4 @@
-"""The verb for what an agent asks about its examples."""
+"""Verb for an agent's questions about its examples: questions."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ def questions(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Show what an agent asks about its examples, or answer it.
+    """Show an agent's questions about its examples, or answer one.
 
-    It asks when commands contradict each other, when an example made it do what you corrected,
-    when a situation has too few examples, and when several explanations fit the examples.
-    `hitab undo` takes an answer back. Above the questions stands where the learned behavior goes
-    round in a circle, and what did not happen in fifty episodes of a test.
+    An agent asks when commands contradict each other, when you corrected a decision that an
+    example caused, when a situation has too few examples, and when several explanations fit the
+    examples. `hitab undo` reverts an answer. Above the questions are signs that the behavior does
+    not work: cycles of states, and events that did not occur in fifty episodes of a test.
 
     Args:
         answer: Answer this question, as proposed or with --choice.
