@@ -1,4 +1,4 @@
-"""Checks the computer: Python, HiTAB, disk, memory and limits."""
+"""Checks of the computer: Python, HiTAB, disk, memory and limits."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ MB = 1 << 20
 DISK_NEEDED, DISK_WANTED = 100 * MB, 1000 * MB
 MEMORY_WANTED = 1000 * MB
 FILES_NEEDED = 1024
-"""Open files without which the supervisor does not start."""
+"""Minimum limit of open files, below which the supervisor does not start."""
 
 PROCESSES_WANTED = 4096
-"""Processes and threads: a swarm in 100 processes has some 1,500."""
+"""Minimum limit of processes and threads: a swarm in 100 processes has some 1,500."""
 
 BUFFER = Path("/proc/sys/net/core/rmem_max")
 BUFFER_WANTED = 4 * MB
-"""The receive buffer for which the DDS profile asks."""
+"""Receive buffer that the DDS profile requests, bytes."""
 
 
 def python() -> Iterator[Finding]:
-    """Check the interpreter, and say which HiTAB this is."""
+    """Check the interpreter, and report the version of HiTAB."""
     text = f"{'.'.join(map(str, sys.version_info[:3]))} ({sys.executable})"
     good = PYTHONS[0] <= sys.version_info[:2] <= PYTHONS[1]
     way_out = f"install Python 3.11, 3.12 or 3.13; with it, {way_to_install()}"
@@ -39,7 +39,7 @@ def python() -> Iterator[Finding]:
 
 
 def home() -> Iterator[Finding]:
-    """Check the folder for runs, and the room there."""
+    """Check the folder for runs, and its free space."""
     folder = state_home()
     source = next((n for n in ("HITAB_HOME", "XDG_STATE_HOME") if os.environ.get(n)), "")
     text = f"{folder} ({f'from {source}' if source else 'the default; HITAB_HOME changes it'})"
@@ -58,7 +58,7 @@ def home() -> Iterator[Finding]:
 
 
 def memory() -> Iterator[Finding]:
-    """Check the memory that is available."""
+    """Check the available memory."""
     import psutil  # type: ignore[import-untyped]
 
     free = psutil.virtual_memory().available

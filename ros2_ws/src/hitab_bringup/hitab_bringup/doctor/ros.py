@@ -1,4 +1,4 @@
-"""Checks ROS: where it is from, DDS, and the domain."""
+"""Checks of ROS: installation, DDS and domain."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hitab_core import way_to_install
 DISTRO = "jazzy"
 FAST_DDS = "rmw_fastrtps_cpp"
 SAFE_DOMAINS = 102
-"""Domains whose ports no other program of the system uses."""
+"""Number of domains, from 0, whose ports no other program of the system uses."""
 
 
 def installation() -> Iterator[Finding]:
@@ -28,7 +28,7 @@ def installation() -> Iterator[Finding]:
         yield Finding("ROS", f"cannot be loaded: {wrong}", ERROR, way_to_install())
         return
     place = Path(rclpy.__file__).resolve().parents[1]
-    wheels = is_from_wheels()  # of the right distribution, as HiTAB requires them
+    wheels = is_from_wheels()  # wheels are always of the required distribution
     distro = os.environ.get("ROS_DISTRO", "") or (DISTRO if wheels else "of unknown distribution")
     text = f"{distro}, from {'wheels' if wheels else 'an installation'} ({place})"
     way_out = f"HiTAB is made for ROS 2 {DISTRO}: use a terminal without another one's set-up file"
@@ -67,7 +67,7 @@ def middleware() -> Iterator[Finding]:
 
 
 def domain() -> Iterator[Finding]:
-    """Check the ROS domain, which is a number or not given; see `problems`."""
+    """Check the ROS domain, if given; `problems` checks its form."""
     number = domain_ids.chosen_by_user()
     if number is None:
         text = "not chosen: each swarm gets a free one, and commands find it (0 first)"

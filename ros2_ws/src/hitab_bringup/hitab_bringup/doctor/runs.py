@@ -1,4 +1,4 @@
-"""Checks the runs: what is up, what hinders its agents, and what killed runs have left behind."""
+"""Checks of runs: swarms that are up, faults of agents, and leftovers of killed runs."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from hitab_client.run_processes import SUPERVISOR_TIMEOUT_SECONDS, is_suspended,
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Fix, each_once, quantity, some
 
-PROCESSES_NAMED_MAX = 5  # processes by name
-LARGE_SWARM = 100  # agents; a larger swarm takes long to ask
+PROCESSES_NAMED_MAX = 5  # maximum number of processes listed by name
+LARGE_SWARM = 100  # number of agents above which requests take long
 DOCTOR_TIMEOUT_SECONDS = 3.0
 
 
@@ -68,7 +68,7 @@ def leftovers() -> Iterator[Finding]:
 
 
 def faults() -> Iterator[Finding]:
-    """Report what agents say that hinders them, such as a silent sensor."""
+    """Report the faults of agents, such as a silent sensor."""
     for _, record in running_swarms():
         if len(record.agents) > LARGE_SWARM:
             count = quantity(len(record.agents), "agent")

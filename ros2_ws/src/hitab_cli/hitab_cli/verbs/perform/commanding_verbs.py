@@ -32,7 +32,7 @@ def demonstrate(
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
 
-    The agent records an example: its percept and the change of state. To teach that it should
+    The agent records an example: its percept and the change of state. To teach the agent to
     continue here, command the current behavior again. `hitab train` begins a training.
 
     If a command was due earlier, give the delay with --ago; the example then has the situation of

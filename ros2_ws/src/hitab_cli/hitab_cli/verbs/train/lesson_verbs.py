@@ -66,7 +66,7 @@ def run(
 
 
 def _played(player: LessonPlayer) -> LessonReport:
-    """Play a lesson; report the trainings that it leaves, or on Ctrl-C discard them."""
+    """Play a lesson; report its unsaved trainings, or on Ctrl-C discard them."""
     try:
         with console.progress(player.lesson.name, "steps") as advance:
             report = player.play(advance)
