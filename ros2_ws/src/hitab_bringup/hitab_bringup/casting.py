@@ -38,9 +38,9 @@ class CastMember:
 
     Attributes:
         repertoire: behaviors of the member.
-        behavior: performed from the beginning of each episode; None for the commander's order.
-        opened: library of the member; None without learned behaviors.
-        versions: of its behaviors, where it is not the present one.
+        behavior: behavior from the beginning of each episode; None for the commander's order.
+        opened: the member's library; None without learned behaviors.
+        versions: versions of behaviors, except present ones.
     """
 
     repertoire: Repertoire
@@ -60,11 +60,11 @@ def part_of(
     """Return the cast member of an agent with a library.
 
     Args:
-        library: folder of the library.
-        behavior: of the library or the domain; empty for the commander's order.
-        domain: of an agent without a library.
-        kind: of a commander; None if it is an agent.
-        versions: of behaviors of the library, instead of the present ones.
+        library: folder of the agent's library.
+        behavior: a behavior of the library or the domain; empty for the commander's order.
+        domain: domain of an agent without a library.
+        kind: kind of a commander; None for an agent.
+        versions: versions of behaviors in the library, instead of the present ones.
 
     Raises:
         LibraryError: if the library cannot be used, or has no such behavior or version.
@@ -85,8 +85,10 @@ def part_of(
     repertoire = Repertoire(opened.domain, automata)
     if term is not None:
         if term.name not in repertoire:
-            there = [*automata, *opened.domain.automata]
-            raise LibraryError(f'{library}: has no behavior "{term.name}" {has(there, term.name)}')
+            behaviors = [*automata, *opened.domain.automata]
+            raise LibraryError(
+                f'{library}: has no behavior "{term.name}" {has(behaviors, term.name)}'
+            )
         repertoire.check_performable(term)
     return CastMember(repertoire, term, opened, versions)
 
@@ -117,7 +119,7 @@ class Cast:
         self.choose_behaviors(behaviors or ())
 
     def _own(self, agent: AgentDescription) -> Path | None:
-        """Return an agent's present or first library; None if it has no trained behavior."""
+        """Return an agent's present or initial library; None without trained behaviors."""
         for folder in (library_of(agent, self._folder), agent.start_from):
             if folder is not None and holds_behaviors(folder):
                 return folder
@@ -139,7 +141,7 @@ class Cast:
                     if (library := self._libraries[name])
                     and number in open_library(library).on_disk.versions(behavior)
                 ]
-                for name in having or agents:  # the first is refused with its behaviors
+                for name in having or agents:  # else an error for the first
                     self._versions.setdefault(name, {})[behavior] = number
             else:
                 self._libraries |= dict.fromkeys(agents, named_library(text))
@@ -147,7 +149,7 @@ class Cast:
     def choose_behaviors(self, texts: Sequence[str]) -> None:
         """Give agents behaviors: ``[AGENT=]BEHAVIOR``, or ``nothing``.
 
-        If all agents are given one, their commanders order nothing.
+        If all agents are given a behavior, their commanders give no orders.
         """
         for agents, text in map(self._whose, texts):
             if agents == [*self._agents]:
@@ -155,7 +157,7 @@ class Cast:
             self._behaviors |= dict.fromkeys(agents, "" if text == UNTRAINED else text)
 
     def _whose(self, text: str) -> tuple[list[str], str]:
-        """Return whom a choice is for, and the choice; without a name it is for all agents."""
+        """Return the agents that a choice is for, and the choice; without a name, all agents."""
         name, equals, rest = text.partition("=")
         if equals and name in self._members:
             return [name], rest
@@ -164,10 +166,10 @@ class Cast:
         return [*self._agents], text
 
     def parts(self) -> dict[str, CastMember]:
-        """Return the cast of agents and commanders; who does nothing is left out.
+        """Return the cast of agents and commanders, without members that do nothing.
 
         Raises:
-            HitabError: if no member performs anything, or one a behavior that is missing.
+            HitabError: if no member performs anything, or a member's behavior is missing.
         """
         parts = {}
         ordered = self._ordered()

@@ -1,6 +1,6 @@
-"""Evaluation of a swarm: episodes that its cast plays without ROS, and how two casts compare.
+"""Evaluation of a swarm: episodes that a cast plays without ROS, and comparison of two casts.
 
-The world and what its agents perform are made in this process.
+The world and the players of its agents are in this process.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from hitab_world.inprocess import AutomatonPlayer, Between, Player, play
 from hitab_world.ros_parameters import GivenParameters
 
 SIDES = ("evaluated", "against")
-"""The names of two casts that are compared."""
+"""Names of two compared casts."""
 
 
 class GameSetup(NamedTuple):
-    """A world in this process, and what plays its agents.
+    """A world in this process with its players.
 
     Attributes:
-        between: called between the percepts and the actions of a cycle, such as for commanders.
+        between: called between the percepts and the actions of a cycle, for commanders.
     """
 
     world: World
@@ -48,18 +48,18 @@ class GameSetup(NamedTuple):
 
 
 def evaluated_swarm(swarm: str, seed: int, parameters: Sequence[str]) -> SwarmDescription:
-    """Return a swarm as episodes of it are played without ROS.
+    """Return the description of a swarm for episodes without ROS.
 
     Args:
         swarm: a swarm description, or the name of a shipped one.
-        seed: of the run.
-        parameters: of its world, as ``NAME=VALUE``, instead of the swarm's own.
+        seed: random seed of the run.
+        parameters: parameters of the world, as ``NAME=VALUE``, instead of the swarm's own.
 
     Raises:
-        HitabError: if it has no world, or a parameter is not given like that.
+        HitabError: if the swarm has no world, or a parameter has another form.
     """
     described = described_swarm(swarm, None)
-    world = described.with_world().world  # raises if there is none
+    world = described.with_world().world  # raises without a world
     assert world is not None
     return described.with_world(
         seed=seed, parameters={**world.parameters, **figures_in(parameters)}
@@ -67,10 +67,10 @@ def evaluated_swarm(swarm: str, seed: int, parameters: Sequence[str]) -> SwarmDe
 
 
 def figures_in(texts: Sequence[str]) -> dict[str, Any]:
-    """Return the figures of a world that options give as ``NAME=VALUE``, as YAML reads them.
+    """Return the parameters of a world from ``NAME=VALUE`` texts, with values as in YAML.
 
     Raises:
-        HitabError: if one is not given like that.
+        HitabError: if a text has another form.
     """
     figures = {}
     for text in texts:
@@ -83,10 +83,10 @@ def figures_in(texts: Sequence[str]) -> dict[str, Any]:
 
 @contextmanager
 def world_of(described: WorldDescription) -> Iterator[World]:
-    """Yield the world that a description describes.
+    """Yield the world of a description.
 
     Raises:
-        HitabError: if one of its figures is invalid.
+        HitabError: if one of the parameters is invalid.
     """
     module = importlib.import_module(described.module)
     if not hasattr(module, "make_world"):
@@ -101,10 +101,10 @@ def world_of(described: WorldDescription) -> Iterator[World]:
 
 
 def players_of(world: World, parts: Mapping[str, CastMember]) -> dict[str, Player]:
-    """Return the players of a world's agents; other agents than the world has are left out.
+    """Return the players of a world's agents, without agents that are not in the world.
 
     Raises:
-        DescriptionError: if it has none of them.
+        DescriptionError: if the world has none of the agents.
     """
 
     def time() -> float:
@@ -118,22 +118,22 @@ def players_of(world: World, parts: Mapping[str, CastMember]) -> dict[str, Playe
 
 
 def _there(world: World, parts: Mapping[str, CastMember]) -> dict[str, CastMember]:
-    there = {name: parts[name] for name in world.agents if name in parts}
-    if not there:
+    cast = {name: parts[name] for name in world.agents if name in parts}
+    if not cast:
         raise DescriptionError(f"the world has none of {some([*parts])} {has(world.agents)}")
-    return there
+    return cast
 
 
 @contextmanager
 def games_of(
     swarm: SwarmDescription, casts: Sequence[Mapping[str, CastMember]]
 ) -> Iterator[list[GameSetup]]:
-    """Yield a game for each way to cast the agents of a swarm; all worlds begin alike.
+    """Yield a game for each cast of a swarm; all worlds begin in the same way.
 
     Raises:
-        HitabError: if there is no such game.
+        HitabError: if a game is impossible.
     """
-    described = swarm.with_world().world  # raises if there is none
+    described = swarm.with_world().world  # raises without a world
     assert described is not None
     with ExitStack() as stack:
         worlds = [stack.enter_context(world_of(described)) for _ in casts]
@@ -149,20 +149,20 @@ def _commanded(
     commanders: Sequence[CommanderDescription],
     leaving: ExitStack,
 ) -> GameSetup:
-    """Return a game in which those commanders give orders that perform something."""
+    """Return a game in which the commanders with a behavior give orders."""
     by_name = {one.name: one for one in commanders if one.name in parts}
     if not by_name:
         return GameSetup(world, players_of(world, parts))
     agents = _there(world, parts)
-    there, made = {*agents}, []
+    playing, made = {*agents}, []
     for name in TopologicalSorter(
         {n: [*c.subordinates] for n, c in by_name.items()}
     ).static_order():
         one = by_name.get(name)
-        group = tuple(sub for sub in one.subordinates if sub in there) if one else ()
+        group = tuple(sub for sub in one.subordinates if sub in playing) if one else ()
         if one is None or not group:
-            continue  # an agent, or the commander of some that this world does not have
-        there.add(name)
+            continue  # an agent, or a commander without members in this world
+        playing.add(name)
         behavior = str(parts[name].behavior or "")
         library = _library(parts[name], leaving)
         roles, asks = one.subordinates, one.asks_position
@@ -176,7 +176,7 @@ def _commanded(
 
 
 def _library(part: CastMember, leaving: ExitStack) -> BehaviorLibrary:
-    """Return a library with what a part can perform, a copy if that is not what its own has."""
+    """Return a cast member's library; a copy if versions are chosen or there is no library."""
     domain = part.repertoire.domain
     if part.opened is not None and not part.versions:
         return part.opened
@@ -190,7 +190,7 @@ def _library(part: CastMember, leaving: ExitStack) -> BehaviorLibrary:
 
 
 def measures_of(world: World, results: Sequence[EpisodeResult]) -> Sequence[Measure]:
-    """Return a world's declared measures, or else those of its results, as if more is better."""
+    """Return a world's declared measures, or those of its results, with more as better."""
     names = {name for result in results for name in result.measures}
     undeclared = (Measure(SECONDS, "s"), *map(Measure, sorted(names)))
     return getattr(world, "measures", ()) or undeclared
@@ -199,12 +199,12 @@ def measures_of(world: World, results: Sequence[EpisodeResult]) -> Sequence[Meas
 def play_alike(
     games: Sequence[GameSetup], episodes: int, *, longest: float = 0.0
 ) -> Iterator[tuple[EpisodeResult, ...]]:
-    """Play the same episodes in each game; yield the results of each episode, in order of games.
+    """Play the same episodes in each game; yield the results of each episode, by game.
 
     Args:
-        games: with worlds of the same seed and figures.
-        episodes: how many.
-        longest: break an episode off after so many simulated seconds; 0 for never.
+        games: games with worlds of the same seed and parameters.
+        episodes: number of episodes.
+        longest: longest episode, simulated seconds; 0 for no limit.
     """
     for number in range(episodes):
         yield tuple(
@@ -224,7 +224,7 @@ class Comparison:
 
     Attributes:
         measure: the compared measure.
-        values: of the episodes, by game.
+        values: values of the measure in the episodes, by game.
     """
 
     measure: Measure
@@ -232,7 +232,7 @@ class Comparison:
 
     @classmethod
     def of(cls, measure: Measure, played: Sequence[tuple[EpisodeResult, ...]]) -> Comparison:
-        """Return how a measure was in episodes that `play_alike` yielded."""
+        """Return the comparison of a measure in episodes from `play_alike`."""
         return cls(
             measure, [[measure.of(one) for one in game] for game in zip(*played, strict=True)]
         )
@@ -249,14 +249,14 @@ class Comparison:
 
     @property
     def verdict(self) -> str:
-        """Whether the first game is ``better`` or ``worse``; "" if that is not certain."""
+        """``better`` or ``worse`` for the first game; empty if not significant."""
         found = self.difference
         if found.low is None or found.high is None or found.low <= 0.0 <= found.high:
             return ""
         return "better" if (found.low > 0.0) == (self.measure.better == MORE) else "worse"
 
     def to_json(self) -> dict[str, Any]:
-        """Return all figures as plain data."""
+        """Return all results as plain data."""
         data: dict[str, Any] = {"unit": self.measure.unit, "better": self.measure.better}
         for key, found, values in zip(SIDES, self.estimates, self.values, strict=False):
             plain = [value if math.isfinite(value) else None for value in values]
@@ -267,7 +267,7 @@ class Comparison:
 
 
 def endings(played: Sequence[tuple[EpisodeResult, ...]]) -> list[dict[str, int]]:
-    """Return how often episodes ended in which way, by game."""
+    """Return the number of episodes with each outcome, by game."""
     return [
         dict(Counter(result.ended or "broken off" for result in game))
         for game in zip(*played, strict=True)

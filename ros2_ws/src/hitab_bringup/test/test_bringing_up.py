@@ -1,4 +1,4 @@
-"""What `hitab up` says of swarms beside it, and of commanders that do not hear everybody yet."""
+"""Reports of `hitab up` on other swarms, and on commanders without all subordinates."""
 
 from types import SimpleNamespace
 
@@ -16,7 +16,7 @@ RECORD = SimpleNamespace(
 
 @pytest.fixture
 def group():
-    """Yield a link, and a function that says whom the captain does not hear."""
+    """Yield a link, and a function that sets the subordinates that the captain does not hear."""
     with domain_ids.reserved() as number, RosLink(number) as robots, RosLink(number) as link:
         topic = names.of_agent("captain", names.GROUP)
         publisher = robots.node.create_publisher(CommanderStatus, topic, qos.LATCHED)

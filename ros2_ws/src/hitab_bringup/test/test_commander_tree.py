@@ -1,4 +1,4 @@
-"""Commanders in swarm descriptions: whole trees in a few lines, and no tree that is none."""
+"""Commanders in swarm descriptions: whole trees in a few lines, and errors in trees."""
 
 import json
 from pathlib import Path
@@ -71,7 +71,7 @@ def test_the_order_of_the_lines_does_not_matter():
 
 def test_positions_are_asked_for_all_the_way_down_where_a_commander_above_needs_them():
     assert [commander.asks_position for commander in parsed(TREE).commanders] == [True] * 5
-    # It is the captain that needs them: without it nobody is to report where it is.
+    # The captain needs the positions: without it, no agent reports a position.
     alone = parsed(TREE.splitlines(keepends=True)[0]).commanders
     assert [commander.asks_position for commander in alone] == [False] * 4
 
@@ -135,14 +135,14 @@ def test_a_run_folder_tells_each_host_whom_to_run_and_each_library_its_kind(tmp_
     ],
 )
 def test_whatever_is_no_tree_is_refused_with_its_line(text, line, expected):
-    told = complaint(text)
-    assert f"/somewhere/team.yaml:{line}: " in told
-    assert expected in told
+    error = complaint(text)
+    assert f"/somewhere/team.yaml:{line}: " in error
+    assert expected in error
 
 
 def test_an_order_must_mean_something_for_every_role_and_be_known_to_all(tmp_path):
-    told = complaint("  a: {kind: Squad, commands: [b]}\n  b: {kind: Squad, commands: scout}\n")
-    assert 'the order "Attack" has no behavior for role "b"; add it, or `others:`' in told
+    error = complaint("  a: {kind: Squad, commands: [b]}\n  b: {kind: Squad, commands: scout}\n")
+    assert 'the order "Attack" has no behavior for role "b"; add it, or `others:`' in error
     (tmp_path / "library").mkdir()
     text = (
         "domain: keepaway\nstart_from: library\nagents: {a: {}}\n"
@@ -179,20 +179,20 @@ def test_what_was_learned_in_an_earlier_run_can_be_ordered_and_performed_at_once
     assert parse_swarm(text, tmp_path / "team.yaml").commanders[0].behavior == "Lead"
 
 
-# -- the tree as it is seen ---------------------------------------------------------------------
+# -- the displayed tree -------------------------------------------------------------------------
 
 
 class Group:
-    """What a commander tells, as far as the tree needs it."""
+    """The parts of a commander's status that the tree needs."""
 
     def __init__(self, name, subordinates, behaviors, obeying, silent=None, faults=()):
         self.commander = name
         self.behavior, self.order, self.mode, self.active_path = "X", "X", "performing", []
         quiet = silent or [False] * len(subordinates)
-        told = zip(subordinates, behaviors, obeying, quiet, strict=True)
+        reports = zip(subordinates, behaviors, obeying, quiet, strict=True)
         self.subordinates = [
             Subordinate(name=n, behavior=b, obeys=o, silent=s, stopped=not b)
-            for n, b, o, s in told
+            for n, b, o, s in reports
         ]
         self.faults = list(faults)
 

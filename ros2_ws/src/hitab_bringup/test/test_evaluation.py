@@ -1,4 +1,4 @@
-"""What is better of two by the same episodes, and the measures of a world."""
+"""Comparison of two casts by the same episodes, and the measures of a world."""
 
 import math
 
@@ -18,7 +18,7 @@ def test_two_are_compared_pair_by_pair_though_each_varies_much(better, verdict):
     played = [(result(s + 1.0 + 0.1 * i), result(s)) for i, s in enumerate(seconds)]
     compared = Comparison.of(Measure("seconds", "s", better), played)
     one, other = compared.estimates
-    assert one.low < other.mean < one.high  # apart, they tell nothing
+    assert one.low < other.mean < one.high  # unpaired, the difference is not significant
     assert compared.difference.mean == pytest.approx(1.15)
     assert compared.verdict == verdict
     data = compared.to_json()

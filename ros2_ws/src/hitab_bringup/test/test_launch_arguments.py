@@ -1,4 +1,4 @@
-"""The launch file takes what `hitab up` takes to describe a swarm."""
+"""The launch file takes the same arguments for a swarm as `hitab up`."""
 
 import ast
 import inspect

@@ -1,4 +1,4 @@
-"""What swarm descriptions say in words of ROS: namespaces, remappings, parameters, processes."""
+"""ROS settings in swarm descriptions: namespaces, remappings, parameters, processes."""
 
 import json
 from pathlib import Path
@@ -127,7 +127,7 @@ def test_the_companion_of_a_link_runs_beside_each_agent_that_has_the_link(monkey
     assert there["a_relay"].parameters == {
         "speed": 1.5, "domain": "keepaway", "state_dir": "/run/state",
     }  # fmt: skip
-    # One that the description starts by itself takes its place.
+    # A relay in the description replaces the default one.
     monkeypatch.setattr(Point, "value", "json.tool")
     own = "processes: {own: {module: json.tool, namespace: a, parameters: {speed: 9.0}}}\n"
     assert list(found(text + own)) == ["a", "b", "own", "b_tool"]
@@ -170,9 +170,9 @@ def test_what_is_not_finite_reaches_a_node_as_a_number():
     ],
 )
 def test_a_fault_is_told_with_its_line_and_the_way_out(text, expected):
-    told = complaint(text)
-    assert told.startswith("/somewhere/team.yaml:")
-    assert expected in told
+    error = complaint(text)
+    assert error.startswith("/somewhere/team.yaml:")
+    assert expected in error
 
 
 def test_a_swarm_can_be_put_into_a_namespace_under_a_name_of_its_own():

@@ -1,4 +1,4 @@
-"""A swarm's supervisor is there once it answers, and nothing of it is left once it is stopped."""
+"""A swarm's supervisor is up once it answers, and leaves nothing behind once stopped."""
 
 import subprocess
 import sys

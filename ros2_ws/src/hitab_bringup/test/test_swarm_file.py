@@ -26,7 +26,7 @@ def test_what_is_no_swarm_file_is_told_apart(tmp_path, monkeypatch):
         read_swarm(behavior)
     with pytest.raises(HitabError, match="this is a folder"):
         find_file(str(tmp_path), "swarms", "swarm")
-    # A file that somebody thinks is there is not replaced by the shipped one of this name.
+    # A path to a missing file does not fall back to the shipped file of this name.
     with pytest.raises(HitabError, match='Did you mean "keepaway"'):
         find_file("keepaway.yaml", "swarms", "swarm")
     monkeypatch.chdir(tmp_path)
@@ -58,10 +58,10 @@ def test_an_agent_twice_is_refused_with_both_places():
 
 
 def test_an_unknown_domain_is_told_once_and_with_what_was_meant():
-    told = complaint("domain: keepawya\nagents: {a: {}, b: {}}\n")
-    assert told.count("\n") == 0
-    assert told.startswith('/somewhere/team.yaml:1: no domain "keepawya" is installed (known: ')
-    assert 'Did you mean "keepaway"?); install the package' in told
+    error = complaint("domain: keepawya\nagents: {a: {}, b: {}}\n")
+    assert error.count("\n") == 0
+    assert error.startswith('/somewhere/team.yaml:1: no domain "keepawya" is installed (known: ')
+    assert 'Did you mean "keepaway"?); install the package' in error
 
 
 def test_an_unknown_behavior_is_told_where_it_stands(tmp_path):
@@ -71,9 +71,9 @@ def test_an_unknown_behavior_is_told_where_it_stands(tmp_path):
         "domain: keepaway\nstart_from: lib\n"
         "agents:\n  a: {behavior: Dance}\n  b: {behavior: Danse}\n"
     )
-    told = complaint(text, tmp_path / "team.yaml")
-    assert told.startswith(f'{tmp_path}/team.yaml:5: unknown behavior "Danse" (known: Dance, ')
-    assert told.endswith('Did you mean "Dance"?)')
+    error = complaint(text, tmp_path / "team.yaml")
+    assert error.startswith(f'{tmp_path}/team.yaml:5: unknown behavior "Danse" (known: Dance, ')
+    assert error.endswith('Did you mean "Dance"?)')
 
 
 @pytest.mark.parametrize(
@@ -94,8 +94,8 @@ def test_everything_wrong_is_told_with_its_place(text, expected):
 
 
 def test_all_complaints_come_at_once():
-    told = complaint("domain: keepaway\nworld: {pace: fast}\nagents:\n  a: {seed: -1}\n")
-    assert [line.split(":")[1] for line in told.splitlines()] == ["2", "2", "4"]
+    error = complaint("domain: keepaway\nworld: {pace: fast}\nagents:\n  a: {seed: -1}\n")
+    assert [line.split(":")[1] for line in error.splitlines()] == ["2", "2", "4"]
 
 
 def one_file(tmp_path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""An unsaved training resumes only with the library that it is for, and `hitab up` says so."""
+"""An unsaved training resumes only with its own library, and `hitab up` reports it."""
 
 from pathlib import Path
 
@@ -114,8 +114,8 @@ def test_a_training_that_resumes_is_announced_with_the_ways_out(folder):
 
 def test_of_a_commander_that_resumes_a_training_it_is_said_that_its_group_waits(folder):
     status = AgentStatus(agent="chief", mode=AgentStatus.TRAINING, behavior="Lead", examples=2)
-    told = announcements([status], folder, ["chief"])[0]
-    assert "waits for commands; its group waits for its orders\n" in told
+    sentence = announcements([status], folder, ["chief"])[0]
+    assert "waits for commands; its group waits for its orders\n" in sentence
 
 
 def test_a_swarm_that_goes_down_names_the_trainings_that_it_keeps(folder):

@@ -1,4 +1,4 @@
-"""The `hitab` command: its verbs, and what other packages make their verbs of."""
+"""The `hitab` command: its verbs, and the parts from which other packages make verbs."""
 
 import lazy_loader
 

@@ -1,7 +1,7 @@
-"""How the help of all verbs looks, whichever package has declared them.
+"""Layout of the help pages of all verbs, of any package.
 
-A docstring is written in lines of its file. Here its paragraphs become one line each, which the
-terminal wraps at its own width. Its "Args:" are the help of arguments and options.
+Each paragraph of a verb's docstring becomes one line, which the terminal wraps at its own width.
+The section "Args:" is the help of arguments and options.
 """
 
 from __future__ import annotations
@@ -19,32 +19,32 @@ _ARGS = re.compile(r"^Args:\n((?: +.*\n?)+)\n?", re.MULTILINE)
 _ARG = re.compile(r"^ {4}(\w+): (.*(?:\n {5,}.*)*)", re.MULTILINE)
 _BELOW_ZERO = re.compile(r"-\.?[0-9]")
 _BREAK = re.compile(r"(?<!\n)\n(?=\S)")
-"""Between two lines of a paragraph; examples are indented, and stay on lines of their own."""
+"""Pattern between two lines of a paragraph; indented examples stay on lines of their own."""
 
 
 class HelpfulCommand(TyperCommand):
-    """A verb whose docstring has the help of its arguments and options."""
+    """Verb whose docstring contains the help of its arguments and options."""
 
     def get_params(self, ctx: Any) -> list[Any]:
         """Return the parameters, `--help` included."""
         parameters: list[Any] = super().get_params(ctx)
-        told = _told_of_parameters(inspect.getdoc(self.callback) or "")
+        helps = _parameter_helps(inspect.getdoc(self.callback) or "")
         for parameter in parameters:
             if getattr(parameter, "help", "") is None:
-                parameter.help = told.get(parameter.name)
+                parameter.help = helps.get(parameter.name)
         return parameters
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Return the arguments that are left; a number below 0 is a value, not an option."""
+        """Return the remaining arguments; a number below 0 is a value, not an option."""
         ctx.ignore_unknown_options |= any(map(_BELOW_ZERO.match, args))
         rest: list[str] = super().parse_args(ctx, args)
         return rest
 
 
 def make_helpful(app: typer.Typer) -> None:
-    """Give all verbs of a command, also those in its groups, readable help pages."""
+    """Give all verbs of a command and of its groups readable help pages."""
     for _, command in verbs(app):
-        if command.help is None:  # groups outlive the command, and are not done twice
+        if command.help is None:  # groups outlive the command, and may be ready already
             doc = inspect.getdoc(command.callback) or ""
             command.help = _BREAK.sub(" ", _ARGS.sub("", doc))
         command.cls = HelpfulCommand
@@ -62,8 +62,8 @@ def verbs(
             yield from verbs(group.typer_instance, (*path, str(group.name)))
 
 
-def _told_of_parameters(doc: str) -> dict[str, str]:
-    """Return the help of each parameter that a docstring has under "Args:"."""
+def _parameter_helps(doc: str) -> dict[str, str]:
+    """Return the help of each parameter in the section "Args:" of a docstring."""
     section = _ARGS.search(doc)
     found = _ARG.findall(section[1]) if section else ()
     return {name: " ".join(text.split()) for name, text in found}

@@ -39,7 +39,7 @@ class HitabGroup(TyperGroup):
             console.note("interrupted")
             raise typer.Exit(130) from None
         except BrokenPipeError:
-            # The reader of our output, such as `head`, has closed it.
+            # The reader of the output, such as `head`, has closed it.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(0) from None
         except OSError as error:
@@ -49,7 +49,7 @@ class HitabGroup(TyperGroup):
             raise typer.Exit(1) from None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the user's verb; if it is one of a group, the error says so."""
+        """Return the user's verb; for a verb of a group, the error names the group."""
         try:
             return super().resolve_command(ctx, args)
         except Exception as error:
@@ -78,7 +78,7 @@ HELP_PANELS = {
 }
 """The verbs by panel of the help, as folder, module and function of `hitab_cli.verbs`.
 
-Those without a panel would come before "Begin here"."""
+Verbs without a panel would come before "Begin here"."""
 
 GROUPS = {
     "swarm.world": "Swarm",
@@ -107,7 +107,7 @@ def _hitab(
         ),
     ] = False,
 ) -> None:
-    """Refuse an environment with which ROS would end the process; `hitab doctor` lists it all."""
+    """Refuse an environment in which ROS would end the process; `hitab doctor` lists faults."""
     if context.invoked_subcommand != "doctor":
         refuse_problems()
 
@@ -116,7 +116,8 @@ def make_app(wanted: str = "") -> typer.Typer:
     """Return the command with its verbs, including those of other packages.
 
     Args:
-        wanted: if a verb in `HELP_PANELS`, only that one, which is faster: a stop is urgent.
+        wanted: if a verb in `HELP_PANELS`, load only that verb, which is faster: a stop is
+            urgent.
     """
     app = typer.Typer(
         name="hitab",
@@ -135,7 +136,7 @@ def make_app(wanted: str = "") -> typer.Typer:
             if alone and function != wanted:
                 continue
             name = "test" if function == "start_testing" else function
-            # Names given in the belief that they choose robots get a reason.
+            # The command takes no names of robots, and the error explains why.
             names = {"allow_extra_args": name in ("stop", "go")}
             app.command(name, rich_help_panel=panel, context_settings=names)(
                 _verb(module, function)

@@ -1,4 +1,4 @@
-"""The program `hitab`: says what to install where a part of it is missing."""
+"""The program `hitab`, which reports missing parts and how to install them."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ import sys
 
 PROGRAM = "hitab"
 EXTRAS = {"nicegui": "studio", "PIL": "studio"}
-"""Which extra of the distribution brings a module; all others come with ``ros``."""
+"""Extra of the distribution that contains a module; all others are in ``ros``."""
 
 
 def main() -> None:
     """Run the command."""
-    # Arrays are small: numpy's own threads only make the start longer.
+    # Arrays are small: numpy's threads would only prolong the start.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Printed commands run as they stand, also where the environment is not activated.
+    # Printed commands can be copied even if the environment is not activated.
     if os.path.basename(sys.argv[0]) == PROGRAM and shutil.which(PROGRAM) is None:
         os.environ.setdefault("HITAB_CALLED_AS", shlex.quote(sys.argv[0]))
     try:
         from hitab_cli.main import main as run
 
         run()
-    except KeyboardInterrupt:  # while it was being imported; later it is handled there
+    except KeyboardInterrupt:  # while importing; later, the command handles it
         exec("")  # see hitab_client.interruptions.forget_handled
         print("interrupted", file=sys.stderr)
         sys.exit(130)

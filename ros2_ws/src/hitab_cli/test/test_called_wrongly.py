@@ -1,4 +1,4 @@
-"""Whoever calls the command wrongly reads which argument is wrong, and what it may be."""
+"""Errors of a wrong call name the wrong argument and the possible ones."""
 
 import re
 
@@ -14,7 +14,7 @@ def elsewhere(tmp_path, monkeypatch):
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
 
 
-def told(*arguments: str) -> str:
+def output_of(*arguments: str) -> str:
     environment = {"COLUMNS": "160", "TERM": "dumb"}
     result = CliRunner().invoke(make_app(), list(arguments), env=environment)
     assert result.exit_code in (0, 1, 2), result.output
@@ -34,4 +34,4 @@ def test_the_error_names_the_argument_and_what_it_may_be():
         ),
         ("world step --five", "No such option: --five"),
     ]:
-        assert expected in told(*call.split())
+        assert expected in output_of(*call.split())

@@ -54,10 +54,10 @@ def test_help_imports_nothing_that_takes_long():
 )
 def test_a_users_mistake_is_told_in_words(arguments, code, expected):
     result = hitab(*arguments)
-    told = in_one_line(result.stderr + result.stdout)
-    assert result.exit_code == code, told
-    assert expected in told
-    assert "Traceback" not in told
+    output = in_one_line(result.stderr + result.stdout)
+    assert result.exit_code == code, output
+    assert expected in output
+    assert "Traceback" not in output
 
 
 def test_down_stops_all_swarms_if_that_is_said(tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""Who sends a behavior waits for everybody who still answers, and not for a fixed time."""
+"""A distribution waits as long as receivers answer, and not for a fixed time."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -58,14 +58,14 @@ def link() -> Iterator[RosLink]:
 
 def test_it_waits_as_long_as_one_more_answers(link):
     Swarm(link, 1.0, PUPILS)
-    told: list[tuple[int, int]] = []
+    reported: list[tuple[int, int]] = []
     client = SwarmClient(link, ["source", *PUPILS])
     # All take longer than that together, and each one takes less.
     report = client.distribute(
-        "source", "Go", seconds=3.0, progress=lambda done, total: told.append((done, total))
+        "source", "Go", seconds=3.0, progress=lambda done, total: reported.append((done, total))
     )
     assert (report.accepted, report.silent) == (PUPILS, [])
-    assert told == [(done, len(PUPILS)) for done in range(len(PUPILS) + 1)]
+    assert reported == [(done, len(PUPILS)) for done in range(len(PUPILS) + 1)]
 
 
 def test_it_does_not_wait_for_ever_for_those_who_never_answer(link):

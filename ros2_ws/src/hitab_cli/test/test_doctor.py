@@ -1,4 +1,4 @@
-"""`hitab doctor` names each problem with its remedy; its exit status tells of errors."""
+"""`hitab doctor` names each problem with its remedy, and reports errors by its exit status."""
 
 import json
 import os
@@ -41,9 +41,9 @@ def doctor(*arguments: str) -> int:
 def test_an_error_gives_exit_status_1_and_its_way_out_is_printed(monkeypatch, capfd):
     monkeypatch.setenv("ROS_DOMAIN_ID", "abc")
     assert doctor() == 1
-    told = capfd.readouterr().out
-    assert "error   ROS domain     ROS_DOMAIN_ID=abc is not a number from 0 to 232" in told
-    assert "unset ROS_DOMAIN_ID, or choose a number up to 101" in told
+    output = capfd.readouterr().out
+    assert "error   ROS domain     ROS_DOMAIN_ID=abc is not a number from 0 to 232" in output
+    assert "unset ROS_DOMAIN_ID, or choose a number up to 101" in output
 
 
 @pytest.mark.parametrize(
@@ -100,8 +100,8 @@ def test_with_variables_that_ros_cannot_start_with_doctor_goes_on_and_others_ref
     assert text in error["text"]
     assert name in error["way_out"]
     assert found[-1]["about"] == "limits"
-    (told,) = hitab("status")[1].splitlines()
-    assert told == f"error: {error['text']}; {error['way_out']}"
+    (line,) = hitab("status")[1].splitlines()
+    assert line == f"error: {error['text']}; {error['way_out']}"
 
 
 @pytest.mark.skipif(

@@ -1,4 +1,4 @@
-"""What the verbs for keys and gamepads refuse before they connect to anything."""
+"""Arguments that the verbs for keys and gamepads refuse before they connect."""
 
 import pytest
 import typer

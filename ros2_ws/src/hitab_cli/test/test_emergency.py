@@ -1,4 +1,4 @@
-"""The emergency stop from the command line reaches whatever acts, and says the truth about it."""
+"""The command-line emergency stop reaches all robots and worlds, and reports correctly."""
 
 import threading
 from pathlib import Path
@@ -27,7 +27,7 @@ def domain_id(tmp_path, monkeypatch):
 
 @pytest.fixture
 def swarms(monkeypatch):
-    """Return a function that has the registry name swarms of one robot each."""
+    """Return a function that sets the registry's swarms, with one robot each."""
 
     def up(*records):
         there = [
@@ -48,8 +48,8 @@ def hitab(capfd, *arguments):
     capfd.readouterr()
     with pytest.raises(SystemExit) as ended:
         make_app()(list(arguments))
-    told = capfd.readouterr()
-    return ended.value.code, told.out, " ".join(told.err.split())
+    printed = capfd.readouterr()
+    return ended.value.code, printed.out, " ".join(printed.err.split())
 
 
 class Field:
@@ -138,7 +138,7 @@ def test_a_stop_names_each_robot_that_has_not_confirmed_to_stand_still(field, ca
     field.robot("robot_1")
     field.robot("robot_2")
     field.moving.add("robot_2")
-    # One whose relay hangs from before: only its agent can be found.
+    # The relay of one robot already hangs: only its agent can be found.
     field.node("robot_3").create_publisher(StopState, "agent_heartbeat", qos.STREAM)
     field.thread.start()
     status, out, err = hitab(capfd, "stop", "--wait", "5")
@@ -221,7 +221,7 @@ def test_a_robot_of_another_swarm_in_the_same_domain_is_not_armed(field, domain_
 def test_a_robot_that_was_out_of_reach_obeys_when_it_is_back_though_the_stop_is_old(
     field, capfd, monkeypatch
 ):
-    """Only the command that stopped it lasts; it goes on until all confirm, whatever the time."""
+    """The command keeps publishing the stop until all confirm, however long that takes."""
     monkeypatch.setattr(emergency, "CONFIRM_S", 0.2)
     comes_back = threading.Event()
     monkeypatch.setattr(

@@ -1,4 +1,4 @@
-"""`hitab library`: which library is meant, and what is done to it."""
+"""`hitab library`: the choice of a library, and changes of libraries."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def lib(tmp_path: Path) -> Path:
-    """Return a library of one's own: the shipped one of soccer."""
+    """Return a copy of the shipped soccer library."""
     folder = tmp_path / "lib"
     shutil.copytree(shipped("libraries", "keepaway"), folder)
     return folder
@@ -68,7 +68,7 @@ def refused(*arguments: str) -> str:
 
 
 def run_before(home: Path, swarm: str = "keepaway_trained") -> RunFolder:
-    """Make what a swarm leaves behind, as if it had been up."""
+    """Create the leftovers of a swarm, as if it had been up."""
     description = read_swarm(find_file(swarm, "swarms", "swarm"))
     folder = RunFolder(home / description.name)
     folder.prepare()
@@ -78,7 +78,7 @@ def run_before(home: Path, swarm: str = "keepaway_trained") -> RunFolder:
 
 @pytest.fixture
 def up(home: Path, monkeypatch: pytest.MonkeyPatch) -> RunFolder:
-    """Have a swarm be up, as far as the registry knows."""
+    """Register a swarm as up."""
     folder = run_before(home)
     record = RunRecord(
         "keepaway_trained", "", 7, "", ("keeper_1", "keeper_2", "keeper_3"), True, 1, "", "k-1"
@@ -135,7 +135,7 @@ def test_where_the_libraries_differ_each_behavior_is_listed_with_the_agents_that
     assert "nothing is saved in the library of keeper_2" in lines
     listed = json.loads(hitab("library", "list", "--json", "-").stdout)
     assert {row["name"]: row["agents"] for row in listed}["Keepaway"] == ["keeper_1"]
-    # One that only some have, but these the same, needs no agent.
+    # A behavior that only some agents have, but equally, needs no agent.
     assert "Keepaway" in done("library", "show", "Keepaway")
     assert 'has "Keepawy"' in refused("library", "show", "Keepawy")
 

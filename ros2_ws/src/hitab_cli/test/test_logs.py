@@ -1,4 +1,4 @@
-"""`hitab logs`: what the processes of a swarm have logged, in the order of time."""
+"""`hitab logs`: the logs of a swarm's processes, in the order of time."""
 
 from datetime import datetime
 

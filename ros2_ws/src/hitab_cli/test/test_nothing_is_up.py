@@ -1,4 +1,4 @@
-"""With no swarm up, a verb says at once what is known, looks briefly, and names the remedy."""
+"""With no swarm up, a verb at once reports known swarms, searches briefly, and names a remedy."""
 
 import subprocess
 import sys
@@ -51,9 +51,9 @@ def test_verbs_that_need_a_swarm_fail_with_the_remedy(impatient, capfd):
     for call in sorted(CALLS):
         with pytest.raises(SystemExit) as ended:
             make_app()(call.split())
-        told = capfd.readouterr()
-        assert (ended.value.code, told.out) == (1, ""), call
-        first, *rest = told.err.splitlines()
+        printed = capfd.readouterr()
+        assert (ended.value.code, printed.out) == (1, ""), call
+        first, *rest = printed.err.splitlines()
         assert first.startswith("No swarm runs in ROS domain "), call
         assert "\n".join(rest) == ERROR.format(domain_ids.chosen_by_user()), call
 
@@ -77,7 +77,7 @@ def test_nodes_that_were_started_by_hand_are_found(monkeypatch):
     with RosLink(number) as agent, RosLink(number) as link:
         with pytest.raises(Exception, match="no swarm answers in ROS domain"):
             swarm_choice.look_elsewhere(link)
-        # That somebody listens is no sign of a swarm.
+        # A subscriber alone is no sign of a swarm.
         link.subscribe(AgentStatus, "/lone/status", lambda _: None, qos.LATCHED)
         with pytest.raises(Exception, match="no swarm answers in ROS domain"):
             swarm_choice.look_elsewhere(link)

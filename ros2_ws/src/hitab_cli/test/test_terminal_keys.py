@@ -1,4 +1,4 @@
-"""Keys of a terminal come as they are pressed, and the terminal is left as it was found."""
+"""Keys of a terminal arrive as they are pressed, and the terminal is restored at the end."""
 
 import os
 import pty

@@ -1,4 +1,4 @@
-"""When a command of the command line was due."""
+"""Time at which a command of the command line was due."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_command_counts_from_enter_by_the_pace_of_the_world(
     status: Any, due: tuple[float, int], by_hand: bool
 ) -> None:
-    """What this process took to start and to find the agent is no reaction of the person."""
+    """The start of this process and the search for the agent are not reaction time."""
     world: Any = World(status)
     record: Any = None if by_hand else SimpleNamespace(world=True)
     swarm = Connection(world, world, world, world, record=record)

@@ -45,7 +45,7 @@ class World:
 
 @pytest.fixture
 def stepped(monkeypatch):
-    """Return a function that steps such a world, and the world."""
+    """Return a function that steps a `World`, and the world."""
 
     def step(cycles: int, interrupted_after: int):
         world = World(interrupted_after)

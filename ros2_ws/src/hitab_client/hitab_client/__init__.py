@@ -1,4 +1,4 @@
-"""Talking to a swarm: its agents, its world, its commanders, and lessons for them."""
+"""Client library for a swarm: its agents, its world, its commanders, and lessons."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Sends a behavior from one agent to others, and gathers their acknowledgements."""
+"""Acknowledgements of a behavior that one agent has sent to others."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hitab_client.ros_link import RosLink
 from hitab_ros import names, qos
 
 QUIET_SECONDS = 10.0
-"""Without a new acknowledgement for this long, the missing ones will not come."""
+"""Maximum time between two acknowledgements, s; missing ones are then given up."""
 
 HEARING_SECONDS = 2.0
 """Timeout for the acknowledgement topics to connect, s."""
@@ -23,12 +23,12 @@ class DistributionReport:
     """The receivers' answers to a distribution.
 
     Attributes:
-        sequence: number of the distribution.
-        digest: given by the source.
+        sequence: the distribution's number.
+        digest: the behavior's digest, as the source computed it.
         accepted: receivers that verified the same digest.
         refused: receivers that refused, with their reasons.
         silent: receivers that did not answer.
-        message: what the source said.
+        message: the source's own message.
     """
 
     sequence: int = 0
@@ -69,11 +69,13 @@ class Acknowledgements:
         unheard = set(agents)
 
         def heard() -> bool:
-            there = {_process(info) for info in node.get_publishers_info_by_topic(self._topic)}
+            publishing = {
+                _process(info) for info in node.get_publishers_info_by_topic(self._topic)
+            }
             for agent in sorted(unheard):
                 status = names.of_agent(agent, names.STATUS, self._prefix)
                 infos = node.get_publishers_info_by_topic(status)
-                if any(_process(info) in there for info in infos):
+                if any(_process(info) in publishing for info in infos):
                     unheard.discard(agent)
             return not unheard
 

@@ -1,4 +1,4 @@
-"""Presence of agents: waits for them, and says why one does not answer."""
+"""Presence of agents: waits for agents, and reports why an agent does not answer."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from hitab_ros import check_same_message_version, names, qos
 from hitab_ros.call import blocking
 
 DISCOVERY_SECONDS = 8.0
-"""Nodes usually discover each other within a second, but it may take several."""
+"""Discovery time, s; usually less than a second, sometimes several."""
 
 DISCOVERY_SECONDS_EACH = 0.02
-"""Added per agent of a swarm, since discovery time grows with the swarm."""
+"""Additional discovery time per agent, s, since discovery time grows with the swarm."""
 
 WATCHED_MAX = 100
-"""In a larger swarm only the requested agents are watched."""
+"""Maximum number of agents that are all watched; in a larger swarm, only the requested ones."""
 
 PRESENCE_CHECK_SECONDS = 0.25
-"""Period of checks of topics and processes, s; they cost more than an event from DDS."""
+"""Period of checks of topics and processes, s; a check costs more than an event from DDS."""
 
 LOOK_SECONDS_EACH = 0.002
-"""Added per agent of a swarm: the look at the topics of a thousand takes 0.1 s."""
+"""Additional period per agent, s: a check of the topics of a thousand agents takes 0.1 s."""
 
 SETTLE_SECONDS = 1.5
-"""Without a new agent for this long, no other will come."""
+"""Time without a new agent, s, after which no other is expected."""
 
 
 class AgentPresence:
@@ -42,8 +42,8 @@ class AgentPresence:
         link: the node to use.
         expected: names of the expected agents, if known.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty for any.
-        processes: of the swarm; they show why an agent does not answer.
+        identity: the swarm's identity; empty for any swarm.
+        processes: the swarm's processes, which show why an agent does not answer.
 
     Attributes:
         statuses: the last status of each agent of the swarm, by name.
@@ -97,10 +97,10 @@ class AgentPresence:
             self.statuses.pop(agent, None)
 
     def refuse_strangers(self, agents: Iterable[str]) -> None:
-        """Raise if one of these agents is known to belong to another swarm.
+        """Check that none of these agents is known to belong to another swarm.
 
         Raises:
-            SwarmError: naming both swarms.
+            SwarmError: if one does; names both swarms.
         """
         for agent in agents:
             if agent in self.strangers:
@@ -166,8 +166,8 @@ class AgentPresence:
         """Wait for an agent and return its status.
 
         Raises:
-            SwarmError: if it does not answer, saying why if that is known; if there is no such
-                agent, naming those that there are; or if it belongs to another swarm.
+            SwarmError: if the agent does not answer (with the reason, if known), does not exist
+                (with the existing agents), or belongs to another swarm.
         """
         self.refuse_strangers((agent,))
         if agent not in self.statuses:
@@ -182,7 +182,7 @@ class AgentPresence:
         return self.statuses[agent]
 
     async def _await_unexpected(self, agent: str, seconds: float) -> None:
-        """Wait for an agent that may have been started by hand, until there is no sign of it."""
+        """Wait for an agent that may have been started by hand, as long as it shows any sign."""
         topic = names.of_agent(agent, names.STATUS, self.prefix)
         self._begin_waiting()
 
@@ -200,7 +200,7 @@ class AgentPresence:
 
     @property
     def more_seconds(self) -> float:
-        """Extra time, s, for which a node of the swarm is waited for."""
+        """Additional time to wait for a node of the swarm, s."""
         return DISCOVERY_SECONDS_EACH * len(self.expected)
 
     @property
@@ -208,7 +208,7 @@ class AgentPresence:
         return len(self.expected) > WATCHED_MAX
 
     def _awaited(self, agents: Iterable[str]) -> set[str]:
-        """Return those of these agents that have not reported and still may."""
+        """Return the agents, of these, that have not reported and still may."""
         missing = set(agents) - self.statuses.keys()
         return {agent for agent in missing if not self.processes.is_lost(agent)}
 
@@ -216,7 +216,7 @@ class AgentPresence:
         self._looks_at, self._newest_at = -math.inf, time.monotonic()
 
     def _is_due(self) -> bool:
-        """Whether it is time to look at topics and processes again."""
+        """Whether topics and processes are due for another check."""
         now = time.monotonic()
         if now < self._looks_at:
             return False

@@ -1,4 +1,4 @@
-"""Directions for people: the same range everywhere, however they were recorded."""
+"""Directions as they are shown to people: always from minus to plus half a turn."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ TURNS = {RADIANS: math.tau, shown_unit(RADIANS): 360.0}
 
 
 def as_direction(value: float, unit: str, kind: str) -> float:
-    """Return a value of a feature; a direction from minus to plus half a turn.
+    """Return a feature's value for display; directions range from minus to plus half a turn.
 
     An answer to a question may be recorded at 241 degrees, where a sensor reads -119.
 
     Args:
-        value: of the feature.
-        unit: of the feature.
-        kind: of the feature; only those on a circle are directions.
+        value: the feature's value.
+        unit: the feature's unit.
+        kind: the feature's kind; only circular features are directions.
 
     Examples:
         >>> as_direction(241.0, "deg", "toroidal"), as_direction(241.0, "deg", "continuous")

@@ -1,9 +1,9 @@
 """Behavior bootstrapping: a team learns one generation of a behavior after the other.
 
-If the right behavior depends on the teammates, these have to act while one is trained. So what is
-being trained is saved and given to the team, which performs it, and the training goes on among
-them. A generation is a version of the behavior in the library of the trained agent, with a note
-and a score, which are in the run folder, as ``generations/keeper_1/Keepaway.yaml``.
+If the right behavior depends on the teammates, they have to act while one agent is trained. The
+behavior in training is therefore saved and distributed to the team, which performs it while the
+training continues. A generation is a version of the behavior in the library of the trained agent,
+with a note and a score in the run folder, as in ``generations/keeper_1/Keepaway.yaml``.
 """
 
 from __future__ import annotations
@@ -33,23 +33,23 @@ from hitab_core.library.yaml_models import Format, Record, Texts, open_record
 from hitab_core.library.yaml_places import open_yaml
 
 FORMAT = 2
-"""The format version that is written, and the newest that is read; 1 says more, which is left."""
+"""Format version that is written, and newest that is read; additional fields of 1 are ignored."""
 
 
 class Generation(Record):
     """One version of a behavior that was given to the team and evaluated.
 
     Attributes:
-        version: of the behavior in the library of the trained agent.
-        at: when it was made, ISO 8601.
-        by: the demonstrator.
-        examples: that it was learned from, default ones included.
-        arguments: what its parameters were bound to.
+        version: the behavior's version in the library of the trained agent.
+        at: creation time, ISO 8601.
+        by: the demonstrator's name.
+        examples: number of examples, default ones included.
+        arguments: targets of the behavior's parameters.
         note: free text.
-        score: of its evaluation; without episodes if that was not completed.
+        score: the evaluation's score; has no episodes if the evaluation was not completed.
     """
 
-    model_config = ConfigDict(extra="ignore")  # earlier formats say more
+    model_config = ConfigDict(extra="ignore")  # earlier formats have more fields
     version: int = Field(ge=1)
     at: str
     by: str
@@ -69,8 +69,9 @@ def generations_folder(run_folder: Path | str | None, agent: str) -> Path:
     """Return the folder with a file for each behavior of an agent that has generations.
 
     Args:
-        run_folder: of the swarm; robots that were started by hand have none, and share a folder.
-        agent: that is trained.
+        run_folder: the swarm's run folder; None for robots that were started by hand, which
+            share a folder.
+        agent: name of the trained agent.
     """
     return Path(run_folder or state_home()) / "generations" / agent
 
@@ -79,7 +80,7 @@ def read_generations(folder: Path, behavior: str) -> tuple[Generation, ...]:
     """Return the generations of a behavior, by ascending version; none if there is no file.
 
     Raises:
-        SwarmError: naming all that is wrong with the file, by line.
+        SwarmError: if the file is invalid; names each fault with its line.
     """
     path = folder / f"{behavior}.yaml"
     if not path.exists():
@@ -96,20 +97,20 @@ def _keep(folder: Path, behavior: str, made: Generation) -> None:
 
 @dataclass(frozen=True)
 class Bootstrapping:
-    """Makes generations with a swarm, and goes back to them.
+    """Makes generations with a swarm, and returns to earlier ones.
 
     Attributes:
-        swarm: the agents.
-        world: theirs; None: they have none.
-        run_folder: keeps the notes and scores; None as for `generations_folder`.
-        to: the teammates; none: all others of the domain of whoever is trained.
-        episodes: to play for the score; 0: no score.
-        seed: of these episodes.
-        wait: condition until which the agent then acts by itself, as in lessons, such as
-            ``{said: keeper_2}``; empty: none.
-        within: how long that may take, s.
-        who: demonstrates; empty: whoever the client says.
-        say: called with each thing that is done.
+        swarm: client of the agents.
+        world: client of the agents' world; None without a world.
+        run_folder: folder for notes and scores; None as in `generations_folder`.
+        to: names of the teammates; empty for all other agents of the trained agent's domain.
+        episodes: number of episodes to play for the score; 0 for no score.
+        seed: random seed of these episodes.
+        wait: condition, as in lessons, until which the agent then acts by itself, such as
+            ``{said: keeper_2}``; empty to continue at once.
+        within: timeout for that condition, s.
+        who: name of the demonstrator; empty for the client's own.
+        say: called with a message after each step.
         progress: called with the amount done, the total and the current activity.
     """
 
@@ -126,13 +127,13 @@ class Bootstrapping:
     progress: Callable[[int, int, str], None] = lambda done, total, doing: None
 
     def next(self, agent: str, note: str = "") -> Generation:
-        """Make the next generation of what an agent is being trained, and train on.
+        """Make the next generation of the behavior in training, and continue the training.
 
-        It is saved, given to the teammates, who perform it, and evaluated, while the training
-        waits. Then that goes on with the same examples, in the world as it was.
+        The behavior is saved, distributed to the teammates, who perform it, and evaluated, while
+        the training waits. The training then continues with the same examples in the same world.
 
         Raises:
-            HitabError: naming what is wrong. Before it was saved nothing has changed.
+            HitabError: if a step fails. If the behavior was not saved, nothing has changed.
         """
         training = self.swarm.training(agent)
         name, bound = training.name, training.arguments
@@ -171,18 +172,18 @@ class Bootstrapping:
         return made
 
     def back(self, agent: str, behavior: str, version: int, discard: bool = False) -> Generation:
-        """Go back to a version of a behavior: it becomes the next generation.
+        """Return to a version of a behavior, which becomes the next generation.
 
-        What it uses stays as it is now.
+        Behaviors that the version uses stay as they are now.
 
         Args:
-            agent: that is trained.
-            behavior: that is trained.
-            version: of the behavior.
-            discard: give up examples that are in no version.
+            agent: name of the trained agent.
+            behavior: name of the behavior.
+            version: number of the version.
+            discard: whether to discard examples that no version contains.
 
         Raises:
-            HitabError: naming what is wrong. Before it was saved nothing has changed.
+            HitabError: if a step fails. If the behavior was not saved, nothing has changed.
         """
         earlier = self.swarm.behavior(agent, behavior, version=version)
         self._waiting(agent)
@@ -199,10 +200,10 @@ class Bootstrapping:
         self._train(agent, earlier, bound, version)
         return self.next(agent, f"version {version} again")
 
-    # -- doing it ---------------------------------------------------------------------------
+    # -- steps ------------------------------------------------------------------------------
 
     def _train(self, agent: str, what: Learned, bound: Sequence[str], version: int) -> None:
-        """Have an agent be trained from a version of a behavior."""
+        """Begin a training from a version of a behavior."""
         self.swarm.begin(
             agent,
             what.name,
@@ -215,10 +216,10 @@ class Bootstrapping:
         )
 
     def _give(self, agent: str, name: str, bound: Sequence[str], mates: Sequence[str]) -> None:
-        """Have all perform what was saved.
+        """Distribute a saved behavior to the team, which performs it.
 
         Raises:
-            SwarmError: naming who of the team does not have it, and why.
+            SwarmError: if a teammate does not have it; names each with the reason.
         """
         if mates:
             report = self.swarm.distribute(
@@ -235,7 +236,7 @@ class Bootstrapping:
         self.swarm.perform(agent, name, bound)
 
     def _score(self) -> Score:
-        """Return the score of what the team performs; an empty one without a world or episodes."""
+        """Return the score of the team's behavior; an empty score without a world or episodes."""
         world = self.world
         if world is None or not self.episodes:
             return Score()
@@ -248,7 +249,7 @@ class Bootstrapping:
         return score_of(played, self.seed)
 
     def _waiting(self, agent: str) -> Lesson | None:
-        """Return the lesson by which an agent acts until what is awaited; None if nothing is."""
+        """Return the lesson that runs an agent until the `wait` condition; None without one."""
         if not self.wait:
             return None
         until = self.wait if self.wait.lstrip().startswith("{") else f"{{{self.wait}}}"
@@ -257,7 +258,7 @@ class Bootstrapping:
         return parse_lesson(text, Path("--wait"))
 
     def _await(self, lesson: Lesson, before: WorldStatus | None) -> None:
-        """Have an agent act as it has learned until a condition holds; then take over."""
+        """Test an agent's behavior until the lesson's condition holds, then take control back."""
         self.say(f"waiting until {self.wait} ...")
         factor = before.factor if before and before.pace == WorldStatus.REALTIME else 0.0
         try:

@@ -1,4 +1,4 @@
-"""The commands with which a person does what an error or a status proposes."""
+"""Commands for the remedies that errors and statuses propose."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from hitab_core import Fix, Remedy
 
 CALLED_AS = "HITAB_CALLED_AS"
-"""Environment variable that ``scripts/hitab`` sets to how it was called."""
+"""Environment variable in which ``scripts/hitab`` passes its own name as called."""
 
 REMEDY_COMMANDS = {
     Fix.TRAIN: "train {agent} {behavior} -f {feature}",
@@ -71,5 +71,5 @@ def as_command(remedy: Remedy) -> str:
 
 
 def with_commands(problem: str, remedies: Iterable[Remedy]) -> str:
-    """Return what is wrong, and below it what a person can do, one command a line."""
+    """Return a problem and, below it, the commands that may solve it, one per line."""
     return "\n  ".join((problem, *map(as_command, dict.fromkeys(remedies))))

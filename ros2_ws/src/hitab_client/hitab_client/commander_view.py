@@ -24,7 +24,7 @@ class CommanderView:
     Args:
         link: the node to use.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty for any.
+        identity: the swarm's identity; empty for any swarm.
 
     Attributes:
         groups: each commander's latest report about its group, by name.
@@ -97,15 +97,15 @@ class Branch:
     """A commander or an agent, with its subordinates.
 
     Attributes:
-        behavior: the performed top-level behavior, or empty.
-        path: a commander's active states.
-        order: a commander's current order, or empty.
+        behavior: the performed top-level behavior; empty if none.
+        path: active states of a commander.
+        order: a commander's current order; empty if none.
         obeys: whether it performs its own commander's order; None if it has no commander.
         silent: whether its commander has missed its heartbeat.
         stopped: whether its robot may not act.
-        counts: of a commander's subordinates: obeying, total.
-        leaves: the same for all agents below it; an agent counts as obeying if it and every
-            commander in between obey.
+        counts: numbers of a commander's subordinates: obeying, total.
+        leaves: numbers of all agents below: obeying, total. An agent counts as obeying if it
+            and every commander in between obey.
         faults: a commander's persistent faults.
     """
 
@@ -124,7 +124,7 @@ class Branch:
 
     @property
     def is_commander(self) -> bool:
-        """Whether it has subordinates."""
+        """Whether the branch has subordinates."""
         return bool(self.below)
 
     def commanders(self) -> Iterator[Branch]:
@@ -135,8 +135,8 @@ class Branch:
             yield from branch.commanders()
 
     def data(self) -> dict[str, Any]:
-        """Return it as plain data."""
-        told: dict[str, Any] = {
+        """Return the branch as plain data."""
+        plain: dict[str, Any] = {
             "name": self.name,
             "behavior": self.behavior,
             "obeys": self.obeys,
@@ -144,7 +144,7 @@ class Branch:
             "stopped": self.stopped,
         }
         if self.is_commander:
-            told |= {
+            plain |= {
                 "mode": self.mode,
                 "active_path": list(self.path),
                 "order": self.order,
@@ -155,11 +155,11 @@ class Branch:
                 "faults": list(self.faults),
                 "subordinates": [branch.data() for branch in self.below],
             }
-        return told
+        return plain
 
 
 def tree_of(groups: Mapping[str, CommanderStatus]) -> list[Branch]:
-    """Return the tree made of these commanders' groups."""
+    """Return the trees of these commanders' groups."""
     commanded = {member.name for group in groups.values() for member in group.subordinates}
     return [_branch(name, groups, ()) for name in sorted(groups) if name not in commanded]
 
@@ -172,10 +172,12 @@ def _branch(
 ) -> Branch:
     """Return a branch; ``seen`` is how its own commander sees it."""
     fields = ("obeys", "silent", "stopped") if seen is not None else ()
-    told: dict[str, Any] = {one: getattr(seen, one) for one in fields}
+    reported: dict[str, Any] = {one: getattr(seen, one) for one in fields}
     group = groups.get(name)
     if group is None or name in above:
-        return Branch(name, seen.behavior if seen else "", **told, leaves=(int(told["obeys"]), 1))
+        return Branch(
+            name, seen.behavior if seen else "", **reported, leaves=(int(reported["obeys"]), 1)
+        )
     below = tuple(_branch(m.name, groups, (*above, name), m) for m in group.subordinates)
     leaves = [b.leaves if b.obeys else (0, b.leaves[1]) for b in below]
     return Branch(
@@ -184,7 +186,7 @@ def _branch(
         tuple(group.active_path),
         group.order,
         group.mode,
-        **told,
+        **reported,
         below=below,
         counts=(sum(bool(b.obeys) for b in below), len(below)),
         leaves=(sum(performing for performing, _ in leaves), sum(count for _, count in leaves)),

@@ -23,7 +23,7 @@ def commanders(context: typer.Context, incomplete: str) -> list[str]:
 
 
 def processes(context: typer.Context, incomplete: str) -> list[str]:
-    """Return what has a log: agents, hosts, the world and the supervisor."""
+    """Return the processes that have a log: agents, hosts, the world and the supervisor."""
     names = (n for r in _records(context) for n in (*r.processes, *r.agents, "supervisor"))
     return begun(incomplete, names)
 
@@ -57,7 +57,7 @@ def begun(incomplete: str, names: Iterable[str]) -> list[str]:
 
 
 def _records(context: typer.Context) -> Iterator[RunRecord]:
-    """Yield the records of the swarms that are meant."""
+    """Yield the records of the chosen swarm, or of all that are up."""
     from hitab_client.run_folder import running_swarms
     from hitab_client.swarm_choice import meant
 

@@ -23,11 +23,11 @@ SECONDS_BELOW = 2.0
 """Separator of two states shown one below the other."""
 
 PIPED_WIDTH = 10_000
-"""Columns, if the output is no terminal: then nothing has to fit."""
+"""Width in columns if the output is not a terminal, where nothing has to fit."""
 
 
 def out() -> Console:
-    """Return a console for results: on a terminal they fit it, elsewhere lines are whole."""
+    """Return a console for results; lines are wrapped only on a terminal."""
     from rich.console import Console
 
     fitting = Console(highlight=False, emoji=False)
@@ -38,9 +38,9 @@ def out() -> Console:
 
 @contextmanager
 def live(shown: Any) -> Iterator[Callable[[Any], None]]:
-    """Show something, and yield what brings it up to date; a pipe gets its last state.
+    """Show something, and yield a function that updates it; a pipe gets only the last state.
 
-    A terminal that cannot go back, as its TERM says, gets a new state below the one before.
+    A terminal that cannot move its cursor, according to TERM, gets each state below the last.
     """
     from rich.live import Live
 
@@ -63,9 +63,9 @@ def live(shown: Any) -> Iterator[Callable[[Any], None]]:
 
 
 def line(text: str, style: str = "") -> Text:
-    """Return a line for a table, a tree or a group, to be shown as it is.
+    """Return a line for a table, a tree or a group, without markup.
 
-    What does not fit the terminal is wrapped.
+    A line that does not fit the terminal is wrapped.
     """
     from rich.text import Text
 
@@ -73,7 +73,7 @@ def line(text: str, style: str = "") -> Text:
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[str]], title: str = "") -> Table:
-    """Return a table; what does not fit the terminal is wrapped, never cut."""
+    """Return a table; text that does not fit the terminal is wrapped, never cut."""
     from rich.table import Table
 
     made = Table(box=None, pad_edge=False, title=title or None, title_justify="left")
@@ -85,14 +85,14 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]], title: str = ""
 
 
 def err() -> Console:
-    """Return a console for everything else."""
+    """Return a console for messages and progress, on stderr."""
     from rich.console import Console
 
     return Console(stderr=True, highlight=False, emoji=False)
 
 
 def say(text: str) -> None:
-    """Print a result in plain text, at once also into a pipe or a file."""
+    """Print a result in plain text, flushed at once."""
     print(text, flush=True)
 
 
@@ -102,7 +102,7 @@ def note(text: str) -> None:
 
 
 def error(wrong: str | HitabError) -> None:
-    """Print an error: what is wrong, and below it what to do."""
+    """Print an error and, below it, its remedies."""
     from rich.markup import escape
 
     if isinstance(wrong, HitabError):
@@ -111,18 +111,18 @@ def error(wrong: str | HitabError) -> None:
 
 
 def say_answer(answer: Any, text: str = "") -> None:
-    """Print what a service has done, or another text, and below it what can be done next."""
+    """Print a service's answer, or another text, and below it the next steps."""
     from hitab_ros.conversions import remedies_of  # here because the help imports this module
 
     say(with_commands(text or answer.message, remedies_of(answer.remedies)))
 
 
 def show(json: str | None, data: Any, *shown: Any) -> None:
-    """Print a result, unless its JSON goes to stdout, and write that to where it is wanted.
+    """Print a result, unless its JSON goes to stdout, and write the JSON if requested.
 
     Args:
-        json: where to, see `write_json`.
-        data: of the JSON.
+        json: path of the JSON, see `write_json`.
+        data: content of the JSON.
         shown: lines, tables or trees.
     """
     if json != "-":
@@ -161,10 +161,10 @@ def progress(description: str, unit: str = "", *, line_every: int = 0) -> Iterat
     """Show a progress bar on stderr for the duration of the context, if it is a terminal.
 
     Args:
-        description: what is going on.
-        unit: of the amounts.
-        line_every: elsewhere than on a terminal, print a line whenever so much more is done; 0:
-            none.
+        description: text beside the bar.
+        unit: unit of the amounts.
+        line_every: amount after which another line is printed if stderr is not a terminal; 0
+            for no lines.
     """
     from rich.progress import (
         BarColumn,
@@ -186,18 +186,18 @@ def progress(description: str, unit: str = "", *, line_every: int = 0) -> Iterat
         TextColumn("[dim]{task.fields[doing]}"),
         console=console,
         transient=True,
-        redirect_stdout=sys.stdout.isatty(),  # what is said meanwhile stands above the bar
+        redirect_stdout=sys.stdout.isatty(),  # other output stays above the bar
         disable=not console.is_terminal or console.is_dumb_terminal,
     )
     with bar:
         task = bar.add_task(description, total=None, doing="")
-        told = 0
+        lines_printed = 0
 
         def advance(done: int, total: int, doing: str) -> None:
-            nonlocal told
+            nonlocal lines_printed
             bar.update(task, completed=done, total=total, doing=doing[:60])
-            if bar.disable and line_every and done // line_every > told:
-                told = done // line_every
+            if bar.disable and line_every and done // line_every > lines_printed:
+                lines_printed = done // line_every
                 note(f"{description}: {done} of {total} {unit}")
 
         yield advance

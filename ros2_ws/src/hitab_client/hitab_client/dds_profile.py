@@ -15,8 +15,8 @@ VARIABLES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """The variables that older and newer versions of Fast DDS read."""
 
 GIVES_BACK = {"RMW_FASTRTPS_USE_QOS_FROM_XML": "1", "MALLOC_MMAP_THRESHOLD_": "1000000"}
-"""Without the first, a payload stays as large as it has been, whatever the profile says; without
-the other, the C library keeps large blocks that were freed."""
+"""The first lets a payload shrink again, as the profile asks; the other makes the C library return
+large freed blocks."""
 
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 HERE, BY_PROFILE = "LOCALHOST", "SYSTEM_DEFAULT"
@@ -34,8 +34,8 @@ _QUICKEST_S = 0.25  # between two announcements
 _SHARED_BY = 50  # processes that may announce themselves once a second
 _MISSED = 5  # missed announcements after which a process is dropped
 SHORTEST_LEASE_S = 30.0
-"""Silence after which a process is dropped. One that lives is not found again as a whole, so it
-starts again (`hitab_ros.suspensions`); a busy machine does not hold one up for so long."""
+"""Silence after which a process is dropped, s; longer than any pause on a busy machine. A dropped
+process that still runs is not fully rediscovered, so it restarts (`hitab_ros.suspensions`)."""
 
 _NAMESPACE = "http://www.eprosima.com/XMLSchemas/fastRTPS_Profiles"
 
@@ -44,8 +44,8 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
     """Set up discovery between processes with this environment, unless the user has a profile.
 
     Args:
-        environment: variables; the profile and the discovery range are set here.
-        loopback: the profile for this machine only.
+        environment: environment variables; the profile and the discovery range are set in it.
+        loopback: profile file for this machine only.
     """
     if _chosen(environment) - {LOOPBACK.name, NETWORK.name}:
         environment.setdefault(RANGE, HERE)
@@ -63,9 +63,9 @@ def choose_profile(environment: MutableMapping[str, str], loopback: Path = LOOPB
 
 
 def is_of_this_machine(environment: Mapping[str, str]) -> bool:
-    """Whether processes are to find only those of this machine, by the variables and our profiles.
+    """Whether discovery is limited to this machine by the variables and HiTAB's profiles.
 
-    False if the user has a profile: it decides.
+    False if the user has a profile, which then decides.
     """
     chosen, said = _chosen(environment), environment.get(RANGE) or HERE
     if chosen - {LOOPBACK.name, NETWORK.name}:
@@ -87,7 +87,7 @@ def profile_for(folder: Path, processes: int) -> Path:
     themselves less often, which limits it to a tenth of a core or two.
 
     Args:
-        folder: to write to.
+        folder: folder for the profile.
         processes: number of processes in the swarm.
     """
     from xml.etree import ElementTree

@@ -1,4 +1,4 @@
-"""ROS domain ids: chosen so that swarms on one machine do not hear each other."""
+"""ROS domain ids, chosen so that swarms on one machine do not receive each other's messages."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ def chosen_by_user() -> int | None:
 def for_swarm(refused: Collection[int] = (), *, has_world: bool = True) -> int:
     """Return the domain id for a new swarm: the user's, else 0, else an unused one.
 
-    Other programs may use 0: plain ROS tools, which are to find the swarm, look for it there.
+    Other programs may use 0 as well: plain ROS tools look for the swarm in domain 0.
 
     Args:
-        refused: where its names have turned out to be in use.
-        has_world: a swarm without a world only has 0: the drivers of its robots, which are started
-            elsewhere, are there.
+        refused: domain ids in which the swarm's names are in use.
+        has_world: whether the swarm has a world; otherwise only 0 is possible, since the drivers
+            of its robots, which are started elsewhere, are in domain 0.
     """
     own = chosen_by_user()
     if own is not None:
@@ -42,8 +42,8 @@ def for_swarm(refused: Collection[int] = (), *, has_world: bool = True) -> int:
 def reserved() -> Iterator[int]:
     """Reserve a domain id that is free on this machine, for the duration of the context.
 
-    Programs that chose a domain by hand are looked for; those that reserve one, as this does, are
-    kept off it.
+    Domains of programs that chose one by hand are detected; programs that reserve one, as here,
+    exclude each other.
     """
     taken = {record.domain_id for _, record in swarms_here()} | {chosen_by_user()}
     with reserved_domain(taken.__contains__) as number:

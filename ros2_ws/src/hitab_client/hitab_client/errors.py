@@ -1,4 +1,4 @@
-"""Errors of this package that a user has to fix."""
+"""Errors of this package that a user can fix."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class NamesTakenError(SwarmError):
 
     Attributes:
         domain_id: the ROS domain.
-        owner: of the names, such as ``swarm keepaway-3f9a2c1e``.
+        owner: owner of the names, such as ``swarm keepaway-3f9a2c1e``.
     """
 
     def __init__(self, what: str, *remedies: Remedy, domain_id: int, owner: str) -> None:

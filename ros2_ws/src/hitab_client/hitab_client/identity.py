@@ -1,4 +1,4 @@
-"""Distinguishes swarms in the same ROS domain.
+"""Identities, which distinguish swarms in the same ROS domain.
 
 `hitab up` gives each swarm an identity, which all of its nodes publish in their statuses.
 """
@@ -12,18 +12,18 @@ from hitab_client.errors import SwarmError
 from hitab_core import Fix
 
 STARTED_BY_HAND = "nodes started by hand"
-"""Stands for all nodes that no `hitab up` has started, in place of a swarm's identity."""
+"""In place of a swarm's identity: all nodes that were started without `hitab up`."""
 
 LAUNCHED = "launch:"
-"""Begins the identity of a swarm that ``ros2 launch`` has started, which no registry knows."""
+"""Prefix of the identity of a swarm started by ``ros2 launch``, which no registry contains."""
 
 
 def new_identity(swarm: str, *, launched: bool = False) -> str:
     """Return an identity for a new swarm, unique to this start.
 
     Args:
-        swarm: its name.
-        launched: whether it was started without `hitab up`.
+        swarm: the swarm's name.
+        launched: whether the swarm is started without `hitab up`.
     """
     return f"{LAUNCHED if launched else ''}{swarm}-{secrets.token_hex(4)}"
 
@@ -37,17 +37,17 @@ def is_by_hand(heard: str) -> bool:
     """Whether a node was started without `hitab up`.
 
     Args:
-        heard: the identity in its status.
+        heard: the identity in the node's status.
     """
     return not heard or heard.startswith(LAUNCHED)
 
 
 def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
-    """Whether a node belongs to the swarm in question.
+    """Whether a node belongs to the chosen swarm.
 
     Args:
-        heard: the identity in its status; empty if it was started by hand.
-        meant: the identity of the swarm in question, or `STARTED_BY_HAND`; empty for any.
+        heard: the identity in the node's status; empty if it was started by hand.
+        meant: identity of the chosen swarm, or `STARTED_BY_HAND`; empty for any.
         started_by_it: whether that swarm has started a node of this name.
     """
     if not meant or heard == meant:
@@ -58,8 +58,8 @@ def is_own(heard: str, meant: str, *, started_by_it: bool) -> bool:
 
 
 def other_swarm(node: str, heard: str, meant: str) -> SwarmError:
-    """Return the error for a node of another swarm than the one in question."""
-    from hitab_client.run_folder import registered_swarms  # which needs `is_identity`
+    """Return the error for a node of another swarm than the chosen one."""
+    from hitab_client.run_folder import registered_swarms  # circular: it imports `is_identity`
 
     left = [record.swarm for _, record in registered_swarms() if record.identity == heard]
     if meant == STARTED_BY_HAND and left:

@@ -1,4 +1,4 @@
-"""Defers Ctrl-C, SIGTERM and SIGHUP where half of something must not be left."""
+"""Deferral of Ctrl-C, SIGTERM and SIGHUP while a change must not be left half done."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ _came: list[int] = []
 _depth = 0
 
 FROM_C = "pymunk._callbacks"
-"""Module of functions that are called from C, where an exception would be lost."""
+"""Module whose functions are called from C, where an exception would be lost."""
 
 SIGNAL_REPEAT_S = 0.01
-"""Delay after which a signal that came in such a function is raised again, s."""
+"""Delay after which a signal that arrived in such a function is raised again, s."""
 
 
 def handle_interruptions() -> None:
-    """Handle these signals in this process from now on, so that deferring them costs nothing.
+    """Install the handlers of Ctrl-C, SIGTERM and SIGHUP in this process; deferring is then cheap.
 
-    Ctrl-C raises KeyboardInterrupt. SIGTERM, and SIGHUP of a terminal that is closed, raise
-    SystemExit with the usual status. What this process was started to ignore, as by ``nohup``,
-    stays ignored.
+    Ctrl-C raises KeyboardInterrupt. SIGTERM, and SIGHUP of a closed terminal, raise SystemExit
+    with the usual status. Signals that this process was started to ignore, as by ``nohup``, stay
+    ignored.
     """
     for number in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
         if signal.getsignal(number) is not signal.SIG_IGN:
@@ -34,20 +34,20 @@ def handle_interruptions() -> None:
 
 
 def forget_handled() -> None:
-    """Have this process end with its exit status, whatever Ctrl-C interrupted before.
+    """Let this process end with its own exit status, even after a handled Ctrl-C.
 
-    Python remembers a KeyboardInterrupt that left a string which was being executed, and ends by
-    SIGINT then, even if it was handled. Each definition of a dataclass executes strings, and many
-    are defined while a command begins. What is executed next resets that.
+    Python remembers a KeyboardInterrupt that interrupted an executed string, and then ends by
+    SIGINT even if the interrupt was handled. Dataclass definitions execute strings, and many are
+    defined while a command starts. Executing another string resets this.
     """
     exec("")
 
 
 @contextlib.contextmanager
 def not_interrupted() -> Iterator[None]:
-    """Defer the first of these signals to the end, where `handle_interruptions` was called.
+    """Defer Ctrl-C, SIGTERM or SIGHUP to the end of the context, after `handle_interruptions`.
 
-    Do nothing outside the main thread.
+    Outside the main thread, do nothing.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -36,17 +36,17 @@ class Learned:
     """One automaton of an agent.
 
     Attributes:
-        origin: basic, hand-written, trained or training.
-        parameters, arguments: the parameters, and their bindings during training.
-        states: labels of its states; in training, of those that were chosen or commanded.
-        chosen: labels of the states that were chosen when the training began; empty if any can be
-            commanded, or it is not in training.
-        features: labels, in the order of the examples' values.
-        units, scales: of the features.
-        examples: all of them.
-        trees: of the states that have one.
-        readable: names of the examples' readings.
-        with_numbers: the numbers of behaviors that take some, by name.
+        origin: "basic", "hand-written", "trained" or "training".
+        parameters, arguments: parameters, and their targets during training.
+        states: labels of the states; in training, of the chosen or commanded ones.
+        chosen: labels of the states chosen when the training began; empty if any state can be
+            commanded, or without a training.
+        features: labels of the features, in the order of the examples' values.
+        units, scales: units and scales of the features.
+        examples: all examples.
+        trees: transition trees, by state.
+        readable: names of the readings in the examples.
+        with_numbers: numbers of the behaviors that take numbers, by name.
     """
 
     name: str
@@ -73,12 +73,12 @@ class Learned:
 
     @property
     def is_automaton(self) -> bool:
-        """Whether it is more than a basic behavior."""
+        """Whether this is an automaton, not a basic behavior."""
         return self.origin != "basic"
 
     @cached_property
     def automaton(self) -> Automaton | None:
-        """The automaton with its trees; None if it has none."""
+        """The automaton with its trees; None without trees."""
         if not self.trees:
             return None
         labels = dict.fromkeys(
@@ -99,7 +99,7 @@ class Learned:
         return self.with_numbers.get(state.name, ())
 
     def commanded(self, example: Example) -> str:
-        """Return where an example goes to, with its numbers: ``RunTowards(direction=40)``."""
+        """Return an example's next state with its numbers, as ``RunTowards(direction=40)``."""
         state = Term.parse(example.next_state)
         return str(with_numbers(state, example.numbers, self.numbers_of(state)))
 
@@ -110,7 +110,7 @@ class Learned:
         return learn_numbers(states, self.scales, self.examples, self.numbers_of)
 
     def decides(self, state: str, values: Sequence[float]) -> Mapping[str, float]:
-        """Return the probability of each next state; nothing if that is unknown."""
+        """Return the probability of each next state; empty if unknown."""
         tree = self.trees.get(state)
         if tree is None or any(math.isnan(v) for v in values):
             return {}
@@ -122,13 +122,13 @@ class Training(Learned):
     """Training of an agent, as published.
 
     Attributes:
-        revision: counts up with each change.
-        done, undone: what undo and redo would change, each in words, oldest first.
-        searched: whether all questions were looked for, and the cost is known.
-        questions: that are open.
-        answered: those that were answered, and how, oldest first.
-        remarks: signs of a behavior that does not play.
-        cost: what the training has cost so far; None if unknown.
+        revision: number that increases with each change.
+        done, undone: changes that undo and redo would affect, in words, oldest first.
+        searched: whether the search for questions is complete, and the cost is known.
+        questions: open questions.
+        answered: answered questions with their answers, oldest first.
+        remarks: signs that the behavior does not work.
+        cost: cost of the training so far; None if unknown.
     """
 
     revision: int = 0
@@ -194,7 +194,7 @@ def _fields(message: Any) -> dict[str, Any]:
 
 
 def _tree(message: Any, scales: tuple[Scale, ...]) -> TransitionTree:
-    """Return the tree in a message, whose nodes come each before its branches."""
+    """Return the tree in a message, in which each node precedes its branches."""
     made: list[Node] = []
     for node in reversed(message.nodes):
         counts = tuple(int(count) if count.is_integer() else count for count in node.counts)

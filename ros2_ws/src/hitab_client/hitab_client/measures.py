@@ -1,4 +1,4 @@
-"""Measures of episodes: their values by name, and what these tell of the mean."""
+"""Measures of episodes: values by name, and estimates of their means."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from hitab_msgs.msg import Episode
 
 SECONDS = "seconds"
-"""The measure that all episodes have."""
+"""Name of the measure that all episodes have."""
 
 CERTAIN = 0.95
-"""How often an interval has the true mean in it."""
+"""Confidence level of the intervals."""
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,10 @@ class Estimate:
     """The mean of a measure over episodes.
 
     Attributes:
-        mean: of all values; None if there are none.
-        se: standard error of the mean; None for fewer than two values, as the others.
-        low, high: the 95 % confidence interval of the mean, from Student's t distribution.
+        mean: mean of all values; None without values.
+        se: standard error of the mean; None for fewer than two values.
+        low, high: 95 % confidence interval of the mean, from Student's t distribution; None
+            for fewer than two values.
     """
 
     mean: float | None
@@ -34,7 +35,7 @@ class Estimate:
     high: float | None = None
 
     def rounded(self) -> dict[str, float]:
-        """Return mean and standard error as plain data; 0 for what is not known."""
+        """Return mean and standard error as plain data, with 0 for an unknown one."""
         return {"mean": round(self.mean or 0.0, 4), "se": round(self.se or 0.0, 4)}
 
 
@@ -48,7 +49,7 @@ def values_of(played: Sequence[Episode]) -> dict[str, list[float]]:
 
 
 def estimate(values: Sequence[float]) -> Estimate:
-    """Return the mean of values, of which those that are not finite do not count."""
+    """Return the estimate of a mean; values that are not finite are left out."""
     known = [value for value in values if math.isfinite(value)]
     if len(known) < 2:
         return Estimate(known[0] if known else None)

@@ -1,4 +1,4 @@
-"""A client node for talking to a swarm: spin until, subscribe, call."""
+"""Client node of a program that talks to a swarm."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from hitab_ros import (
 from hitab_ros.call import Caller
 
 NODE_NAME = "hitab"
-"""Name of the node of a program that talks to a swarm, always the same for security policies."""
+"""Name of the client node, always the same for security policies."""
 
 
 class RosLink(Caller):
     """A node, its executor and its clients; a context manager.
 
     Args:
-        domain_id: ROS domain; None for that of the environment.
-        announce: called with what a wait is for, once it takes noticeable time.
-        name: of the node. Several programs may have the same one: they offer no services, and
-            answers come to the client that asked, whatever its name.
+        domain_id: ROS domain; None for the environment's domain.
+        announce: called with the reason of a wait, once the wait is noticeable.
+        name: name of the node. Several programs may have the same name: they offer no services,
+            and answers reach the client that sent the request, whatever its name.
     """
 
     def __init__(
@@ -91,18 +91,18 @@ class RosLink(Caller):
         )
 
     def end(self, why: str) -> None:
-        """Have every `spin` raise from now on, in whatever thread."""
+        """Make every `spin` raise from now on, in any thread."""
         self._ended = why
 
     def spin(self, seconds: float = 0.1) -> None:
-        """Handle pending events; wait at most this long for one, and defer Ctrl-C so long.
+        """Handle pending events; wait at most this long for one, and defer Ctrl-C meanwhile.
 
         Raises:
-            SwarmError: if it has ended, such as by a long suspension of this process.
+            SwarmError: if the link has ended, such as by a long suspension of this process.
         """
         if self._ended:
             raise SwarmError(self._ended)
-        # The executor's compiled code takes an interruption inside it for a failed conversion.
+        # The executor's compiled code mistakes an interruption for a failed conversion.
         with not_interrupted():
             self._executor.spin_once(timeout_sec=seconds)
         if self._failure is not None:

@@ -35,13 +35,13 @@ MARK = "HITAB_RUN_FOLDER"
 CONFIGURATION = "supervisord.conf"
 SOCKET = "supervisord.sock"
 LONGEST_SOCKET = 90
-"""Characters; supervisord first uses a longer name, and the system allows 107."""
+"""Maximum length of the path; supervisord first uses a longer one, and the system allows 107."""
 
 LIBRARIES = "libraries.json"
-"""File in a run folder: the library of each agent, by name."""
+"""File in a run folder with the library of each agent, by name."""
 
 WORLD_FILES = "world_files.json"
-"""File in a run folder: the Python files that the agents' domains are in, if there are any."""
+"""File in a run folder with the Python files of the agents' domains, if any."""
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,10 @@ class RunRecord:
     """The record of a swarm while it is up.
 
     Attributes:
-        identity: unique to this start of the swarm. All of its nodes publish it in their statuses.
-        commanders: those of the agents that are commanders.
-        processes: the agents that each process runs, by the name of the process.
-        namespace: of all its nodes, such as ``/left``, or empty.
+        identity: identity of this start of the swarm, which all nodes publish in their statuses.
+        commanders: the agents that are commanders.
+        processes: names of the agents in each process, by the process's name.
+        namespace: namespace of all nodes, such as ``/left``; empty if none.
     """
 
     swarm: str
@@ -78,7 +78,7 @@ def state_home() -> Path:
 
 
 def libraries_of(folder: Path) -> dict[str, Path]:
-    """Return the library of each agent of the swarm that is up, or was last, in a run folder."""
+    """Return the library of each agent of the current or last swarm in a run folder."""
     try:
         used = json.loads((folder / LIBRARIES).read_text(encoding="utf-8"))
         return {agent: Path(library) for agent, library in used.items()}
@@ -99,7 +99,7 @@ class RunFolder:
 
     @property
     def record_file(self) -> Path:
-        """Exists while the swarm is up."""
+        """Path of the record, which exists while the swarm is up."""
         return self.path / "run.json"
 
     @property
@@ -133,10 +133,10 @@ class RunFolder:
         return Path(tempfile.mkdtemp(prefix="hitab-", dir=short)) / SOCKET
 
     def prepare(self) -> None:
-        """Make the folders, and see that they can be written.
+        """Create the folders, and check that they can be written.
 
         Raises:
-            SwarmError: if that fails.
+            SwarmError: if a folder cannot be written.
         """
         try:
             for inner in ("logs", "libraries", "state"):
@@ -191,7 +191,7 @@ class RunFolder:
         for left in socket.parent.glob(f"{SOCKET}.[0-9]*"):
             left.unlink(missing_ok=True)
         if socket.parent != self.path and socket.parent.name.startswith("hitab-"):
-            with contextlib.suppress(OSError):  # what else is in there is not ours
+            with contextlib.suppress(OSError):  # other entries are not HiTAB's
                 socket.parent.rmdir()
         self._unregister()
 

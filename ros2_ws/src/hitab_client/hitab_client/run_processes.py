@@ -1,4 +1,4 @@
-"""Why a process of a running swarm does not answer, from its supervisor and the system."""
+"""Processes of a running swarm: their states, and why one does not answer."""
 
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ def process_states(
     """Return the supervisor's data on each process: name, statename, pid, exitstatus.
 
     Args:
-        record: of the run.
-        seconds: to wait for its answer.
+        record: record of the run.
+        seconds: timeout for the supervisor's answer.
 
     Raises:
         SwarmError: if the supervisor does not answer.
@@ -74,7 +74,7 @@ def process_states(
 
 
 def answers(record: RunRecord) -> bool:
-    """Whether the supervisor answers, which it does not while it starts."""
+    """Whether the supervisor answers; it does not while starting."""
     try:
         process_states(record, SUPERVISOR_TIMEOUT_SECONDS)
     except SwarmError:
@@ -87,10 +87,10 @@ class Silence:
     """Reason why a process does not answer.
 
     Attributes:
-        process: its name.
-        what: the reason, and the way out.
-        lasts: whether waiting is no use.
-        state: of the process, in one word.
+        process: name of the process.
+        what: reason and way out.
+        lasts: whether waiting is useless.
+        state: state of the process, in one word.
     """
 
     process: str
@@ -99,7 +99,7 @@ class Silence:
     state: str = "silent"
 
     def of(self, *names: str) -> str:
-        """Return a sentence for agents, or the world, that the process runs."""
+        """Return a sentence that names agents, or the world, in the process."""
         if names == (self.process,):
             return f"{self.process}'s process {self.what}"
         return f"{self.process}, which runs {some(names)}, {self.what}"
@@ -109,7 +109,7 @@ class RunProcesses:
     """The processes of a swarm that `hitab up` has started.
 
     Args:
-        record: of the run; None if no process is known.
+        record: record of the run; None if no process is known.
     """
 
     def __init__(self, record: RunRecord | None = None) -> None:
@@ -128,7 +128,7 @@ class RunProcesses:
         return self._record is not None
 
     def __contains__(self, name: str) -> bool:
-        """Whether the swarm has started this agent, or world."""
+        """Whether the swarm has started this agent or world."""
         has_world = self._record is not None and self._record.world
         return name in self._process_of or (name == WORLD and has_world)
 
@@ -137,7 +137,7 @@ class RunProcesses:
         return self._process_of.get(name, name)
 
     def reason(self, name: str) -> SwarmError | None:
-        """Return why an agent or the world does not answer, as far as its process shows it."""
+        """Return an error for a silent agent or world; None if its process shows no reason."""
         why = self.why_silent(name)
         return None if why is None else SwarmError(why.of(name), Fix.LOGS(node=why.process))
 
@@ -150,12 +150,12 @@ class RunProcesses:
         return self._silences[process]
 
     def is_lost(self, name: str) -> bool:
-        """Whether waiting for an agent, or the world, is no use."""
+        """Whether waiting for an agent or the world is useless."""
         why = self.why_silent(name)
         return why is not None and why.lasts
 
     def pid(self, name: str) -> int:
-        """Return the process id for an agent or the world; 0 if it has none."""
+        """Return the process id of an agent or the world; 0 if unknown."""
         self._ask()
         state = self._states.get(self.process_of(name))
         return int(state["pid"]) if state is not None else 0
@@ -182,7 +182,7 @@ class RunProcesses:
         return None
 
     def _ask(self) -> None:
-        """Ask the supervisor again, if its last answer is too old."""
+        """Ask the supervisor again if the last answer is too old."""
         if self._record is not None and time.monotonic() > self._asked + FRESH_SECONDS:
             try:
                 self._states = {
@@ -207,15 +207,15 @@ def sentences(why: Mapping[str, Silence | None]) -> list[str]:
     """Return a sentence for each process that does not answer, and one for all unexplained.
 
     Args:
-        why: reasons, by the names of agents and of the world.
+        why: reasons by the names of agents and of the world.
     """
     alike: dict[Silence | None, list[str]] = {}
     for name, silence in why.items():
         alike.setdefault(silence, []).append(name)
-    told = [silence.of(*names) for silence, names in alike.items() if silence is not None]
+    texts = [silence.of(*names) for silence, names in alike.items() if silence is not None]
     if unexplained := alike.get(None):
-        told.append(f"{some(unexplained)} {'does' if len(unexplained) == 1 else 'do'} not answer")
-    return told
+        texts.append(f"{some(unexplained)} {'does' if len(unexplained) == 1 else 'do'} not answer")
+    return texts
 
 
 def _how(state: Mapping[str, Any]) -> str:

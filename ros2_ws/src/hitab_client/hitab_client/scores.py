@@ -1,4 +1,4 @@
-"""Scores: what played episodes have shown, by measure."""
+"""Scores of played episodes, by measure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hitab_core.library.yaml_models import Record
 
 
 class Figure(Record):
-    """A mean with its standard error; None: unknown, from a single episode."""
+    """A mean with its standard error, which is None (unknown) for a single episode."""
 
     mean: float
     error: float | None
@@ -23,9 +23,9 @@ class Figure(Record):
 
 
 class Score(Record):
-    """What so many episodes with this seed have shown, by measure; no episodes: nothing."""
+    """Means of a number of episodes with one seed, by measure; empty without episodes."""
 
-    model_config = ConfigDict(extra="ignore")  # earlier formats say more
+    model_config = ConfigDict(extra="ignore")  # earlier formats have more fields
     episodes: int = 0
     seed: int = 0
     figures: dict[str, Figure] = Field(default_factory=dict)
@@ -36,12 +36,12 @@ class Score(Record):
 
     @property
     def played(self) -> str:
-        """What it was evaluated with; empty if it was not."""
+        """Text with the number of episodes and the seed; empty without an evaluation."""
         return f"{quantity(self.episodes, 'episode')}, seed {self.seed}" if self.episodes else ""
 
 
 def score_of(played: Sequence[Episode], seed: int) -> Score:
-    """Return the score that episodes with this seed give."""
+    """Return the score of episodes with this seed."""
     figures = {
         name: Figure(mean=found.mean, error=found.se)
         for name, values in values_of(played).items()

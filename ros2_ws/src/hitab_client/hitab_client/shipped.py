@@ -1,4 +1,4 @@
-"""Files that come with the packages of domains: swarms, lessons, trained libraries.
+"""Files shipped with the packages of domains: swarms, lessons, trained libraries.
 
 A package names itself under the entry-point group ``hitab.shipped``; its folders ``swarms``,
 ``lessons`` and ``libraries`` lie beside its Python package in a checkout, and under ``share`` once
@@ -19,10 +19,10 @@ SHIPPED_GROUP = "hitab.shipped"
 
 
 def shipped_folders(folder: str) -> list[Path]:
-    """Return the folders of this name, one for each package that brings one.
+    """Return the folders of this name, one for each package that has one.
 
     Raises:
-        HitabError: if there is none.
+        HitabError: if no package has one.
     """
     packages = sorted({point.value for point in entry_points(group=SHIPPED_GROUP)})
     found = [path for package in packages if (path := _folder(package, folder)) is not None]
@@ -52,7 +52,11 @@ def _prefixes(package: str) -> list[Path]:
         from ament_index_python.packages import get_package_prefix
 
         return [Path(get_package_prefix(package)), Path(sys.prefix)]
-    except (ImportError, LookupError, OSError):  # OSError: ROS from wheels needs no set-up
+    except (
+        ImportError,
+        LookupError,
+        OSError,
+    ):  # OSError: ROS from wheels needs no set-up
         return [Path(sys.prefix)]
 
 
@@ -69,7 +73,7 @@ def shipped(folder: str, name: str) -> Path:
     """Return the shipped file or folder of this name, such as a library.
 
     Raises:
-        HitabError: naming what is shipped.
+        HitabError: if it does not exist; names the shipped files.
     """
     folders = shipped_folders(folder)
     for place in folders:
@@ -83,7 +87,7 @@ def find_file(given: str, folder: str, what: str) -> Path:
     """Return the requested file: a path, or the name of a shipped file without its suffix.
 
     Raises:
-        HitabError: naming what is shipped.
+        HitabError: if it does not exist; names the shipped files.
     """
     path = Path(given)
     if path.is_file():
@@ -94,7 +98,7 @@ def find_file(given: str, folder: str, what: str) -> Path:
             return candidate
     if path.is_dir():
         raise HitabError(f'no {what} "{given}": this is a folder; name a file in it')
-    there = [p.stem for place in folders for p in place.glob("*.yaml")]
+    names = [p.stem for place in folders for p in place.glob("*.yaml")]
     if os.sep in given:
-        there = [str(p) for p in path.parent.glob("*.y*ml")]
-    raise HitabError(f'no {what} "{given}": no such file {has(there, given)}')
+        names = [str(p) for p in path.parent.glob("*.y*ml")]
+    raise HitabError(f'no {what} "{given}": no such file {has(names, given)}')

@@ -1,4 +1,4 @@
-"""Listens to the signs of life of a swarm's processes: who has fallen silent."""
+"""Signs of life of a swarm's processes, and the agents that are silent."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from hitab_client.ros_link import RosLink
 from hitab_ros import names, qos
 
 SILENT_AFTER_SECONDS = 1.5
-"""A process that gave no sign for this long is silent; they come twice a second."""
+"""Time without a sign after which a process is silent, s; signs come twice a second."""
 
 GAP_SECONDS = 0.25
-"""A longer time between two looks does not count: then it was this process that was held up."""
+"""A longer time between two checks, s, is not counted: then this process was held up."""
 
 PROCESSES_MAX = 5000
 
@@ -28,16 +28,16 @@ ROSTERS = QoSProfile(
 class SignsOfLife:
     """Silent agents of a swarm, and whether its world is silent.
 
-    An agent is silent if all of its processes are, and no message of the agent arrives: a slow
-    process gives its signs late, but its messages show that it lives. An agent whose process
-    never gave a sign, such as one written in another language, is never silent.
+    An agent is silent if all of its processes are silent, and no message of the agent arrives: a
+    slow process sends its signs late, but its messages show that it is alive. If a process has
+    never sent a sign, for example because it is written in another language, its agents are never
+    silent.
 
     Args:
         link: the node to use.
-        expected: names of the agents that the swarm has started, and `names.WORLD` if it has
-            started a world.
+        expected: names of the started agents, and `names.WORLD` if the swarm has a world.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty for any.
+        identity: the swarm's identity; empty for any swarm.
     """
 
     def __init__(
@@ -50,9 +50,9 @@ class SignsOfLife:
     ) -> None:
         self._expected = frozenset(expected)
         self._identity = identity
-        self._heard: dict[str, float] = {}  # when each process was heard last
-        self._shown: dict[str, float] = {}  # when something else came, by name
-        self._members: dict[str, frozenset[str]] = {}  # of each host
+        self._heard: dict[str, float] = {}  # time of each process's last sign
+        self._shown: dict[str, float] = {}  # time of other messages, by name
+        self._members: dict[str, frozenset[str]] = {}  # by host
         self._listened = 0.0
         self._last_look = time.monotonic()
         link.subscribe(HostRoster, names.of_swarm(names.HOSTS, prefix), self._take_roster, ROSTERS)
@@ -75,21 +75,21 @@ class SignsOfLife:
             self._heard[name] = self._time()
 
     def take_signs_of(self, these: Iterable[str]) -> None:
-        """Take it as signs of life that agents, or the world, have just sent something else."""
+        """Count other messages, just received from agents or the world, as signs of life."""
         now = self._time()
         self._shown |= dict.fromkeys(these, now)
 
     def _time(self) -> float:
-        """Return for how long this process has listened, s."""
+        """Return the time for which this process has listened, s."""
         now = time.monotonic()
         self._listened += min(now - self._last_look, GAP_SECONDS)
         self._last_look = now
         return self._listened
 
     def silent(self) -> dict[str, float]:
-        """Return for how long each silent agent, and the world, has given no sign, s.
+        """Return the silent agents, and the world if silent, with the time since the last sign, s.
 
-        Call it several times a second, with the link spun in between.
+        Call this several times a second, and spin the link in between.
         """
         now = self._time()
         heard: dict[str, float] = {}

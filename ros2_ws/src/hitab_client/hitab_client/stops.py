@@ -1,4 +1,4 @@
-"""Stops and releases whatever acts, learns what has come of it, and re-arms robots."""
+"""Emergency stop of all robots and worlds, its confirmations, and re-arming."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from hitab_ros.call import blocking
 TYPE = "hitab_msgs/msg/StopState"
 
 FRESH_S = 1.0
-"""Time for which a report is valid, s. Reports come several times a second."""
+"""Time for which a report is valid, s; reports arrive several times a second."""
 
 REPEAT_S = 0.5
-"""Period of an emergency stop's messages to robots that have not confirmed it, s."""
+"""Period of messages to robots that have not confirmed an emergency stop, s."""
 
 SETTLED_S = 0.7
-"""All are known once no new one was found for so long, s."""
+"""Time without a new robot or world, s, after which all are known."""
 
 
 class Stops:
@@ -31,12 +31,12 @@ class Stops:
 
     Args:
         link: the node to use.
-        expected: names of robots that are known to be there, though nothing of them may answer.
-        switch: of the emergency stop; None for a new one.
+        expected: names of robots that are known to exist, even if they do not answer.
+        switch: switch of the emergency stop; None for a new one.
 
     Attributes:
-        switch: the same.
-        found_at: when a robot or world was last found, by the monotonic clock.
+        switch: switch of the emergency stop.
+        found_at: time at which a robot or world was last discovered, by the monotonic clock.
     """
 
     def __init__(
@@ -48,10 +48,10 @@ class Stops:
         self.link = link
         self._expected = expected
         self.switch = switch or EmergencySwitch(link.node)
-        self._reports: dict[str, tuple[float, StopState]] = {}  # when each came, by topic
+        self._reports: dict[str, tuple[float, StopState]] = {}  # with times of receipt, by topic
         self._topics: set[str] = set()
         self.found_at = time.monotonic()
-        self._meant: set[str] = set()  # identities of what was stopped or released
+        self._meant: set[str] = set()  # identities of the requested stops or releases
         self.look()
 
     @property
@@ -60,11 +60,11 @@ class Stops:
         return int(self.link.node.context.get_domain_id())
 
     def look(self) -> None:
-        """Look who is there; call it about twice a second."""
+        """Discover robots and worlds; call this about twice a second."""
         for topic in set(self.link.topics_of_type(TYPE)) - self._topics:
             self._topics.add(topic)
             self.found_at = time.monotonic()
-            if topic.endswith(f"/{names.STOP_STATE}"):  # the others are of agents to their relays
+            if topic.endswith(f"/{names.STOP_STATE}"):  # others go to relays
                 self.link.subscribe(StopState, topic, self._taker(topic), qos.STREAM)
 
     def _taker(self, topic: str) -> Callable[[StopState], None]:
@@ -74,7 +74,7 @@ class Stops:
         return take
 
     def _present(self) -> Iterator[tuple[str, StopState | None]]:
-        """Yield the name of each robot and world, and its last report; None if it is too old."""
+        """Yield the names of robots and worlds with their last reports, None if too old."""
         of_robots = {topic.rpartition("/")[0].removeprefix("/") for topic in self._topics}
         for name in of_robots | set(self._expected):
             topic = f"/{name}/{names.STOP_STATE}"
@@ -93,11 +93,11 @@ class Stops:
         )
 
     def names(self) -> list[str]:
-        """Return the names of the robots and worlds that are there, sorted."""
+        """Return the names of the robots and worlds, sorted."""
         return sorted((name for name, _ in self._present()), key=natural)
 
     def unconfirmed(self, *, engaged: bool) -> dict[str, str]:
-        """Return who has not confirmed to stand still, or to be released, and why not."""
+        """Return why robots and worlds have not confirmed the stop or release, by name."""
         found = {}
         for name, report in self._present():
             if report is None:
@@ -111,9 +111,9 @@ class Stops:
         return found
 
     def say(self, by: str, reason: str = "", *, engaged: bool) -> None:
-        """Stop whatever acts, or release it; say it again to those who have not confirmed it.
+        """Publish a stop or a release, again for robots and worlds that have not confirmed it.
 
-        What holds a robot is released only if it was known when it was first said.
+        A release ends only the stops that were known when it was first published.
 
         Raises:
             SwarmError: if the stop was released meanwhile.
@@ -133,7 +133,7 @@ class Stops:
         return f"{name} in ROS domain {self.domain_id}" if several else name
 
     def waiting(self) -> dict[str, tuple[str, bool]]:
-        """Return the robots that may not act, why, and whether an emergency stop holds them."""
+        """Return why robots may not act, and whether an emergency stop holds them, by name."""
         return {
             name: (why_stopped(report.why, report.causes), bool(report.emergencies))
             for name, report in self._present()
@@ -145,11 +145,11 @@ class Stops:
         """Let a robot act again.
 
         Args:
-            robot: its name, as `names` has it.
-            seconds: how long to wait for its answer.
+            robot: name of the robot, as in `names`.
+            seconds: timeout for the robot's answer.
 
         Raises:
-            SwarmError: if it may not, or does not answer.
+            SwarmError: if the robot refuses or does not answer.
         """
         topic = f"/{robot}/{names.STOP_STATE}"
         until = time.monotonic() + seconds
@@ -157,8 +157,8 @@ class Stops:
             self.look()
             await self.link.until(lambda: topic in self._reports, REPEAT_S)
         if topic not in self._reports:
-            there = some(self.names()) if self.names() else "none is there"
-            raise SwarmError(f"no robot {robot} says whether it may act; robots: {there}")
+            known = some(self.names()) if self.names() else "none is there"
+            raise SwarmError(f"no robot {robot} says whether it may act; robots: {known}")
         request = Arm.Request(stop=self._reports[topic][1].stop)
         service = f"/{robot}/{names.ARM}"
         missing = SwarmError(f"{robot} cannot be re-armed: no node offers {service}")
@@ -175,19 +175,19 @@ class Stops:
         seconds: float,
         tell: Callable[[dict[str, str], float], None] = lambda who, after: None,
     ) -> dict[str, str]:
-        """Stop whatever acts, or release it, again and again until all have confirmed it.
+        """Stop or release all robots and worlds; repeat until all have confirmed.
 
         Args:
-            ends: of all ROS domains that are meant.
-            by: who wants it, for people.
-            reason: for people.
-            engaged: whether they have to stand still.
-            seconds: how long at most.
-            tell: called about twice a second with those who have not confirmed it, and how long
-                it has been said, s.
+            ends: stops of the chosen ROS domains.
+            by: name of the person or program, for people.
+            reason: reason, for people.
+            engaged: whether to stop, not to release.
+            seconds: timeout.
+            tell: called about twice a second with the unconfirmed names and reasons, and the time
+                since the first message, s.
 
         Returns:
-            Those who have not confirmed it, and why not.
+            The reasons why robots and worlds have not confirmed, by name.
 
         Raises:
             SwarmError: if the stop was released meanwhile.
@@ -195,7 +195,7 @@ class Stops:
         lacking: dict[str, str] = {}
         began = time.monotonic()
         while time.monotonic() < began + seconds:
-            says = engaged or Stops.settled(ends)  # a release ends what is known when it is said
+            says = engaged or Stops.settled(ends)  # a release ends only known stops
             for end in ends if says else ():
                 end.say(by, reason, engaged=engaged)
             Stops.listen(ends, REPEAT_S)
@@ -204,17 +204,17 @@ class Stops:
                 for end in ends
                 for name, why in end.unconfirmed(engaged=engaged).items()
             }
-            there = any(end.names() for end in ends)
-            if there and not lacking and Stops.settled(ends):
+            found = any(end.names() for end in ends)
+            if found and not lacking and Stops.settled(ends):
                 break
-            if says and (lacking or not there):
+            if says and (lacking or not found):
                 tell(lacking, time.monotonic() - began)
         return lacking
 
     @staticmethod
     def listen(ends: Sequence[Stops], seconds: float) -> None:
-        """Hear for so long who is there, and what they say."""
-        for _ in range(2):  # to look is much work
+        """Discover robots and worlds, and receive their reports, for some seconds."""
+        for _ in range(2):  # discovery is expensive
             until = time.monotonic() + seconds / 2
             for end in ends:
                 end.look()
@@ -224,5 +224,5 @@ class Stops:
 
     @staticmethod
     def settled(ends: Sequence[Stops]) -> bool:
-        """Whether no new one was found for a while."""
+        """Whether no new robot or world was found for a while."""
         return all(time.monotonic() - end.found_at > SETTLED_S for end in ends)

@@ -1,4 +1,4 @@
-"""Chooses among the swarms that are up."""
+"""Choice among the swarms that are up."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LOOKUP_SECONDS = 3.0
 """Discovery time for a swarm that the registry does not know, s."""
 
 ALONE_SECONDS = 2.0
-"""How long to look if no other node is found, s; on an idle machine the first one takes 0.1 s."""
+"""Search time if no other node is found, s; on an idle machine the first node takes 0.1 s."""
 
 WAY_TO_CHOOSE = "choose one with --swarm NAME"
 
@@ -37,11 +37,11 @@ def only(found: Sequence[Found], what: str = "swarms are up", *remedies: Remedy)
 
     Args:
         found: the swarms.
-        what: what they have in common.
-        remedies: how to go on without choosing one.
+        what: text that describes the swarms.
+        remedies: ways to continue without a choice.
 
     Raises:
-        SwarmError: if there are several, with their distinct names, and what tells them apart.
+        SwarmError: if there are several; names each with a distinguishing property.
     """
     if len(found) > 1:
         names = [record.swarm for _, record in found]
@@ -72,10 +72,10 @@ def find_running(which: str | None) -> Found | None:
     """Return the named swarm, or the only one that is up; None if none is up.
 
     Args:
-        which: its name, identity, namespace or run folder; None for the only one.
+        which: name, identity, namespace or run folder; None for the only swarm.
 
     Raises:
-        SwarmError: if several are up and none is named, or the named one is not.
+        SwarmError: if several are up and none is named, or the named swarm is not up.
     """
     up = list(running_swarms())
     if which is None:
@@ -108,32 +108,32 @@ def is_namespace(which: str) -> bool:
 def find_meant(which: str | None, domain_id: int | None) -> Found | None:
     """Return the swarm to connect to; see `find_running`.
 
-    None as well for an identity or a namespace that the registry does not know: its swarm may have
-    been started elsewhere.
+    Also return None for an identity or a namespace that the registry does not know: its swarm may
+    have been started elsewhere.
 
     Args:
-        which: its name, identity, namespace or run folder; None for the only one.
-        domain_id: ROS domain of the swarm, if none is named; None for any.
+        which: name, identity, namespace or run folder; None for the only swarm.
+        domain_id: ROS domain of the swarm, if no swarm is named; None for any.
 
     Raises:
-        SwarmError: if several are up and none is named, or the named one is not.
+        SwarmError: if several are up and none is named, or the named swarm is not up.
     """
     elsewhere = which is not None and (is_identity(which) or is_namespace(which))
     if elsewhere and not meant(str(which), running_swarms()):
         return None
     if which is not None or domain_id is None:
         return find_running(which)
-    there = [found for found in running_swarms() if found[1].domain_id == domain_id]
-    return only(there, f"swarms are up in ROS domain {domain_id}")
+    in_domain = [found for found in running_swarms() if found[1].domain_id == domain_id]
+    return only(in_domain, f"swarms are up in ROS domain {domain_id}")
 
 
 def whose(identities: Iterable[str]) -> Iterator[str]:
     """Yield a sentence for each swarm that the registry does not know.
 
     Args:
-        identities: in the statuses of nodes that have answered.
+        identities: identities in the statuses of nodes that have answered.
     """
-    # What is left of a registered swarm was reported before the search for others began.
+    # Leftovers of a registered swarm were reported before the search for others began.
     own = {record.identity for _, record in registered_swarms()}
     for identity in sorted(set(identities) - own):
         if not is_by_hand(identity):
@@ -144,23 +144,23 @@ def whose(identities: Iterable[str]) -> Iterator[str]:
 
 
 def name_to_choose(record: RunRecord) -> str:
-    """Return what chooses a swarm with ``--swarm``: its name, or else its identity.
+    """Return the argument of ``--swarm`` for a swarm: its name, or else its identity.
 
-    Its identity is needed while another swarm of the same name is registered.
+    The identity is needed while another swarm of the same name is registered.
     """
     others = [other for _, other in registered_swarms() if other.swarm == record.swarm]
     return record.swarm if len(others) < 2 else record.identity
 
 
 def way_to_stop(folder: RunFolder, record: RunRecord) -> Remedy:
-    """Return how to stop a swarm of the registry, or to end what is left of it."""
+    """Return the remedy that stops a registered swarm, or ends its leftovers."""
     if folder.path == RunFolder.of_swarm(record.swarm).path:
         return Fix.DOWN(swarm=name_to_choose(record))
     return Fix.DOWN_FOLDER(folder=folder.path)
 
 
 def none_is_up(domain_id: int | None) -> tuple[str, list[Remedy]]:
-    """Return what the registry knows when `find_meant` found none, and what a person can do."""
+    """Return the problem and its remedies when `find_meant` found no swarm."""
     remedies: list[Remedy] = []
     where = f"under {state_home()}" if domain_id is None else f"in ROS domain {domain_id}"
     known = [f"No swarm runs {where}."]
@@ -192,19 +192,19 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
 
     Args:
         link: the node to use.
-        namespace: the one that is meant, see `is_namespace`; empty for any.
-        identity: of the swarm in question; empty for any.
+        namespace: the swarm's namespace, see `is_namespace`; empty for any.
+        identity: the swarm's identity; empty for any swarm.
 
     Raises:
-        SwarmError: if there are no such nodes, or if they are in several namespaces.
+        SwarmError: if there are no such nodes, or nodes in several namespaces.
     """
     from hitab_client.agent_presence import SETTLE_SECONDS, AgentPresence
 
     where = f"ROS domain {link.node.context.get_domain_id()}"
 
     def spaces() -> set[str]:
-        there = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
-        return there & {namespace.rstrip("/")} if namespace else there
+        found = {topic.rsplit("/", 2)[0] for topic in reported_on(link)}
+        return found & {namespace.rstrip("/")} if namespace else found
 
     def is_occupied() -> bool:
         return len(link.node.get_node_names()) > 1
@@ -214,25 +214,25 @@ def look_elsewhere(link: RosLink, namespace: str = "", identity: str = "") -> st
     ):
         which = f"namespace {namespace} of {where}" if namespace else where
         raise SwarmError(f"no swarm answers in {which}", Fix.UP(swarm="keepaway"))
-    there: set[str] = set()
-    while there != (there := spaces() or there):
+    prefixes: set[str] = set()
+    while prefixes != (prefixes := spaces() or prefixes):
         link.spin_until(lambda: False, SETTLE_SECONDS)
-    agents = [AgentPresence(link, prefix=space, identity=identity) for space in sorted(there)]
+    agents = [AgentPresence(link, prefix=space, identity=identity) for space in sorted(prefixes)]
     if len(agents) > 1:
         for some_agents in agents:
             some_agents.discover()
         link.spin_until(lambda: all(a.statuses or a.strangers for a in agents), SETTLE_SECONDS)
         agents = [a for a in agents if a.statuses] or agents
     if len(agents) > 1:
-        told = ", ".join(a.prefix or "/" for a in agents)
+        namespaces = ", ".join(a.prefix or "/" for a in agents)
         raise SwarmError(
-            f"swarms answer in several namespaces of {where}; {WAY_TO_CHOOSE}: {told}"
+            f"swarms answer in several namespaces of {where}; {WAY_TO_CHOOSE}: {namespaces}"
         )
     return agents[0].prefix
 
 
 def to_take_down(which: str | None) -> tuple[RunFolder, RunRecord | None] | None:
-    """Return the swarm to take down: a running one, else what a crashed one left behind.
+    """Return the swarm to take down: a running one, else the leftovers of a crashed one.
 
     Raises:
         SwarmError: if the choice is ambiguous, or the named swarm is missing.

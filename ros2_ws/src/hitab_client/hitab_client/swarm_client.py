@@ -1,4 +1,4 @@
-"""Talks to the agents of a swarm over their public topics and services."""
+"""Client of the agents of a swarm, through their public topics and services."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ PUBLISHED_SECONDS = 15.0
 """Timeout for an agent to publish its training, s; it looks for questions first."""
 
 SERVICES_PER_BATCH = 50
-"""Agents of a host create a service when a client appears; for so many at the same time."""
+"""Number of services called at the same time; a host creates each when its client appears."""
 
 
 def is_answered(status: AgentStatus, sequence: int) -> bool:
@@ -58,19 +58,19 @@ def is_answered(status: AgentStatus, sequence: int) -> bool:
 
 
 class SwarmClient(AgentPresence):
-    """The agents of a swarm, as seen and commanded over ROS.
+    """Client of a swarm's agents over ROS.
 
     Args:
         link: the node to use.
         expected: names of the expected agents, if known.
         prefix: namespace of the swarm.
         demonstrator: name of the demonstrator; by default, the user.
-        identity: of the swarm in question; empty for any.
-        processes: of the swarm; they show why an agent does not answer.
+        identity: the swarm's identity; empty for any swarm.
+        processes: the swarm's processes, which show why an agent does not answer.
 
     Attributes:
-        acknowledgements: of distributions.
-        trainings: what the watched agents are being trained, as they have published it.
+        acknowledgements: acknowledgements of distributions.
+        trainings: last published trainings of the watched agents, by name.
     """
 
     def __init__(
@@ -109,23 +109,24 @@ class SwarmClient(AgentPresence):
         demonstrator: str = "",
         world: WorldClient | None = None,
     ) -> AgentStatus:
-        """Command a behavior and wait until the agent has acknowledged it.
+        """Command a behavior and wait for the agent's acknowledgement.
 
         Args:
-            agent: to command.
-            behavior: to perform.
-            targets: for the behavior's parameters.
-            ago: how long before what the demonstrator saw it was due, s of simulated time.
+            agent: name of the agent.
+            behavior: behavior to perform.
+            targets: targets of the behavior's parameters.
+            ago: time from when the command was due to the cycle that the demonstrator saw, s of
+                simulated time.
             seen: the world's cycle that the demonstrator saw; 0 for the last one.
-            pace: simulated seconds per second of a person with an unknown delay;
-                0: ``ago`` is known.
-            unrecorded: only perform it; no example is recorded.
-            sequence: number of the command, such as the time in microseconds. An agent obeys a
-                number once, so a lost command can be sent again with its number. 0: a new one.
-            seconds: how long to wait.
-            demonstrator: who commands; empty for the client's.
-            world: of the agent; None if it has none. An agent that is late in a stepped world is
-                waited for: it would take the command for an answer to an earlier percept.
+            pace: simulated seconds per second, if the person's delay is unknown; 0 if ``ago`` is
+                known.
+            unrecorded: whether to perform the behavior without recording an example.
+            sequence: the command's number, such as the time in microseconds; 0 for a new number.
+                An agent obeys a number once, so a lost command can be sent again with its number.
+            seconds: timeout.
+            demonstrator: name of the demonstrator; empty for the client's own.
+            world: client of the agent's world; None without a world. In a stepped world, a late
+                agent is waited for, since it would relate the command to an earlier percept.
 
         Raises:
             SwarmError: if the agent is missing, refuses, or does not acknowledge.
@@ -150,8 +151,8 @@ class SwarmClient(AgentPresence):
         def answered() -> bool:
             return is_answered(self.statuses[agent], sequence)
 
-        # The subscriber may be an agent whose death is not yet known; its successor gets the
-        # next copy. An agent ignores commands obeyed before, even before a crash.
+        # The subscriber may be an agent whose crash is not detected yet; its successor gets the
+        # next copy. An agent ignores repeated commands, even after a restart.
         if not await self.link.repeat(
             lambda: publisher.publish(command),
             answered,
@@ -190,7 +191,7 @@ class SwarmClient(AgentPresence):
         """Call one of an agent's services and return its answer.
 
         Raises:
-            SwarmError: with the agent's message, if it refuses.
+            SwarmError: if the agent refuses, with its message.
         """
         await self.await_agent.coroutine(agent)
         answer = await self.link.call.coroutine(
@@ -200,13 +201,13 @@ class SwarmClient(AgentPresence):
             missing=lambda: self._absence(agent, DISCOVERY_SECONDS),
             where=agent,
         )
-        # The status was sent before the answer, on another way. Until it has come, the next
-        # command would be given as to the agent that was.
+        # The status was sent before the answer, on another topic. Until it arrives, the next
+        # command would rely on the agent's former status.
         await self.link.until(lambda: self._shows(agent, answer), ACKNOWLEDGE_SECONDS, 0.01)
         return answer
 
     def _shows(self, agent: str, answer: Any) -> bool:
-        """Whether the status of an agent shows its answer."""
+        """Whether an agent's status is as recent as its answer."""
         status = self.statuses.get(agent)
         if status is None:
             return True
@@ -222,24 +223,24 @@ class SwarmClient(AgentPresence):
 
     @blocking
     async def training(self, agent: str, *, searched: bool = False) -> Training:
-        """Return what an agent is being trained, as it is after all that was asked of it here.
+        """Return an agent's training, up to date with all requests of this client.
 
         Args:
-            agent: that is trained.
-            searched: whether to wait until the agent has looked for questions.
+            agent: name of the agent.
+            searched: whether to wait until the agent has searched for questions.
 
         Raises:
-            SwarmError: if it is not training anything, or does not publish it.
+            SwarmError: if the agent has no training, or does not publish it.
         """
         await self.await_agent.coroutine(agent)
         await self.link.until(lambda: False, DRAIN_SECONDS, DRAIN_SECONDS)
 
         def has_come() -> bool:
             self.watch_training(agent)
-            wanted, there = self.statuses[agent].training_revision, self.trainings.get(agent)
-            if not wanted or there is None:
+            wanted, training = self.statuses[agent].training_revision, self.trainings.get(agent)
+            if not wanted or training is None:
                 return not wanted
-            return there.revision >= wanted and (there.searched or not searched)
+            return training.revision >= wanted and (training.searched or not searched)
 
         if not await self.link.until(
             has_come, PUBLISHED_SECONDS, 0.01, lambda: f"what {agent} is being trained"
@@ -257,7 +258,7 @@ class SwarmClient(AgentPresence):
         return self.trainings[agent]
 
     def watch_training(self, agent: str) -> None:
-        """Keep what an agent is being trained in `trainings` from now on."""
+        """Keep an agent's training in `trainings` from now on."""
         if agent not in self._followed:
             topic = names.of_agent(agent, names.TRAINING, self.prefix)
             self._followed[agent] = self.link.subscribe(
@@ -271,7 +272,7 @@ class SwarmClient(AgentPresence):
             self.trainings.pop(agent, None)
 
     def _take_training(self, message: TrainingMessage) -> None:
-        from hitab_client.learned import training_of  # here because it loads what learns
+        from hitab_client.learned import training_of  # deferred: loads the learning code
 
         if message.automaton.name:
             self.trainings[message.agent] = training_of(message)
@@ -292,19 +293,19 @@ class SwarmClient(AgentPresence):
 
     @blocking
     async def discard(self, agent: str) -> Any:
-        """Give up an agent's training with its unsaved examples; the agent is idle afterwards."""
+        """Discard an agent's training with its unsaved examples; the agent is idle afterwards."""
         return await self.ask.coroutine(
             agent, SetMode, names.SET_MODE, mode=AgentStatus.IDLE, discard=True
         )
 
     @blocking
     async def undo(self, agent: str) -> Any:
-        """Take back the last command or edit."""
+        """Undo the last command or edit."""
         return await self._edit(agent, EditExamples.Request.UNDO)
 
     @blocking
     async def redo(self, agent: str) -> Any:
-        """Do again what was taken back last."""
+        """Redo the last command or edit that was undone."""
         return await self._edit(agent, EditExamples.Request.REDO)
 
     @blocking
@@ -320,12 +321,12 @@ class SwarmClient(AgentPresence):
 
     @blocking
     async def retime(self, agent: str, numbers: Sequence[int], ago: float) -> Any:
-        """Have the commands of examples be due so many seconds before they were given."""
+        """Date the commands of examples back by some seconds."""
         return await self._edit(agent, EditExamples.Request.RETIME, numbers=list(numbers), ago=ago)
 
     @blocking
     async def choose_features(self, agent: str, features: Sequence[str]) -> Any:
-        """Learn from other features of the same examples."""
+        """Choose other features to learn from, with the same examples."""
         return await self._edit(agent, EditExamples.Request.FEATURES, features=list(features))
 
     async def _edit(self, agent: str, action: int, **fields: Any) -> Any:
@@ -335,8 +336,8 @@ class SwarmClient(AgentPresence):
 
     @blocking
     async def behavior(self, agent: str, name: str = "", **fields: Any) -> Learned:
-        """Return a behavior as it was learned, or would be; see GetBehavior.srv."""
-        from hitab_client.learned import learned_of  # here because it loads what learns
+        """Return a learned behavior, or a preview of one; see GetBehavior.srv."""
+        from hitab_client.learned import learned_of  # deferred: loads the learning code
 
         return learned_of(
             await self.ask.coroutine(agent, GetBehavior, names.GET_BEHAVIOR, name=name, **fields)
@@ -358,20 +359,20 @@ class SwarmClient(AgentPresence):
 
     @blocking
     async def set_caution(self, agent: str, when_unsure: str, *, distance: float = 0.0) -> Any:
-        """Say what the agent does when it is unsure; see SetCaution.srv."""
+        """Set the agent's reaction to unsure decisions; see SetCaution.srv."""
         return await self.ask.coroutine(
             agent, SetCaution, names.SET_CAUTION, when_unsure=when_unsure, distance=distance
         )
 
     @blocking
     async def report(self, agent: str, automaton: str = "") -> list[TrainingCost]:
-        """Return what trainings cost the person, oldest first; see GetReport.srv."""
+        """Return the costs of trainings, oldest first; see GetReport.srv."""
         report = await self.ask.coroutine(agent, GetReport, names.GET_REPORT, automaton=automaton)
         return list(map(cost_of, report.costs))
 
     @blocking
     async def save(self, agent: str, **fields: Any) -> Any:
-        """Save what was trained; see SaveBehavior.srv."""
+        """Save the trained behavior; see SaveBehavior.srv."""
         return await self.ask.coroutine(agent, SaveBehavior, names.SAVE, **fields)
 
     @blocking
@@ -382,11 +383,11 @@ class SwarmClient(AgentPresence):
         )
 
     def reload(self, agents: Sequence[str]) -> Iterator[tuple[str, str, bool]]:
-        """Make agents reload their libraries; yield each, its answer and whether it did."""
+        """Make agents reload their libraries; yield each agent, its answer and its success."""
         return map(self.link.run, self.reloading(agents))
 
     def reloading(self, agents: Sequence[str]) -> Iterator[Turns[tuple[str, str, bool]]]:
-        """Yield coroutines that do the same, to be awaited one after the other."""
+        """Yield a coroutine per agent that reloads its library, to be awaited in turn."""
         for start in range(0, len(agents), SERVICES_PER_BATCH):
             together = agents[start : start + SERVICES_PER_BATCH]
             for agent in together:
@@ -407,12 +408,12 @@ class SwarmClient(AgentPresence):
 
     @blocking
     async def vocabulary(self, agent: str) -> Any:
-        """Return what can be commanded, perceived and targeted."""
+        """Return an agent's behaviors, features and targets."""
         return await self.ask.coroutine(agent, GetVocabulary, names.GET_VOCABULARY)
 
     @blocking
     async def read_features(self, agent: str, also: Sequence[str] = ()) -> Any:
-        """Return what the agent perceives at the moment; see ReadFeatures.srv."""
+        """Return the current values of an agent's features; see ReadFeatures.srv."""
         return await self.ask.coroutine(agent, ReadFeatures, names.READ_FEATURES, also=list(also))
 
     # -- distributing -----------------------------------------------------------------------
@@ -432,13 +433,13 @@ class SwarmClient(AgentPresence):
         """Send a behavior from one agent to others and wait for their answers.
 
         Args:
-            source: agent that has the behavior.
-            behavior: its name.
-            arguments: targets for its parameters, if it should be started.
-            receivers: agents to send it to; by default all others of its domain.
-            start: make them perform it.
-            seconds: how long to wait for the next answer; there is no limit on the total.
-            progress: called with the number of answers and of receivers.
+            source: name of the agent that has the behavior.
+            behavior: name of the behavior.
+            arguments: targets of the behavior's parameters, if it is to be started.
+            receivers: names of the receivers; by default all other agents of the source's domain.
+            start: whether the receivers perform the behavior.
+            seconds: timeout for each next answer; the total is not limited.
+            progress: called with the numbers of answers and of receivers.
 
         Raises:
             SwarmError: if the source refuses, or a receiver is missing.
@@ -447,21 +448,21 @@ class SwarmClient(AgentPresence):
             await self.await_agents.coroutine()
         for agent in (source, *receivers):
             await self.await_agent.coroutine(agent)
-        meant = [name for name in receivers or self.mates_of(source) if name != source]
-        if not meant:
+        chosen = [name for name in receivers or self.mates_of(source) if name != source]
+        if not chosen:
             raise SwarmError(f"there is no other agent of the domain of {source} to send it to")
-        await self.acknowledgements.await_hearing(meant)
+        await self.acknowledgements.await_hearing(chosen)
         answer = await self.ask.coroutine(
             source,
             Distribute,
             names.DISTRIBUTE,
             behavior=behavior,
             arguments=list(arguments),
-            receivers=meant,
+            receivers=chosen,
             start=start,
         )
         report = await self.acknowledgements.gather(
-            answer.sequence, answer.digest, meant, seconds, progress
+            answer.sequence, answer.digest, chosen, seconds, progress
         )
         report.message = answer.message
         return report

@@ -1,4 +1,4 @@
-"""The name and the home of the user of this process, who may be an id without either."""
+"""Name and home of this process's user, also if the user is only an id."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def user_name() -> str:
 
 
 def user_home() -> Path:
-    """Return the user's home folder, or the root folder, as shells do where there is none."""
+    """Return the user's home folder, or the root folder without one, as shells do."""
     try:
         return Path(os.environ.get("HOME") or pwd.getpwuid(os.getuid()).pw_dir)
     except KeyError:

@@ -1,4 +1,4 @@
-"""Temporarily changes how a world runs, and always restores it."""
+"""Context managers that change how a world runs, and always restore it."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from hitab_client.world_client import WorldClient
 from hitab_core import Fix
 
 ARRANGED = "as_arranged"
-"""The snapshot of a world as it was arranged, while it plays."""
+"""Name of the snapshot that restores a world's arrangement."""
 
 
 @contextlib.contextmanager
 def as_it_was(world: WorldClient) -> Iterator[WorldStatus]:
     """Restore a world's pace, factor and mode at the end.
 
-    Errors and Ctrl-C, even together, do not prevent that; only the world itself can.
+    Errors and Ctrl-C, even together, do not prevent this; only the world itself can.
 
     Raises:
-        SwarmError: if there is no world, or if it cannot be restored and nothing else went wrong.
+        SwarmError: if there is no world, or if restoring fails without another error.
     """
     before = world.wait()
     try:
@@ -45,13 +45,13 @@ def as_it_was(world: WorldClient) -> Iterator[WorldStatus]:
 
 @contextlib.contextmanager
 def standing_still(world: WorldClient | None) -> Iterator[WorldStatus | None]:
-    """Have a world stand still, as fast as the agents when it goes on; then as before.
+    """Pause a world and set it to lockstep at full speed; restore it at the end.
 
     Args:
-        world: the world; None if there is none, and nothing is done.
+        world: client of the world; None to do nothing.
 
     Raises:
-        SwarmError: as `as_it_was`.
+        SwarmError: as in `as_it_was`.
     """
     if world is None:
         yield None
@@ -65,7 +65,7 @@ def standing_still(world: WorldClient | None) -> Iterator[WorldStatus | None]:
 
 @contextlib.contextmanager
 def arranged_as_it_was(world: WorldClient) -> Iterator[None]:
-    """Restore where everything is in a paused world at the end, and that it plays no episodes.
+    """Restore the arrangement of a paused world at the end, and stop its episodes.
 
     Raises:
         SwarmError: if the world can keep no more snapshots.
@@ -97,7 +97,7 @@ def _restore(world: WorldClient, before: WorldStatus) -> Exception | None:
 
 
 def _do_all(*steps: Callable[[], Any]) -> Exception | None:
-    """Take each step, whatever happens in one before; return the first error."""
+    """Run each step even if an earlier one fails; return the first error."""
     problems: list[Exception] = []
     with not_interrupted():
         for step in steps:

@@ -1,4 +1,4 @@
-"""Talks to a world over its public topics and services."""
+"""Client of a world, through its public topics and services."""
 
 from __future__ import annotations
 
@@ -24,30 +24,31 @@ NOT_SIMULATED = (
     "this swarm has no world: its swarm file names none, and none that was started by hand "
     "answers; only a world can be driven"
 )
-WORLD_DISCOVERY_SECONDS = 2.0  # to wait for a world that the swarm has not started
-STATUS_DELAY_SECONDS = 3.0  # that a status may come later than an answer
+WORLD_DISCOVERY_SECONDS = 2.0  # timeout for a world that the swarm has not started
+STATUS_DELAY_SECONDS = 3.0  # maximum delay of a status after an answer
 MODE_AFTER_REQUEST = {
     Control.Request.PAUSE: WorldState.PAUSED,
     Control.Request.RESUME: WorldState.RUNNING,
 }
-SPEED_SECONDS = 1.0  # over which the world's speed is averaged
+SPEED_SECONDS = 1.0  # averaging time of the world's speed
 NAN = float("nan")
 
 
 class WorldClient:
-    """The world of a swarm, as seen and driven over ROS.
+    """Client of a swarm's world over ROS.
 
     Args:
         link: the node to use.
         prefix: namespace of the swarm.
-        identity: of the swarm in question; empty for any.
-        started_by_it: whether that swarm has started a world.
-        processes: of the swarm; they show why the world does not answer.
+        identity: the swarm's identity; empty for any swarm.
+        started_by_it: whether the swarm has started a world.
+        processes: the swarm's processes, which show why the world does not answer.
 
     Attributes:
         status: the last status of the swarm's world.
-        speed: as seen lately: simulated seconds in a second.
-        stranger: the other swarm that the world belongs to, if any; empty if started by hand.
+        speed: recent speed, simulated seconds per second.
+        stranger: identity of the other swarm that the world belongs to, empty for a world
+            started by hand; None if the world belongs to this swarm.
     """
 
     def __init__(
@@ -98,7 +99,7 @@ class WorldClient:
         """Wait for the world and return its status.
 
         Raises:
-            SwarmError: if there is none, saying why if that is known, or only another swarm's.
+            SwarmError: if there is no world (with the reason, if known), or only another swarm's.
         """
         own = names.WORLD in self._processes
         if self._processes.are_known and not own:
@@ -135,7 +136,7 @@ class WorldClient:
         """Call one of the world's services and return its answer.
 
         Raises:
-            SwarmError: with the world's message, if it refuses, or if it belongs to another swarm.
+            SwarmError: if the world refuses, with its message, or belongs to another swarm.
         """
         await self.wait.coroutine()
         return await self.link.call.coroutine(
@@ -150,7 +151,7 @@ class WorldClient:
     async def control(
         self, action: str, *, cycles: int = 0, pace: str = "", factor: float = 0.0
     ) -> Any:
-        """Pause, resume, step, reset or set the pace."""
+        """Pause, resume, step or reset the world, or set its pace."""
         answer = await self.ask.coroutine(
             Control, names.CONTROL, action=action, cycles=cycles, pace=pace, factor=factor
         )
@@ -165,9 +166,9 @@ class WorldClient:
         return answer
 
     async def _await_status(self, right: Callable[[WorldStatus], bool]) -> None:
-        """Wait for the status that was sent before an answer, or a state, on another way.
+        """Wait for the status that was sent before an answer or a state, on another topic.
 
-        A command would be given as to the world that was.
+        Until it arrives, a command would rely on the world's former status.
         """
         await self.link.until(
             lambda: self.status is None or right(self.status), STATUS_DELAY_SECONDS
@@ -175,12 +176,12 @@ class WorldClient:
 
     @property
     def is_paused(self) -> bool:
-        """Whether the world stands still, as far as it has told."""
+        """Whether the world is paused, according to its last status."""
         return self.status is not None and bool(self.status.mode == WorldState.PAUSED)
 
     @property
     def missing(self) -> list[str]:
-        """The agents without which the world goes on, as far as it has told."""
+        """The agents without which the world continues, according to its last status."""
         return list(self.status.missing) if self.status is not None else []
 
     @blocking
@@ -190,24 +191,24 @@ class WorldClient:
         seconds: float = 30.0,
         left: Callable[[int], None] = lambda cycles: None,
     ) -> WorldState:
-        """Step a paused world by some cycles and return its state.
+        """Run a paused world for some cycles and return its state.
 
         Args:
-            cycles: how many.
-            seconds: how long each may take.
-            left: called before each with how many there are still to come.
+            cycles: number of cycles.
+            seconds: timeout for each cycle.
+            left: called before each cycle with the number of remaining cycles.
 
         Raises:
-            SwarmError: if one takes longer.
+            SwarmError: if a cycle takes longer.
         """
         last = (await self.control.coroutine(Control.Request.STEP, cycles=cycles)).cycle
-        told = [self.status]
+        seen = [self.status]
 
         def rests() -> bool:
-            """Raise if the world rests before, by a status that was sent since then."""
-            if self.status is not told[-1]:
-                told.append(self.status)  # the first new one may have been sent before
-            if (status := told[-1]) and len(told) > 2 and self.is_paused and status.cycle < last:
+            """Raise if a status sent since the request shows that the world rests too early."""
+            if self.status is not seen[-1]:
+                seen.append(self.status)  # the first new status may have been sent before
+            if (status := seen[-1]) and len(seen) > 2 and self.is_paused and status.cycle < last:
                 why = status.last_error or "it was paused"
                 raise SwarmError(
                     f"the world did not reach cycle {last}, but rests at cycle {status.cycle}: "
@@ -225,7 +226,7 @@ class WorldClient:
 
     @blocking
     async def cycle_before(self, seconds: float) -> int:
-        """Return the cycle of some simulated seconds ago, or the first one if that was later.
+        """Return the cycle some simulated seconds ago, but not before the first one.
 
         Raises:
             SwarmError: if the world publishes no state.
@@ -243,12 +244,12 @@ class WorldClient:
         """Wait for the state of a cycle, or of a later one.
 
         Args:
-            cycle: of the world.
-            seconds: how long to wait.
-            rests: raises if it will not come.
+            cycle: number of the cycle.
+            seconds: timeout.
+            rests: raises if the state will not arrive.
 
         Raises:
-            SwarmError: if it does not come in time.
+            SwarmError: if the state does not arrive in time.
         """
         what = f"reach cycle {cycle}"
         return await self._awaited(lambda state: state.cycle >= cycle or rests(), what, seconds)
@@ -273,8 +274,8 @@ class WorldClient:
         """Return the state of a paused world once the agents have perceived a change.
 
         Args:
-            answer: of the service that changed it.
-            seconds: how long that may take.
+            answer: answer of the service that changed the world.
+            seconds: timeout.
 
         Raises:
             SwarmError: if the world does not publish its state.
@@ -285,11 +286,11 @@ class WorldClient:
     async def place(
         self, things: Mapping[str, Mapping[str, float]], *, new_episode: bool = False
     ) -> Any:
-        """Put things somewhere.
+        """Place things.
 
         Args:
-            things: by name; any of x, y, heading, vx and vy. The others are kept.
-            new_episode: begin a new episode from these positions.
+            things: coordinates by name: any of x, y, heading, vx and vy. Others are kept.
+            new_episode: whether to begin a new episode from these positions.
         """
         entities = [
             Entity(
@@ -327,12 +328,12 @@ class WorldClient:
         run = (await self.ask.coroutine(Play, names.PLAY, episodes=episodes, seed=seed)).run
 
         def played() -> list[Episode]:
-            """Return the run's episodes so far as first told: a restarted world repeats some."""
-            told: dict[int, Episode] = {}
+            """Return the run's episodes as first reported; a restarted world repeats some."""
+            by_number: dict[int, Episode] = {}
             for episode in self.episodes:
                 if episode.run == run:
-                    told.setdefault(episode.number, episode)
-            return list(told.values())
+                    by_number.setdefault(episode.number, episode)
+            return list(by_number.values())
 
         while (seen := len(played())) < episodes:
             if progress is not None:
@@ -342,7 +343,7 @@ class WorldClient:
             def ended(known: int = len(self.episodes)) -> bool:
                 return len(self.episodes) > known
 
-            # Nor is it a long episode, in real time.
+            # In real time, a long episode is not a stall either.
             if not await self.link.until(ended, stall_seconds) and self._cycle == cycle:
                 raise SwarmError(
                     f"no cycle was played for {stall_seconds:g} s after {seen} of {episodes} "

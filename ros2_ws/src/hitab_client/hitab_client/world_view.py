@@ -27,21 +27,22 @@ class Thing(Protocol):
 
 
 def no_reading(agent: str, feature: str) -> float:
-    """Raise, since no service answers what the agents perceive."""
+    """Raise an error, since no service reads the agents' features."""
     raise LessonError(f"the feature values of {agent} are unavailable here")
 
 
 @dataclass(frozen=True)
 class WorldView:
-    """One moment.
+    """A world at one moment.
 
     Attributes:
-        things: the true state of everything in the world; None if there is no world.
+        things: true state of everything in the world; None without a world.
         seconds: simulated seconds since the step of the lesson began.
-        paths: the active states of each agent.
-        said: the agents that have said something since the step began.
-        ended: the outcomes of the episodes that have ended since the step began.
-        reading: returns the value of a feature, given an agent's name and the feature, or NaN.
+        paths: active states of each agent, by name.
+        said: names of the agents that have spoken since the step began.
+        ended: outcomes of the episodes that have ended since the step began.
+        reading: returns a feature's value, given an agent's name and the feature; NaN without a
+            value.
     """
 
     things: Sequence[Thing] | None

@@ -1,4 +1,4 @@
-"""Directions are shown from minus to plus half a turn, also those of answers."""
+"""Directions, also in answers to questions, are shown from minus to plus half a turn."""
 
 import math
 

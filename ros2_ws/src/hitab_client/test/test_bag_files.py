@@ -1,4 +1,4 @@
-"""A bag has what ``ros2 bag`` looks for in it; what is no sound bag is refused in one line."""
+"""Bags have the metadata that ``ros2 bag`` expects; damaged bags are refused in one line."""
 
 from __future__ import annotations
 
@@ -76,9 +76,9 @@ COUNT = 150
 
 
 def driven(path: Path, **options: Any) -> list[Any]:
-    """Write a keeper's percepts and actions with mcap's own writer; return what is to be read.
+    """Write a keeper's percepts and actions with mcap's own writer; return the expected moments.
 
-    Options change what is written: ``data`` and ``when`` of each message, and the writer's own.
+    Options change ``data`` and ``when`` of each message, and the writer's own settings.
     """
     data = options.pop("data", bytes)
     when = options.pop("when", int)
@@ -209,7 +209,7 @@ def test_a_record_whose_kind_is_damaged_is_not_skipped_in_silence(tmp_path: Path
     whole, at, refused = path.read_bytes(), 8, 0
     while at < len(whole) - 8:
         content = bytearray(whole)
-        content[at] ^= 0x80  # kinds from 0x80 on are others' own, which readers skip
+        content[at] ^= 0x80  # record types from 0x80 on are private, and readers skip them
         path.write_bytes(content)
         try:
             assert read(path)[0] == right

@@ -1,4 +1,4 @@
-"""`rosbags`, which shares no code with what writes a recording, reads all of it."""
+"""`rosbags`, which shares no code with the recorder, reads whole recordings."""
 
 from __future__ import annotations
 

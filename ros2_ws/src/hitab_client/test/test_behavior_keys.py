@@ -1,4 +1,4 @@
-"""People learn keys by heart: a key never comes to mean another behavior."""
+"""A key never changes to another behavior, since people learn keys by heart."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -33,7 +33,7 @@ with RosLink() as link:
 
 
 def test_a_program_that_was_suspended_until_it_was_forgotten_says_so(tmp_path, monkeypatch):
-    """It would not find all of the swarm again, and wait for what is there."""
+    """Otherwise it would wait forever for nodes that it does not rediscover."""
     script = """
 from hitab_client import RosLink
 with RosLink(name="sleeper") as link:

@@ -1,4 +1,4 @@
-"""What comes of keys and buttons; the agents are played by the test."""
+"""Outcomes of keys and buttons, with agents played by the test."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -28,7 +28,7 @@ NUMBERS = [
 
 
 class Topic:
-    """A publisher; how many listen is up to the test."""
+    """A publisher whose number of subscribers the test sets."""
 
     def __init__(self, name: str, listeners: list[int]) -> None:
         self.topic_name = name
@@ -40,7 +40,7 @@ class Topic:
 
 
 class Node:
-    """A node whose timers the test rings."""
+    """A node whose timers the test fires."""
 
     def __init__(self) -> None:
         self.topics: dict[str, Topic] = {}
@@ -81,7 +81,7 @@ class Node:
 
 
 class Agents:
-    """A swarm client whose agents do at once what they are asked."""
+    """A swarm client whose agents carry out each request at once."""
 
     prefix = ""
     demonstrator = "ann"
@@ -161,7 +161,7 @@ class Desk:
 
     @property
     def driven(self) -> tuple[float, float, float]:
-        """What the robot's relay was sent last."""
+        """The last velocity that the robot's relay received."""
         sent = self.agents.link.node.topics[f"/{ONE}/cmd_vel_teleop"].sent
         if not sent:
             return 0.0, 0.0, 0.0
@@ -246,7 +246,7 @@ def test_a_behavior_with_a_parameter_asks_for_its_target(desk):
 
 
 def test_a_target_may_be_pressed_before_an_agent_has_answered(desk):
-    """It would be the key of a behavior otherwise, which nobody meant."""
+    """Otherwise the key of the target would command a behavior."""
     for key in "121":
         desk.keyboard.press(key)
     desk.demonstrator.work()
@@ -279,7 +279,7 @@ class Gamepad:
         self.push(held=True)
 
     def push(self, *axes: float, held: bool = False, button: bool = False) -> None:
-        """Send where the right stick (to the left, ahead) and the left one (ahead) are."""
+        """Send the positions of the right stick (to the left, ahead) and the left one (ahead)."""
         left, ahead, power = axes or (0.0, 0.0, 0.0)
         buttons = [int(button), 0, 0, 0, int(held), *[0] * 6]
         joy = Joy(axes=[0.0, power, 0.0, left, ahead, 0.0, 0.0, 0.0], buttons=buttons)
@@ -375,7 +375,7 @@ def test_what_begins_to_act_ends_the_driving_until_the_person_lets_go(desk):
     assert deflected() == (0.3, 0.0, 0.0)
     assert desk.agents.done[1:] == [("perform", ONE, "")]
     assert deflected() == (0.3, 0.0, 0.0)
-    desk.agents.become(ONE, "performing", "Forward")  # by somebody else
+    desk.agents.become(ONE, "performing", "Forward")  # by another demonstrator
     assert deflected() == (0.0, 0.0, 0.0)
     assert "acts again: let go" in desk.demonstrator.said
 
@@ -393,9 +393,9 @@ def test_a_robot_without_a_relay_cannot_be_driven_and_its_agent_is_left_alone(de
     said = desk.press("up")
     assert f"no velocity_relay listens on /{ONE}/cmd_vel_teleop" in said
     assert desk.agents.done == []
-    told = desk.demonstrator.told
+    count = desk.demonstrator.told
     desk.press("up", "up")
-    assert desk.demonstrator.told == told, "it is said once"
+    assert desk.demonstrator.told == count, "it is said once"
 
 
 def test_the_emergency_stop_counts_at_once_and_what_was_pressed_before_it_no_more(desk):
@@ -424,8 +424,8 @@ def test_an_arrow_that_is_pressed_twice_before_the_agent_answers_leaves_it_in_tr
 
 def test_a_command_says_which_transition_it_records():
     status = AgentStatus(behavior="Wander", examples=5, active_path=["Start"], left="Forward")
-    told = outcome(ONE, "Done", status)
-    assert told == f"{ONE}: Forward -> Done; Wander has 5 examples (0 default)"
+    text = outcome(ONE, "Done", status)
+    assert text == f"{ONE}: Forward -> Done; Wander has 5 examples (0 default)"
     status.active_path, status.left = ["Forward", "Start"], ""  # it could not be recorded
-    told = outcome(ONE, "Forward", status)
-    assert told == f"{ONE} performs Forward; Wander has 5 examples (0 default)"
+    text = outcome(ONE, "Forward", status)
+    assert text == f"{ONE} performs Forward; Wander has 5 examples (0 default)"

@@ -1,4 +1,4 @@
-"""The ROS domain of a swarm of its own is one that nobody on the machine uses."""
+"""The ROS domain reserved for a swarm is unused on the machine."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""The generations of a behavior as kept on disk, and how a training goes on with the next one."""
+"""Generations of a behavior on disk, and the training between them."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def test_a_damaged_list_is_refused_by_line(tmp_path):
 
 
 def awaited(wait: str) -> str:
-    nobody: Any = None
-    lesson = Bootstrapping(nobody, None, None, wait=wait)._waiting("keeper_1")
+    no_swarm: Any = None
+    lesson = Bootstrapping(no_swarm, None, None, wait=wait)._waiting("keeper_1")
     assert lesson is not None
     return lesson.steps[1].condition.describe()  # type: ignore[attr-defined]
 
@@ -72,7 +72,7 @@ def test_a_score_is_a_mean_with_its_standard_error():
 
 
 class Swarm:
-    """Keeps with what a training was begun."""
+    """A swarm client that keeps the arguments of `begin`."""
 
     def begin(self, agent: str, automaton: str, **fields: Any) -> None:
         self.begun = fields

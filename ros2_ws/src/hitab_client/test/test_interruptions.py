@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and SIGHUP wait where half of something must not be left, then end."""
+"""Ctrl-C, SIGTERM and SIGHUP wait for the end of changes that must not be left half done."""
 
 import signal
 import subprocess

@@ -1,4 +1,4 @@
-"""Lessons: how they read, and that errors name the file and line."""
+"""Lesson files: their format, and errors with file and line."""
 
 import math
 from pathlib import Path

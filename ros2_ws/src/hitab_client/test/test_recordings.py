@@ -1,4 +1,4 @@
-"""Recordings are named, renamed and deleted, and nothing else is."""
+"""Recordings, and no other files, are named, renamed and deleted."""
 
 import pytest
 

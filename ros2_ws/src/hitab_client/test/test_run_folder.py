@@ -1,4 +1,4 @@
-"""Run folders, supervisor configuration: what a swarm leaves behind is cleaned."""
+"""Run folders and supervisor configuration: leftovers of a swarm are removed."""
 
 import configparser
 import subprocess
@@ -20,7 +20,7 @@ def home(tmp_path, monkeypatch):
 
 
 def record(socket: str, swarm: str = "trio") -> RunRecord:
-    # Process 1 is alive, but it is nobody that was started from here.
+    # Process 1 is alive, but was not started from here.
     return RunRecord(swarm, "trio.yaml", 7, "LOCALHOST", ("a",), False, 1, socket)
 
 
@@ -60,7 +60,7 @@ def test_what_a_supervisor_left_that_was_killed_while_it_started_is_removed(tmp_
     other = Path(folder.read().socket).with_name("other")
     other.touch()
     folder.forget()
-    assert other.exists(), "it is somebody else's"
+    assert other.exists(), "it belongs to another program"
     assert folder.read() is None
 
 
@@ -76,7 +76,7 @@ def test_the_supervisor_is_told_every_process_whatever_its_path_looks_like(tmp_p
         shell, file = parser[f"program:{process.name}"]["command"].split()
         words = (folder / file).read_text().removeprefix("exec ")
         show = [shell, "-c", f"set -- {words}\nprintf '%s\\n' \"$@\""]
-        told = subprocess.run(show, capture_output=True, text=True, check=True).stdout
-        assert told.splitlines() == process.command
+        output = subprocess.run(show, capture_output=True, text=True, check=True).stdout
+        assert output.splitlines() == process.command
     assert parser["unix_http_server"]["chmod"] == "0700"
     assert "inet_http_server" not in parser

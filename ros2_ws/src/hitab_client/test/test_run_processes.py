@@ -1,4 +1,4 @@
-"""What the supervisor says of its processes becomes a reason and a way out."""
+"""The supervisor's process states become reasons and ways out."""
 
 import os
 import socketserver
@@ -54,7 +54,7 @@ def record(socket: str) -> RunRecord:
 
 @pytest.fixture
 def team(tmp_path):
-    """Return the record of a swarm whose supervisor says what is in `STATES`."""
+    """Return the record of a swarm whose supervisor reports `STATES`."""
     path = str(tmp_path / "s")
     with Server(path) as server:
         server.register_function(lambda: STATES, "supervisor.getAllProcessInfo")
@@ -97,18 +97,20 @@ def test_a_host_is_named_once_for_all_its_agents(team):
 
 
 def test_a_supervisor_that_does_not_answer_is_no_reason_either(tmp_path):
-    nobody = record(str(tmp_path / "none"))
-    assert RunProcesses(nobody).why_silent("a") is None
-    assert RunProcesses(nobody).pid("a") == 0
+    ended = record(str(tmp_path / "none"))
+    assert RunProcesses(ended).why_silent("a") is None
+    assert RunProcesses(ended).pid("a") == 0
     with pytest.raises(SwarmError, match='supervisor of swarm "team" does not answer'):
-        process_states(nobody)
+        process_states(ended)
 
 
 def test_the_supervisor_is_not_asked_for_each_agent(team, monkeypatch):
     monkeypatch.setattr(run_processes, "FRESH_SECONDS", 1000.0)
     asked = []
     monkeypatch.setattr(
-        run_processes, "process_states", lambda told, seconds: asked.append(told) or STATES
+        run_processes,
+        "process_states",
+        lambda run, seconds: asked.append(run) or STATES,
     )
     processes = RunProcesses(team)
     for name in team.agents:

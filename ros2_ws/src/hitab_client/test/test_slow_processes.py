@@ -1,4 +1,4 @@
-"""A process that is slow is not silent: whatever it sends shows that it lives."""
+"""A slow process is not silent: any message shows that it is alive."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -1,4 +1,4 @@
-"""A command counts for what its person saw when it was due, in the world's time."""
+"""A command counts for the situation that the person saw when it was due, in the world's time."""
 
 from types import SimpleNamespace
 from typing import Any

@@ -1,4 +1,4 @@
-"""A client that could not run has not waited: on a busy machine others are late, too."""
+"""Time in which a client could not run does not count as waiting, since others are late, too."""
 
 import time
 from collections.abc import Callable
@@ -26,12 +26,12 @@ class Late(RosLink):
 
 
 def looks(link: RosLink, seconds: float, work: float = 0.0) -> int:
-    """Return how often a condition is looked at in this time.
+    """Return the number of checks of a condition in a time.
 
     Args:
-        link: to wait with.
-        seconds: how long.
-        work: what a look costs, s of the processor.
+        link: link to wait with.
+        seconds: timeout.
+        work: processor time of a check, s.
     """
     count = 0
 

@@ -1,4 +1,4 @@
-"""A world that does not answer: why, and what to do about it."""
+"""Errors for a world that does not answer: reasons and remedies."""
 
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
@@ -16,13 +16,13 @@ from hitab_ros.call import Caller, blocking
 
 
 class Link(Caller):
-    """A link to a world that answers; what is on the way comes while somebody waits for it.
+    """A link to a world that answers; messages on the way arrive during waits.
 
     Args:
-        answer: of its services; None if there is none.
-        on_the_way: what comes.
-        take: takes each.
-        seconds: each takes so long to come.
+        answer: answer of the world's services; None without one.
+        on_the_way: messages on the way.
+        take: called with each message.
+        seconds: time until each message arrives.
     """
 
     def __init__(
@@ -64,9 +64,9 @@ def why(processes, started_by_it):
 
 
 def test_a_swarm_of_robots_is_not_advised_to_start_a_world(tmp_path):
-    told = why(RunProcesses(record(tmp_path, world=False)), False)
-    assert "this swarm has no world" in told.what
-    assert told.remedies == ()
+    error = why(RunProcesses(record(tmp_path, world=False)), False)
+    assert "this swarm has no world" in error.what
+    assert error.remedies == ()
 
 
 @pytest.mark.parametrize(
@@ -97,8 +97,8 @@ def test_who_has_driven_the_world_knows_whether_it_runs(drive, before, after):
 
 
 def test_an_episode_counts_as_first_told_though_a_restarted_world_repeats_it():
-    told = [(0, True), (1, True), (0, False), (1, False), (2, False)]
-    on_the_way = [Episode(run=3, number=n, reproducible=r) for n, r in told]
+    reported = [(0, True), (1, True), (0, False), (1, False), (2, False)]
+    on_the_way = [Episode(run=3, number=n, reproducible=r) for n, r in reported]
     answer = Play.Response(success=True, run=3)
     world = WorldClient(Link(answer, on_the_way, lambda episode: world.episodes.append(episode)))
     world.status, world.state = WorldStatus(), WorldState()

@@ -1,4 +1,4 @@
-"""Shared by all nodes: names, QoS profiles, conversions, executor loop."""
+"""Base for all nodes: names, QoS profiles, conversions, executor loop."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Answers service requests; a refusal is also a reply."""
+"""Answers to service requests; a refusal is also a reply."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ Serve = Callable[[Any, Any], str]
 """Carries out a request, fills in the response and returns its message."""
 
 Answered = Callable[[Exception | None], None]
-"""Called with how a request was refused, or None if it was not."""
+"""Called with the error of a refused request, or None on success."""
 
 
 def what_went_wrong(error: Exception) -> str:
-    """Say what is wrong, without the ways out; of a fault of the code, with its place."""
+    """Return an error's text without remedies; for a fault in the code, with its location."""
     try:
-        said = str(error)
-    except Exception:  # a foreign error without a usable text
-        said = "(no description)"
+        text = str(error)
+    except Exception:  # an error of another library without a usable text
+        text = "(no description)"
     if isinstance(error, HitabError):
         return plain(error.problem)
     places = traceback.extract_tb(error.__traceback__)
     place = f" in {Path(places[-1].filename).name}:{places[-1].lineno}" if places else ""
-    return plain(f"{type(error).__name__}{place}: {said}")
+    return plain(f"{type(error).__name__}{place}: {text}")
 
 
 def remedies_for(error: Exception | None) -> tuple[Remedy, ...]:
-    """Return what a person can do about an error."""
+    """Return the remedies for an error."""
     return error.remedies if isinstance(error, HitabError) else ()
 
 
 def refuse(response: Any, error: Exception) -> Any:
-    """Have a response say why a request is refused, as far as it has fields for that."""
+    """Write the reason of a refusal into a response, as far as its fields allow."""
     if hasattr(response, "message"):
         from hitab_ros.conversions import remedy_messages  # slow: it needs numpy
 
@@ -47,10 +47,10 @@ def refuse(response: Any, error: Exception) -> Any:
 
 
 def answering(serve: Serve, answered: Answered = lambda error: None) -> Callable[[Any, Any], Any]:
-    """Return a service callback, for use on a `GuardedNode`, which answers with any exception.
+    """Return a service callback for a `GuardedNode`, which also replies to exceptions.
 
-    A repeated request with a number (fields ``request`` and ``client``) is not carried out again:
-    it gets the same reply.
+    A repeated request with a number (fields ``request`` and ``client``) is not carried out again,
+    but gets the same reply.
 
     Args:
         serve: carries out a request; the text of its exception becomes the reply's message.

@@ -9,7 +9,7 @@ BUSY_FACTOR = 5.0
 
 
 class BusyTimeout:
-    """Waits for a number of seconds, in steps.
+    """Timeout of a number of seconds, waited for in steps.
 
     CPU-starved time is not counted, since the awaited process is starved too.
     """
@@ -22,10 +22,10 @@ class BusyTimeout:
         self._step = 0.0
 
     def step(self, longest: float) -> float:
-        """Return how long to wait before the next look, s; 0 once the time is over.
+        """Return the time to wait before the next check, s; 0 once the timeout is over.
 
         Args:
-            longest: how long at most, s.
+            longest: maximum time, s.
         """
         looked, used = time.monotonic(), time.process_time()
         self._left -= min(looked - self._looked, self._step + used - self._used)

@@ -1,8 +1,8 @@
-"""Asks over ROS: calls services, repeats what gets no answer, and waits for what is to come.
+"""Calls over ROS: service calls, repeated messages, and waits for conditions.
 
-All of it is coroutines, which yield for how long, in seconds, their node may wait for the next
-event. Whoever spins the node drives them: `Caller.run` until they return, for verbs and scripts;
-a server's loop whenever it has spun, so that any number of them wait at the same time.
+All calls are coroutines, which yield the time in seconds for which their node may wait for the
+next event. `Caller.run` drives one coroutine until it returns, for verbs and scripts. A server's
+loop drives any number of coroutines at the same time, after each spin.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ T = TypeVar("T")
 P = ParamSpec("P")
 
 Turns = Coroutine[float, None, T]
-"""A coroutine that yields for how long its node may wait for the next event, s."""
+"""A coroutine that yields the time for which its node may wait for the next event, s."""
 
 CALL_SECONDS = 15.0
 """Timeout for the answer of an available service, s."""
@@ -37,7 +37,7 @@ REQUEST_REPEAT_SECONDS = 1.0
 """Time before a request is sent again, s; doubled each time."""
 
 NOTICEABLE_SECONDS = 0.5
-"""A wait that takes longer is announced."""
+"""Time after which a wait is announced, s."""
 
 
 class SwarmError(HitabError):
@@ -48,8 +48,8 @@ def refused(answer: Any, where: str = "") -> SwarmError:
     """Return the error for a refusing answer of a service.
 
     Args:
-        answer: with its message and remedies.
-        where: who refused.
+        answer: the service's answer, with its message and remedies.
+        where: name of the server, for people.
     """
     from hitab_ros.conversions import remedies_of  # here because the help imports this module
 
@@ -58,12 +58,12 @@ def refused(answer: Any, where: str = "") -> SwarmError:
 
 @types.coroutine
 def turn(seconds: float) -> Generator[float, None, None]:
-    """Have the node handle events; it waits at most this long for one."""
+    """Let the node handle events; it waits at most this long for one."""
     yield seconds
 
 
 class Blocking(Generic[P, T]):
-    """A method that waits, of one object: call it to wait, or await its coroutine."""
+    """A blocking method of one object: call it to wait, or await its coroutine."""
 
     def __init__(self, run: Callable[[Turns[T]], T], coroutine: Callable[P, Turns[T]]) -> None:
         self.coroutine = coroutine
@@ -75,9 +75,9 @@ class Blocking(Generic[P, T]):
 
 
 class blocking(Generic[S, P, T]):
-    """Decorates a coroutine function so that calling it blocks; see `Blocking`.
+    """Decorator that makes a coroutine method block when called; see `Blocking`.
 
-    Its first argument is a `Caller`, or has one as its `link`.
+    The method's object is a `Caller`, or has one as its `link`.
     """
 
     def __init__(self, coroutine: Callable[Concatenate[S, P], Turns[T]]) -> None:
@@ -104,8 +104,8 @@ class Caller:
     """Calls services with a node; a base class, whose `spin` handles the node's events.
 
     Args:
-        node: that calls.
-        announce: called with what a wait is for, once it takes noticeable time.
+        node: the calling node.
+        announce: called with the reason of a wait, once the wait is noticeable.
     """
 
     def __init__(self, node: GuardedNode, announce: Callable[[str], None] | None = None) -> None:
@@ -113,7 +113,7 @@ class Caller:
         self._announce = announce
         self._announced: set[str] = set()
         self._clients: dict[str, Any] = {}
-        # What services tell clients apart by when a request is repeated.
+        # Identifies this client to services when a request is repeated.
         self._name = uuid.uuid4().hex
         self._requests = 0
 
@@ -145,9 +145,9 @@ class Caller:
 
         Args:
             done: the condition.
-            seconds: how long to wait for it; longer on a busy machine, see `BusyTimeout`.
-            each: seconds between two looks, if nothing happens.
-            waiting_for: returns what to announce if the wait takes noticeable time.
+            seconds: timeout; longer on a busy machine, see `BusyTimeout`.
+            each: seconds between two checks, if nothing happens.
+            waiting_for: returns the text to announce if the wait is noticeable.
         """
         began, patience = time.monotonic(), BusyTimeout(seconds)
         while not done():
@@ -178,16 +178,16 @@ class Caller:
         waiting_for: Callable[[], str] | None = None,
         over: Callable[[], bool] = lambda: False,
     ) -> bool:
-        """Send something again and again until it is answered; return whether it was in time.
+        """Send a message repeatedly until it is answered; return whether it was in time.
 
         Args:
-            send: sends it.
+            send: sends the message.
             answered: whether there is an answer.
-            seconds: how long to wait for one.
-            period: seconds until it is sent again.
-            growth: factor by which that is longer each time.
-            waiting_for: returns what to announce if the wait takes noticeable time.
-            over: whether to give up, since nobody will answer.
+            seconds: timeout for an answer.
+            period: seconds until the message is sent again.
+            growth: factor by which the period grows each time.
+            waiting_for: returns the text to announce if the wait is noticeable.
+            over: returns whether to give up, since no answer can arrive.
         """
         deadline = time.monotonic() + seconds
         while (left := deadline - time.monotonic()) > 0 and not over():
@@ -198,7 +198,7 @@ class Caller:
         return bool(answered())
 
     def will_call(self, kind: Any, service: str) -> None:
-        """Prepare to call a service, for discovery while others are called."""
+        """Prepare to call a service, so that it is discovered while others are called."""
         if service not in self._clients:
             self._clients[service] = self.node.create_client(kind, service)
 
@@ -216,19 +216,19 @@ class Caller:
         """Call a service and return its answer.
 
         An answer may be lost, for example if the service has not discovered this client yet, so
-        the request is repeated until there is an answer. Requests that change something are
+        the request is repeated until an answer arrives. Requests that change something are
         numbered, so that they are carried out only once.
 
         Args:
-            kind: the type of the service.
+            kind: type of the service.
             service: full name of the service.
-            request: to send.
-            missing: returns the error if the service is not there.
-            where: who refuses, for people.
-            seconds: how long to wait for its answer.
+            request: the request.
+            missing: returns the error for a missing service.
+            where: name of the server, for people.
+            seconds: timeout for the answer.
 
         Raises:
-            SwarmError: if the service is not there, does not answer, or refuses.
+            SwarmError: if the service is missing, does not answer, or refuses.
         """
         self.will_call(kind, service)
         client = self._clients[service]

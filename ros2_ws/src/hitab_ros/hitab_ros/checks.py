@@ -1,4 +1,4 @@
-"""Validates incoming messages: names, lengths of texts and lists, numbers.
+"""Validation of incoming messages: names, lengths of texts and lists, numbers.
 
 Every message and request of the project's own types is checked before any callback sees it, so
 that callbacks need no checks of their own. The rules follow from the types of the fields, with
@@ -39,30 +39,30 @@ PATH_TEXT_MAX = 4096
 PATHS = frozenset({"LoadLibrary_Request.path"})
 
 MESSAGE_BYTES_MAX = 12_000_000
-"""Maximum size of a message. A list of objects takes a hundred times its time, and ten times its
-memory, to become a message of Python's; the largest files and pictures that are sent fit."""
+"""Maximum size of a message, bytes; fits the largest files and pictures. A list of objects takes a
+hundred times the time, and ten times the memory, to become a Python message."""
 
 ITEMS_MAX = 20_000
-"""Maximum items of a list; the largest are the rosters and batches of a host."""
+"""Maximum number of items in a list; the longest are rosters and batches of a host."""
 VALUES_MAX = 1_000_000
-"""Maximum numbers in a list."""
+"""Maximum number of numbers in a list."""
 
 MAY_BE_INFINITE = frozenset({"values", "measures", "position"}) | {
-    *("factor", "x", "y", "heading", "vx", "vy", "radius")  # the world reports what is wrong
+    *("factor", "x", "y", "heading", "vx", "vy", "radius")  # the world reports wrong ones
 }
-"""Fields of any message with numbers that only a domain can check. A report is also a heartbeat,
-so it is not dropped because of them."""
+"""Fields of any message with numbers that only a domain can check. A report with a wrong number is
+not dropped, since a report is also a heartbeat."""
 
 CYCLES = frozenset({"cycle", "episode_cycle", "seen"})
-"""Fields of any message with a world's cycle, which must fit into the files that keep it."""
+"""Fields of any message with a world's cycle, which must fit into stored files."""
 
 CLOCK_AHEAD_MAX_S = 3600.0
-"""Maximum lead of numbers made from the time of day over this machine's clock, s."""
+"""Maximum lead of numbers from another machine's clock over this machine's, s."""
 TIMES_OF_DAY = frozenset({"HostRoster.number", "Order.epoch", "Report.epoch"})
-"""Such numbers, ns. One from the far future would make all later ones look old."""
+"""Fields with numbers from a clock, ns. A number far in the future makes later ones look old."""
 
 Check = Callable[[Any], None]
-"""Raises if a message, or a value, is wrong."""
+"""Raises if a message or a value is invalid."""
 
 
 class BadMessage(HitabError):
@@ -73,7 +73,7 @@ def check(message: Any) -> None:
     """Check a message or request of the project's own types; any other passes.
 
     Raises:
-        BadMessage: naming the first field that is wrong.
+        BadMessage: if a field is invalid; names the first one.
     """
     kind: Any = type(message)
     for field, one in _checks(kind):
@@ -81,13 +81,13 @@ def check(message: Any) -> None:
 
 
 def too_far_ahead(number: int) -> bool:
-    """Whether a number made from the time of day is too far in the future for a clock error."""
+    """Whether a number from a clock is too far in the future for a clock error."""
     return number > time.time_ns() + int(CLOCK_AHEAD_MAX_S * 1e9)
 
 
 @functools.cache
 def _checks(kind: Any) -> tuple[tuple[str, Check], ...]:
-    """Return which fields of a type are checked, and how."""
+    """Return the checked fields of a type, with their checks."""
     if not kind.__module__.startswith(f"{PACKAGE}."):
         return ()
     fields = zip(kind.get_fields_and_field_types(), kind.SLOT_TYPES, strict=True)
@@ -96,7 +96,7 @@ def _checks(kind: Any) -> tuple[tuple[str, Check], ...]:
 
 
 def _check_of(place: str, field: str, slot: Any) -> Check | None:
-    """Return the check of a field's values; None if they need none."""
+    """Return the check of a field's values; None without one."""
     if isinstance(slot, AbstractNestedType):
         most = VALUES_MAX if isinstance(slot.value_type, BasicType) else ITEMS_MAX
         return partial(_check_items, place, most, _check_of(place, field, slot.value_type))

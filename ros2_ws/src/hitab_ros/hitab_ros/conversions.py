@@ -1,4 +1,4 @@
-"""Conversions between messages and the engine's own types, most of which have the same fields."""
+"""Conversions between messages and hitab_core's types, most of which have the same fields."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ Data = TypeVar("Data")
 
 @functools.cache
 def _shared(kind: Any, data: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]]]:
-    """Return the fields that a message and a dataclass have both, and what reads them."""
-    there = {field.name for field in fields(data)}
-    names = tuple(name for name in kind.get_fields_and_field_types() if name in there)
+    """Return the fields that a message and a dataclass share, and a function that reads them."""
+    shared = {field.name for field in fields(data)}
+    names = tuple(name for name in kind.get_fields_and_field_types() if name in shared)
     return names, attrgetter(*names)
 
 
@@ -51,7 +51,7 @@ def data_of(kind: type[Data], message: Any, /, **others: Any) -> Data:
 
 
 def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
-    """Return remedies as messages, each once."""
+    """Return remedies as messages, without duplicates."""
     return [
         msg.Remedy(
             code=remedy.code.name,
@@ -63,7 +63,7 @@ def remedy_messages(remedies: Iterable[Remedy]) -> list[msg.Remedy]:
 
 
 def remedies_of(messages: Iterable[Any]) -> tuple[Remedy, ...]:
-    """Return the remedies in messages, without those that this version does not know."""
+    """Return the remedies in messages, without kinds that this version does not know."""
     return tuple(
         Remedy(Fix[m.code], tuple(zip(m.names, m.values, strict=False)))
         for m in messages
@@ -85,7 +85,7 @@ def remark_messages(remarks: Iterable[Remark]) -> list[msg.Remark]:
 
 
 def remarks_of(messages: Iterable[Any]) -> tuple[Remark, ...]:
-    """Return the remarks in messages, without those that this version does not know."""
+    """Return the remarks in messages, without kinds that this version does not know."""
     return tuple(
         Remark(RemarkKind[m.code], tuple(zip(m.names, m.values, strict=False)), remedy)
         for m in messages
@@ -117,7 +117,7 @@ def number_messages(numbers: Iterable[BoundedNumber]) -> list[msg.Number]:
 
 
 def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumber, ...]]:
-    """Return the numbers of the behaviors in messages that take some, by name."""
+    """Return the numbers of the behaviors in messages that take numbers, by name."""
     return {
         Term.parse(behavior.name).name: tuple(data_of(BoundedNumber, n) for n in behavior.numbers)
         for behavior in messages
@@ -126,10 +126,10 @@ def numbers_of_behaviors(messages: Iterable[Any]) -> dict[str, tuple[BoundedNumb
 
 
 def term_of(name: str, arguments: Sequence[str]) -> Term:
-    """Return a behavior with its targets, which may be in the name, as in ``GoTo(ball)``.
+    """Return a behavior with its targets, which may be part of the name, as in ``GoTo(ball)``.
 
     Raises:
-        VocabularyError: if the name has another form.
+        VocabularyError: if the name has an invalid form.
     """
     term = Term.parse(name)
     return Term(term.name, (*term.arguments, *arguments))
@@ -148,7 +148,7 @@ def order_message(commander: str, order: Order) -> msg.Order:
 
 
 def order_of(message: msg.Order) -> Order:
-    """Return the order in a message; receivers without a behavior are left out."""
+    """Return the order in a message, without receivers that have no behavior."""
     return data_of(
         Order,
         message,
@@ -159,7 +159,7 @@ def order_of(message: msg.Order) -> Order:
 
 
 def report_message(report: Report) -> msg.Report:
-    """Return a report as a message, which can be read as a report."""
+    """Return a report as a message."""
     return message_of(msg.Report, report)
 
 
@@ -167,23 +167,23 @@ def feature_message(name: str, feature: Feature, scale: Scale | None = None) -> 
     """Return a feature as a message.
 
     Args:
-        name: with its targets or parameters.
-        feature: as the domain declares it.
-        scale: of its values; None if it is not asked for.
+        name: the feature's name with its targets or parameters.
+        feature: the feature's declaration in the domain.
+        scale: scale of the feature's values; None if not requested.
     """
-    told = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
-    told.description = feature.description
+    message = msg.Feature(name=name, kind=feature.kind.value, unit=feature.unit)
+    message.description = feature.description
     if scale is not None:
-        told.kind, told.period = scale.kind.value, float(scale.period)
-        told.categories = list(scale.categories)
-    return told
+        message.kind, message.period = scale.kind.value, float(scale.period)
+        message.categories = list(scale.categories)
+    return message
 
 
 def cost_message(cost: TrainingCost) -> msg.TrainingCost:
-    """Return what a training cost as a message."""
+    """Return a training's cost as a message."""
     return message_of(msg.TrainingCost, cost)
 
 
 def cost_of(message: Any) -> TrainingCost:
-    """Return what a training cost from a message."""
+    """Return the cost of a training in a message."""
     return data_of(TrainingCost, message)

@@ -1,10 +1,10 @@
-"""The sockets of DDS, which must be silent when a process leaves the ROS graph.
+"""Sockets of DDS, which must receive nothing when a process leaves the ROS graph.
 
-Fast DDS 2.14 destroys a participant only while it handles no discovery message. It waits for that
-with a lock that the handler needs, so that one message at this moment holds up the process for
-ever (https://github.com/eProsima/Fast-DDS/issues/6513; seen in one of 700 departures while others
-made and destroyed publishers). Such a loop is in compiled code and holds Python's lock: neither a
-signal nor another thread ends it. So a process first stops receiving.
+Fast DDS 2.14 destroys a participant only while no discovery message is handled. The waiting thread
+holds a lock that the handler needs, so that one message at this moment blocks the process forever
+(https://github.com/eProsima/Fast-DDS/issues/6513; seen in one of 700 departures while other
+processes created and destroyed publishers). This loop is in compiled code and holds Python's lock,
+so neither a signal nor another thread can end it. A process therefore first stops receiving.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 
 HANDLED_S = 0.01
-"""Time to handle what was received already, s."""
+"""Time to handle messages that were received already, s."""
 
 
 def udp_sockets() -> set[int]:
@@ -30,9 +30,9 @@ def udp_sockets() -> set[int]:
 
 
 def stop_receiving(sockets: Iterable[int]) -> None:
-    """Receive nothing more by these sockets; others can still be told that this process leaves."""
+    """Stop receiving by these sockets; the process can still announce its departure."""
     for number in sockets:
-        # The system reports that it is not connected, and shuts it down.
+        # The system reports that the socket is not connected, and shuts it down.
         with suppress(OSError), _opened(number) as one:
             one.shutdown(socket.SHUT_RD)
     time.sleep(HANDLED_S)

@@ -1,7 +1,7 @@
-"""Refuses to talk to nodes that define the project's messages or services differently.
+"""Check that other nodes define HiTAB's messages and services in the same way.
 
 DDS matches endpoints by the name of their type. Two versions of a message or of a service would be
-matched, and misread. ROS 2 Jazzy announces a hash of each endpoint's definition, which is compared
+matched and misread. ROS 2 Jazzy announces a hash of each endpoint's definition, which is compared
 here.
 """
 
@@ -28,7 +28,7 @@ def share_folder(package: str) -> Path:
     """Return the folder with the data of a ROS package.
 
     Raises:
-        LookupError: if it is not installed.
+        LookupError: if the package is not installed.
     """
     try:
         return Path(get_package_share_directory(package))
@@ -40,10 +40,10 @@ def share_folder(package: str) -> Path:
 
 @functools.cache
 def own_hashes(kind: str) -> dict[str, str]:
-    """Return the hashes of a definition, as this process has it, and of all its parts.
+    """Return the hashes of a definition of this process, and of all its parts.
 
     Args:
-        kind: such as ``hitab_msgs/msg/Percept`` or ``hitab_msgs/srv/Place_Request``.
+        kind: type, such as ``hitab_msgs/msg/Percept`` or ``hitab_msgs/srv/Place_Request``.
     """
     package, folder, name = kind.split("/")
     file = share_folder(package) / folder / f"{name.split('_')[0]}.json"
@@ -52,18 +52,18 @@ def own_hashes(kind: str) -> dict[str, str]:
 
 
 def own_hash(kind: str) -> str:
-    """Return the hash of a definition as this process has it."""
+    """Return the hash of a definition of this process."""
     return own_hashes(kind)[kind]
 
 
 def check_same_message_version(node: Node) -> None:
-    """Raise if a discovered node defines one of the project's messages or services differently.
+    """Check that all discovered nodes define HiTAB's messages and services as this process does.
 
-    One topic or service of each type is looked at: of two versions in one ROS domain, the one that
+    One topic or service of each type is checked: of two versions in one ROS domain, the one that
     starts later finds the other.
 
     Raises:
-        DefinitionsDifferError: naming the node and the message.
+        DefinitionsDifferError: if one differs; names the node and the message.
     """
     seen: set[str] = set()
     for topic, kinds in node.get_topic_names_and_types():
@@ -81,7 +81,7 @@ def check_same_message_version(node: Node) -> None:
 
 
 def _compare(node: Node, topic: str, kind: str, *, plain: bool) -> None:
-    """Compare the definitions of a topic's endpoints; ``plain``: it is named as DDS names it."""
+    """Compare the definitions of a topic's endpoints; ``plain`` means that DDS has named it."""
     ends = node.get_publishers_info_by_topic(topic, plain)
     for end in [*ends, *node.get_subscriptions_info_by_topic(topic, plain)]:
         if str(end.topic_type_hash) != own_hash(kind):

@@ -1,6 +1,7 @@
-"""Diagnostics of a process on ROS's topic ``/diagnostics``, for rqt and others.
+"""Diagnostics of a process on ROS's topic ``/diagnostics``, for rqt and other tools.
 
-One message per process and second, however many agents it runs; and one soon after a change.
+A process publishes one message per second, however many agents it runs, and one soon after a
+change.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from hitab_ros.steady_timer import steady_timer
 DIAGNOSTICS_TOPIC = "/diagnostics"  # absolute, as in REP 107
 DIAGNOSTICS_PERIOD_S = 1.0
 SOON_S = 0.1
-"""Delay of a message after a change, for all changes until then."""
+"""Delay of a message after a change, s; the message covers all changes until then."""
 
 LOOKED_AT_PER_S = 1000
-"""With more agents, changes wait longer, so that looking at all of them costs little."""
+"""Number of agents above which changes wait longer, so that checking all agents costs little."""
 
 STATUSES_MAX = 50
-"""Maximum number of statuses in a message: of many agents, those that have something wrong."""
+"""Maximum number of statuses in a message; of many agents, only those with faults are listed."""
 
 
 class Level(IntEnum):
@@ -44,13 +45,13 @@ class Level(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """Faults of one agent or world; cheap to make, since few of many are shown.
+    """Faults of one agent or world; cheap to create, since few of many are shown.
 
     Attributes:
-        name: of it.
+        name: name of the agent or world.
         hardware: unique name of the diagnosed part.
-        found: what is wrong; the worst counts, and of those the first is the message.
-        details: returns the message if nothing is wrong, and more that is of interest, by key.
+        found: faults with their levels; the first of the worst level is the message.
+        details: returns the message if nothing is wrong, and further values by key.
     """
 
     name: str
@@ -60,7 +61,7 @@ class Diagnosis:
 
     @property
     def level(self) -> Level:
-        """The worst of what is wrong."""
+        """The worst level of the faults."""
         return self._worst[0] if self.found else Level.OK
 
     @property
@@ -68,7 +69,7 @@ class Diagnosis:
         return max(self.found, key=lambda one: one[0].severity)
 
     def status(self) -> DiagnosticStatus:
-        """Return it as a message."""
+        """Return the diagnosis as a message."""
         fine, values = self.details()
         level, message = self._worst if self.found else (Level.OK, fine)
         if len(self.found) > 1:
@@ -84,14 +85,14 @@ class Diagnosis:
 
 
 class Diagnostics:
-    """Publishes the statuses of a process; without a subscriber it only looks for one."""
+    """Publishes the statuses of a process, if there is a subscriber."""
 
     def __init__(self, node: GuardedNode, read: Callable[[], Sequence[Diagnosis]]) -> None:
-        """Begin to publish.
+        """Start publishing.
 
         Args:
-            node: that stands for its process.
-            read: returns what is wrong with each of its agents, or with its world.
+            node: node that represents its process.
+            read: returns a diagnosis for each agent of the process, or for its world.
         """
         self._read = read
         self._node = node
@@ -125,23 +126,23 @@ class Diagnostics:
 
 
 def shown(found: Sequence[Diagnosis], process: str) -> list[DiagnosticStatus]:
-    """Return the status of one agent; of several a summary, and those that are not fine.
+    """Return the status of one agent; for several, a summary and the statuses with faults.
 
     Args:
-        found: what is wrong with each agent of a process.
-        process: its namespace.
+        found: diagnoses of the agents of a process.
+        process: namespace of the process's node.
     """
     if len(found) <= 1:
         return [one.status() for one in found]
     counts = Counter(one.level for one in found)
-    told = ", ".join(f"{counts[level]} {level.name}" for level in Level if counts[level])
+    tally = ", ".join(f"{counts[level]} {level.name}" for level in Level if counts[level])
     worst = max(counts, key=lambda level: level.severity)
     values = {"agents": len(found)} | {level.name: counts[level] for level in Level}
     summary = Diagnosis(
         process.rpartition("/")[2],
         process,
-        [] if worst is Level.OK else [(worst, told)],
-        lambda: (told, values),
+        [] if worst is Level.OK else [(worst, tally)],
+        lambda: (tally, values),
     )
     wrong = [one for one in found if one.found]
     wrong.sort(key=lambda one: one.level.severity, reverse=True)

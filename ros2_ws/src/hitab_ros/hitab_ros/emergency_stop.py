@@ -1,9 +1,9 @@
-"""The emergency stop of all robots: anyone stops them, and all who take part agree on it.
+"""Emergency stop of all robots: any participant may issue it, and all agree on it.
 
-Anyone may publish on ``/emergency_stop``. Each participant (a robot's relay, the `hitab` command,
-the studio) has a switch. Switches publish their known stops (`hitab_ros.known_stops`) on
-``/emergency_stop/state``, latched: so participants that join late or were out of reach receive a
-stop, and its release, even after its sender has ended.
+Any node may publish on ``/emergency_stop``. Each participant (a robot's relay, the `hitab`
+command, the studio) has a switch. Switches publish their known stops (`hitab_ros.known_stops`)
+on ``/emergency_stop/state``, latched, so that participants that join late or were out of reach
+receive a stop, and its release, even after the sender has exited.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from hitab_ros.known_stops import KnownStops, must_tell
 from hitab_ros.steady_timer import steady_timer
 
 STOP_CHECK_PERIOD_S = 1.0
-"""Period of checks for stops that others latch, or have not received, s."""
+"""Period of checks for stops that others have latched, or have not received, s."""
 
 
 class EmergencySwitch:
@@ -41,22 +41,22 @@ class EmergencySwitch:
         hands_on: bool = False,
         known: KnownStops | None = None,
     ) -> None:
-        """Listen.
+        """Start listening.
 
         Args:
-            node: to listen and speak with.
-            changed: called when other stops are known.
+            node: node that subscribes and publishes.
+            changed: called when the known stops have changed.
             hands_on: whether to rebroadcast received stops. A latched message lasts as long as its
-                publisher, and the command that stops the robots may exit at once; so long-lived
+                publisher, and the command that stops the robots may exit at once, so long-lived
                 participants, such as the robots' relays, keep the stop for late joiners.
-            known: the stops that this participant knew when it ended.
+            known: stops that this participant knew at its last exit.
         """
         self.known = KnownStops() if known is None else known
         self._node = node
         self._changed = changed
         self._hands_on = hands_on
         self._hears_latched = False
-        self._told = KnownStops()
+        self._published = KnownStops()
         self._publisher = node.create_publisher(EmergencyState, names.EMERGENCY_STATE, qos.LATCHED)
         node.create_subscription(
             EmergencyState, names.EMERGENCY_STATE, self._hear_state, qos.LATCHED_BY_MANY
@@ -73,41 +73,41 @@ class EmergencySwitch:
         return bool(self.known)
 
     def set(self, engaged: bool, by: str, reason: str = "") -> set[str]:
-        """Stop all robots, or release them; return the identity of what is stopped or released.
+        """Stop all robots, or release them; return the identities of the stops concerned.
 
         Args:
-            engaged: whether to stop them; otherwise all stops that are known are released.
-            by: who wants it, for people.
-            reason: of a stop, for people; may be empty.
+            engaged: whether to stop the robots; otherwise all known stops are released.
+            by: name of the person or program, for people.
+            reason: reason of the stop, for people; may be empty.
         """
         before, identity = self.known, uuid.uuid4().hex
         known = before.stopped(identity, by, reason) if engaged else before.released_by(by)
         self._know(known, known, tells=False)
-        self.tell()  # always: others may not know what this one does
+        self.tell()  # always: others may not know all stops that this participant knows
         return {identity} if engaged else {*before.stops}
 
     def tell(self) -> None:
-        """Tell the others what is known."""
-        self._told = self.known
+        """Publish the known stops."""
+        self._published = self.known
         self._publisher.publish(EmergencyState(**self.known.texts()))
 
     def delivered(self, seconds: float) -> bool:
-        """Wait until all listeners found so far have what was set; return whether they do."""
+        """Wait until all discovered listeners have received the stop; return whether they have."""
         return bool(self._publisher.wait_for_all_acked(Duration(seconds=seconds)))
 
     def _listen(self, profile: Any, *, latched: bool) -> None:
-        # Not checked: whatever is wrong with its texts, a stop is a stop.
+        # Not checked: a stop with invalid texts is still a stop.
         hear = partial(self._hear_event, latched)
         self._node.create_subscription(
             EmergencyStop, names.EMERGENCY_STOP, hear, profile, checked=False
         )
 
     def _look(self) -> None:
-        """Tell of further stops, and have those delivered that others latched before this came.
+        """Publish unsent stops, and request stops that others latched before this node joined.
 
-        The latter only if there are any: who does not latch is warned of who asks for it.
+        Latched stops are requested only from latching publishers, since others would warn.
         """
-        if self.known.stops.keys() - self._told.stops.keys():
+        if self.known.stops.keys() - self._published.stops.keys():
             self.tell()
         found = self._node.get_publishers_info_by_topic(names.EMERGENCY_STOP)
         latch = DurabilityPolicy.TRANSIENT_LOCAL
@@ -117,7 +117,7 @@ class EmergencySwitch:
 
     def _hear_event(self, latched: bool, message: EmergencyStop, information: Any) -> None:
         if message.engaged:
-            # The same for all receivers and all deliveries.
+            # Equal for all receivers and all deliveries.
             sent = information["source_timestamp"]
             number = information["publication_sequence_number"]
             identity = f"{sent}.{number}" if sent else uuid.uuid4().hex
@@ -125,7 +125,7 @@ class EmergencySwitch:
         elif not latched:
             known = self.known.released_by(message.by)
         else:
-            return  # it was meant for what was known then
+            return  # a latched release concerned earlier stops
         self._know(known, known, tells=self._hands_on)
 
     def _hear_state(self, message: EmergencyState) -> None:
@@ -141,5 +141,5 @@ class EmergencySwitch:
 
 
 def stopped_by(known: KnownStops) -> str:
-    """Return who stopped the robots, and why; empty if no stop is in force."""
+    """Return a text with the senders and reasons of the stop; empty if no stop is in force."""
     return f"emergency stop by {known.who}" if known else ""

@@ -1,4 +1,4 @@
-"""Persistent faults of a node: each has a key, and is cleared when its cause ends."""
+"""Persistent faults of a node, by key; a fault is cleared when its cause ends."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from hitab_core import Remedy, quantity
 from hitab_ros.plain_text import plain
 
 FAULTS_KEPT_MAX = 50
-"""Maximum number of faults that are kept; the first ones stay."""
+"""Maximum number of stored faults; the first ones stay."""
 
 FAULTS_SHOWN_MAX = 10
 """Maximum number of faults in a status."""
@@ -31,12 +31,12 @@ class Faults:
         return bool(self.by_key)
 
     def set(self, key: str, text: str, *remedies: Remedy) -> bool:
-        """Keep a fault until `clear` is called with its key; return whether it is new.
+        """Store a fault until `clear` is called with its key; return whether it is new.
 
         Args:
-            key: what fails; one fault is kept per key.
-            text: what is wrong. An empty text clears the fault.
-            remedies: what a person can do about it.
+            key: the failing part; one fault is stored per key.
+            text: the fault for people. An empty text clears the fault.
+            remedies: the remedies that a person has.
         """
         if not text:
             self.clear(key)
@@ -55,7 +55,7 @@ class Faults:
             self.changed()
 
     def text(self, key: str) -> str:
-        """Return the fault under a key; "" if there is none."""
+        """Return the fault under a key; empty if there is none."""
         return self.by_key.get(key, "")
 
     @property

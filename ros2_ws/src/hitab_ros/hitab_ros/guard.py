@@ -1,4 +1,4 @@
-"""The guard around every callback of every node.
+"""Guard around every callback of every node.
 
 An exception that leaves a callback ends the process (rclpy's EventsExecutor) and all its nodes. A
 guarded callback logs its exception with the trace, once per cause, and lists it among the node's
@@ -63,10 +63,10 @@ class Guard:
         self.log = SparingLog(write)
 
     def failed(self, key: str, error: Exception) -> None:
-        """Log an error, once per cause, and list it as a fault until ``key`` succeeds.
+        """Log an error, once per cause, and list a fault until the callback succeeds.
 
         Args:
-            key: what failed, in words, such as ``topic command``.
+            key: name of the failed activity, such as ``topic command``.
             error: the exception.
         """
         places = traceback.extract_tb(error.__traceback__)
@@ -80,12 +80,12 @@ class Guard:
         self.faults.set(key, text, *remedies_for(error))
 
     def run(self, key: str, call: Callable[..., Any], *arguments: Any) -> bool:
-        """Call a function; return whether it returned instead of raising.
+        """Call a function; return whether it succeeded instead of raising.
 
         Args:
-            key: the activity, in words.
+            key: name of the activity.
             call: the function; its result is ignored.
-            arguments: of the call.
+            arguments: arguments of the function.
         """
         with _Guarding(self, key):
             call(*arguments)
@@ -118,11 +118,11 @@ class Guard:
         """Return the callback of a raw subscription, which never raises.
 
         An invalid message (see `hitab_ros.checks`) is dropped and logged once; it is not a fault
-        of the node. One that is too large is dropped before it is read.
+        of the node. A message that is too large is dropped before deserialization.
 
         Args:
-            key: the topic, in words.
-            kind: the type of messages; None if the callback takes their bytes.
+            key: name of the topic.
+            kind: type of the messages; None if the callback takes their bytes.
             callback: takes a message, or a message and information about it.
             checked: whether to check messages; otherwise the callback must do so.
         """
@@ -153,8 +153,8 @@ class Guard:
         """Return a service callback that always returns a valid response.
 
         If ``serve`` raises, or returns an invalid response, the response has ``success`` false and
-        the reason in ``message``, if it has these fields. A `HitabError` is the caller's mistake:
-        it is answered but is not a fault of the node.
+        the reason in ``message``, if it has these fields. A `HitabError` is the caller's mistake
+        and not a fault of the node.
         """
 
         @functools.wraps(serve)

@@ -19,7 +19,7 @@ from hitab_ros.guard import Guard
 WHOLE = (Parameter.Type.INTEGER, Parameter.Type.INTEGER_ARRAY)
 
 NO_TYPE_DESCRIPTIONS = Parameter("start_type_description_service", value=False)
-"""Turns off a service that every node has and nothing uses."""
+"""Options that omit an unused service of every node."""
 
 
 class GuardedNode(Node):
@@ -29,10 +29,10 @@ class GuardedNode(Node):
     including those of a user's robot link. It omits unused standard topics and services by
     default.
 
-    What is to be destroyed before the node is, has to be created with ``temporary=True``. It does
-    not warn of peers with another quality of service: rclpy's executors fail, or end the process,
-    if such an event waits in their queue when its publisher or subscription is destroyed
-    (https://github.com/ros2/rclpy/issues/1644).
+    Publishers and subscriptions that are destroyed before the node must be created with
+    ``temporary=True``. They do not warn of peers with an incompatible QoS: rclpy's executors fail,
+    or end the process, if such an event waits in their queue when its publisher or subscription is
+    destroyed (https://github.com/ros2/rclpy/issues/1644).
 
     Attributes:
         guard: runs the callbacks; its faults belong in the node's status.
@@ -54,10 +54,10 @@ class GuardedNode(Node):
         """React to a change of the faults, for example by publishing a status."""
 
     def declare_parameter(self, name: str, value: Any = None, *args: Any, **options: Any) -> Any:
-        """Declare a parameter; see `rclpy.node.Node`. Whole numbers are taken for its floats.
+        """Declare a parameter; see `rclpy.node.Node`. Floats accept whole numbers.
 
         Raises:
-            HitabError: if its value is of another type than that which was declared.
+            HitabError: if the given value does not have the declared type.
         """
         given = self._parameter_overrides.get(name)
         default = value[0] if isinstance(value, list | tuple) and value else value
@@ -86,8 +86,8 @@ class GuardedNode(Node):
     ) -> Any:
         """Subscribe; see `rclpy.node.Node`. With ``checked``, invalid messages are dropped.
 
-        Messages of more than `hitab_ros.checks.BYTES_MAX` are dropped before they are read, unless
-        ``raw`` has the callback take their bytes.
+        Messages of more than `hitab_ros.checks.BYTES_MAX` are dropped before deserialization,
+        unless the callback takes ``raw`` messages.
         """
         kind = None if raw else msg_type
         guarded = self.guard.wrap_topic(f"topic {topic}", kind, callback, checked=checked)

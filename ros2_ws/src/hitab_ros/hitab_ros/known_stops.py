@@ -1,8 +1,8 @@
-"""Known emergency stops, and which of them are released. No ROS here.
+"""Known emergency stops and their releases, independent of ROS.
 
-A stop is an event with an identity. It counts once, whenever it arrives, so clocks do not matter.
-A release names the stops to end. Stops and releases are only ever added, so receivers
-of the same ones agree, in any order of arrival and with any repetition.
+A stop is an event with an identity, which counts once, whenever it arrives, so clocks do not
+matter. A release names the stops to end. Stops and releases are only ever added, so receivers of
+the same messages agree, in any order of arrival and with any repetition.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ KEPT_MAX = 100
 release was forgotten stops the robots again."""
 
 WORDS_MAX = 200
-"""Maximum characters of who stopped or released the robots, and why."""
+"""Maximum number of characters of the sender and the reason of a stop or release."""
 
 STOPS_NAMED_MAX = 3
 """Maximum number of stops named in the text for people."""
@@ -29,8 +29,8 @@ class KnownStops:
     """Stops known to one participant; true if the robots have to stand still.
 
     Attributes:
-        stops: who stopped the robots and why, for each stop that is not released, by identity.
-        released: who released the other stops, by identity; the last one last.
+        stops: sender and reason of each stop that is not released, by identity.
+        released: sender of the release of each other stop, by identity; the latest last.
     """
 
     stops: Mapping[str, str] = field(default_factory=dict)
@@ -38,11 +38,11 @@ class KnownStops:
 
     @classmethod
     def of_texts(cls, stops: Iterable[str], released: Iterable[str]) -> Self:
-        """Return what has these `texts`."""
+        """Return the known stops with these `texts`."""
         return cls(_of_texts(stops), _of_texts(released))
 
     def texts(self) -> dict[str, list[str]]:
-        """Return both fields, by name, as texts: an identity, a blank, and words."""
+        """Return stops and releases, by field, as texts of an identity, a blank, and words."""
         return {
             name: [f"{i} {words}" for i, words in of.items()] for name, of in vars(self).items()
         }
@@ -57,19 +57,19 @@ class KnownStops:
 
     def joined(self, other: KnownStops) -> KnownStops:
         """Return the union of both."""
-        # What is new comes last, and words stay as they were first heard.
+        # New stops come last, and words stay as first received.
         released = {**self.released, **other.released, **self.released}
         stops = {**self.stops, **other.stops, **self.stops}
         left = {identity: stops[identity] for identity in stops if identity not in released}
         return KnownStops(_newest(left), _newest(released))
 
     def stopped(self, identity: str, by: str, reason: str = "") -> KnownStops:
-        """Return what is known after a stop; one that is known already makes no difference."""
+        """Return the known stops after a stop; a repeated stop makes no difference."""
         words = f"{by or 'somebody'} ({reason})" if reason else by or "somebody"
         return self.joined(KnownStops({identity: plain(words, WORDS_MAX, lines=False)}))
 
     def released_by(self, by: str) -> KnownStops:
-        """Return what is known after a release of all stops that are known."""
+        """Return the known stops after a release of all of them."""
         who = plain(by or "somebody", WORDS_MAX, lines=False)
         return self.joined(KnownStops({}, dict.fromkeys(self.stops, who)))
 
@@ -77,8 +77,8 @@ class KnownStops:
 def must_tell(before: KnownStops, known: KnownStops, heard: KnownStops) -> bool:
     """Whether a receiver of news has to rebroadcast its own knowledge.
 
-    True if the news stops or releases the receiver, and if the sender does not know the
-    receiver's stops or releases.
+    True if the news stops or releases the receiver, or if the sender's stops and releases leave
+    it in another state than the receiver.
     """
     return not bool(before) == bool(known) == bool(heard)
 

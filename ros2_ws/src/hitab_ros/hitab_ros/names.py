@@ -72,16 +72,16 @@ VELOCITY_RELAY = "velocity_relay"
 """Name of the node that passes an agent's velocities on to its robot, in the agent's namespace."""
 
 STOP_STATE = "stop_state"
-"""Topic on which a robot's relay, an agent with a link of its own and a world say if they act."""
+"""Topic on which a robot's relay, an agent with its own link, or a world reports its stop."""
 
 ARM = "arm"
-"""Service of a robot's relay, or of an agent with a link of its own, to let it act again."""
+"""Service of a robot's relay, or of an agent with its own link, that re-arms the robot."""
 
 GOALS = "agent_goals"
-"""Topic of an agent on which goals the servers of actions have of it, in the agent's namespace."""
+"""Topic of an agent's current goals at action servers, in the agent's namespace."""
 
 TELEOP = "cmd_vel_teleop"
-"""Topic of a person who drives a robot by hand, to its relay; in the agent's namespace."""
+"""Topic of velocities from a person to a robot's relay, in the agent's namespace."""
 
 # Of the swarm.
 ALIVE = "alive"
@@ -110,7 +110,7 @@ def of_agent(agent: str, name: str, prefix: str = "") -> str:
     """Return the full name of an agent's topic or service, such as ``/keeper_1/status``.
 
     Raises:
-        HitabError: if ROS has no such names.
+        HitabError: if the name is invalid in ROS.
     """
     if _RELATIVE.match(agent) is None:
         raise HitabError(

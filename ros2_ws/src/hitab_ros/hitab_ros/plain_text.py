@@ -1,20 +1,20 @@
-"""Makes foreign text safe for logs, statuses and terminals."""
+"""Foreign text made safe for logs, statuses and terminals."""
 
 from __future__ import annotations
 
 PLAIN_TEXT_MAX = 1000
-"""Maximum characters of a text."""
+"""Maximum number of characters of a text."""
 
 
 def plain(text: str, limit: int = PLAIN_TEXT_MAX, *, lines: bool = True) -> str:
     """Return a text of bounded length without control characters.
 
-    A message with such a text passes `hitab_ros.checks`: otherwise all others would drop it.
+    The text passes `hitab_ros.checks`, so that no receiver drops a message with it.
 
     Args:
-        text: as it came.
-        limit: most characters; the middle of a longer text is left out.
-        lines: whether line ends are kept, as in a text for people.
+        text: received text.
+        limit: maximum number of characters; the middle of a longer text is left out.
+        lines: whether to keep line ends, as in a text for people.
     """
     text = _shortened(text, limit)
     if text.isprintable():

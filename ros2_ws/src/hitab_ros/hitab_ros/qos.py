@@ -41,7 +41,7 @@ STREAM = QoSProfile(
 PERCEIVED = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.RELIABLE
 )
-"""Percepts for a recorder, which may be behind in a fast lockstep."""
+"""Percepts for a recorder, which may fall behind in a fast lockstep."""
 
 SIGNS_OF_LIFE = QoSProfile(
     history=HistoryPolicy.KEEP_LAST, depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT

@@ -35,7 +35,7 @@ class RecentRequests(Generic[Answer]):
         )
 
     def keep(self, client: str, number: int, answer: Answer) -> None:
-        """Remember an answer, unless the client does not number its requests."""
+        """Store an answer, if the client numbers its requests."""
         if not number:
             return
         key = (client, number)

@@ -7,15 +7,15 @@ import socket
 from collections.abc import Callable, Iterator
 
 LOOKED_AT = 10
-"""Participants whose ports are tried."""
+"""Number of participants whose ports are tried."""
 
 
 def is_used_here(number: int) -> bool:
     """Return whether a program on this machine takes part in a ROS domain.
 
-    Each DDS participant listens on two ports of its own, numbered from the lowest that are free,
-    and most on one that they share (DDSI-RTPS 2.5, section 9.6.1). A domain seems unused if only
-    participants beyond the first `LOOKED_AT` are left.
+    Each DDS participant listens on two ports of its own, the lowest free ones, and most also on a
+    shared port (DDSI-RTPS 2.5, section 9.6.1). A domain seems unused if only participants beyond
+    the first `LOOKED_AT` are left.
     """
     base = 7400 + 250 * number
     return any(map(_is_bound, (base, *range(base + 10, base + 10 + 2 * LOOKED_AT, 2))))
@@ -34,11 +34,11 @@ def _is_bound(port: int) -> bool:
 def reserved_domain(is_taken: Callable[[int], bool] = lambda number: False) -> Iterator[int]:
     """Reserve a ROS domain that is unused on this machine, for the duration of the context.
 
-    Programs that chose a domain by hand are looked for; those that reserve one, as this does, are
-    kept off it.
+    Domains of programs that chose one by hand are detected; programs that reserve one, as here,
+    exclude each other.
 
     Args:
-        is_taken: whether a domain is out of the question for another reason.
+        is_taken: returns whether a domain is excluded for another reason.
     """
     from domain_coordinator import domain_id
 
@@ -52,4 +52,4 @@ def reserved_domain(is_taken: Callable[[int], bool] = lambda number: False) -> I
         try:
             yield number
         finally:
-            stack.close()  # not told of an error: `domain_id` would swallow an OSError
+            stack.close()  # without the error: `domain_id` would swallow an OSError

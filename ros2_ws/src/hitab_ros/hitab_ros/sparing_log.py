@@ -9,7 +9,7 @@ from hitab_core import quantity
 from hitab_ros.plain_text import plain
 
 BURST = 20
-"""Maximum lines in a burst."""
+"""Maximum number of lines in a burst."""
 
 REFILL_S = 10.0
 """Time, s, after which one more line is allowed."""
@@ -27,7 +27,7 @@ class SparingLog:
         clock: Callable[[], float] = time.monotonic,
         refill_s: float = REFILL_S,
     ) -> None:
-        """Prepare to write.
+        """Create a log.
 
         Args:
             write: writes a line.

@@ -38,7 +38,7 @@ class FinalError(HitabError):
 
 
 def make_node(name: str, **options: Any) -> GuardedNode:
-    """Return a node without unused standard topics and services."""
+    """Return a guarded node without unused standard topics and services."""
     return GuardedNode(name, **options)
 
 
@@ -46,8 +46,8 @@ class Spinner:
     """Spins an executor until `stop` is called or the process gets a signal to end.
 
     Attributes:
-        stopped: whether the loop should end.
-        exit_code: of the process, once stopped.
+        stopped: whether the loop has to end.
+        exit_code: exit code of the process, once stopped.
     """
 
     def __init__(self, executor: Executor) -> None:
@@ -62,7 +62,7 @@ class Spinner:
         self.exit_code = self.exit_code or exit_code
 
     def stop_forgotten(self, seconds: float) -> None:
-        """End, to be started again by the supervisor: others may have forgotten this process."""
+        """End with a restart by the supervisor, since others may have dropped this process."""
         print(
             f"error: this process was suspended for {seconds:.0f} s, so others may have forgotten "
             "it; it ends, and has to be started again, which a swarm's supervisor does",
@@ -88,7 +88,7 @@ class Spinner:
     def spin_until(self, condition: Callable[[], bool], timeout_s: float) -> bool:
         """Handle events until a condition holds; return whether it did in time.
 
-        The time is longer on a busy machine, see `BusyTimeout`.
+        The timeout is longer on a busy machine, see `BusyTimeout`.
         """
         patience = BusyTimeout(timeout_s)
         while not self.stopped:
@@ -128,7 +128,7 @@ def spinner(arguments: Sequence[str] | None = None) -> Iterator[Spinner]:
             node.destroy_node()
         spinning.executor.shutdown()
         rclpy.try_shutdown()
-        # Last: Ctrl-C under `ros2 launch` reaches a process twice, from the terminal and from it.
+        # Last: under `ros2 launch`, Ctrl-C arrives twice, from the terminal and the launcher.
         for number, handler in before.items():
             signal.signal(number, handler)
 
@@ -140,9 +140,9 @@ def run(start: Callable[[Spinner], Loop | None], arguments: Sequence[str] | None
     """Run the main function of a node's process.
 
     Args:
-        start: creates nodes and adds them to the spinner's executor. It may return a main loop to
-            run instead of handling one event after the other.
-        arguments: the command line, with ROS arguments; None for that of the process.
+        start: creates nodes and adds them to the spinner's executor. It may return a main loop
+            that replaces the default one, which handles one event after the other.
+        arguments: command line with ROS arguments; None for the process's own.
 
     Returns:
         The exit code: 1 after an error that a user can fix, which is printed in one line;

@@ -1,4 +1,4 @@
-"""Timers by the machine's clock, which goes on while simulated time stands still."""
+"""Timers by the machine's clock, which runs on while simulated time stands still."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def steady_timer(node: Node, seconds: float, callback: Callable[[], Any]) -> Any
 
     Args:
         node: owns the timer.
-        seconds: between two calls, s.
-        callback: called again and again.
+        seconds: time between two calls, s.
+        callback: called periodically.
     """
     return node.create_timer(seconds, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))

@@ -1,4 +1,4 @@
-"""The stop of one robot as others see it: its reports, and how to re-arm it."""
+"""Stop of one robot as a part of its node: reports and the re-arming service."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from hitab_ros.steady_timer import steady_timer
 from hitab_ros.stop_machine import JUST_STARTED, StopMachine, StopState
 
 STOP_REPORT_PERIOD_S = 0.1
-"""Period of reports, s, by the machine's clock. Reports are heartbeats, too."""
+"""Period of reports by the machine's clock, s; reports are heartbeats, too."""
 
 
 class Stop:
     """The stop machine of a robot on a node, driven by the emergency stop and by other causes.
 
     Attributes:
-        EMERGENCY: the name of that cause.
-        machine: whether the robot may act.
-        switch: of the emergency stop.
+        EMERGENCY: name of the cause "emergency stop".
+        machine: state machine of the robot's stop.
+        switch: switch of the emergency stop.
     """
 
     EMERGENCY = "emergency stop"
@@ -42,15 +42,15 @@ class Stop:
         known: KnownStops | None = None,
         keep: Callable[[KnownStops], None] = lambda known: None,
     ) -> None:
-        """Begin stopped.
+        """Create a stop in its stopped state.
 
         Args:
-            node: in the robot's namespace.
+            node: node in the robot's namespace.
             stands: returns whether the robot stands still.
             changed: called after each change.
-            rearms: whether the robot re-arms itself.
-            known: emergency stops, when this participant ended.
-            keep: called with the emergency stops that are known, each time that these change.
+            rearms: whether the robot re-arms itself when no cause is left.
+            known: emergency stops that this participant knew at its last exit.
+            keep: called with the known emergency stops after each change.
         """
         self._node = node
         self._stands = stands
@@ -100,7 +100,7 @@ class Stop:
         self._node.get_logger().warning(text)
 
     def publish(self) -> None:
-        """Tell others."""
+        """Publish a report."""
         machine = self.machine
         report = stop_report(
             self._node, machine.state, machine.causes.values(), machine.why, self.switch
@@ -116,14 +116,14 @@ def stop_report(
     why: str = "",
     switch: EmergencySwitch | None = None,
 ) -> msg.StopState:
-    """Return what a node says of whether its robot, or its world, may act.
+    """Return a report on whether a robot or world may act.
 
     Args:
-        node: that says so.
-        state: of the robot or the world.
-        causes: why it has to stand still as yet.
-        why: it was stopped.
-        switch: that the node obeys; None if it obeys another node.
+        node: the reporting node.
+        state: state of the robot or the world.
+        causes: present reasons to stand still.
+        why: reason of the stop.
+        switch: switch that the node obeys; None if it obeys another node.
     """
     report = msg.StopState(
         stamp=as_time(time.time_ns()),
@@ -142,11 +142,11 @@ def why_stopped(why: str, causes: Iterable[str]) -> str:
     """Return why a robot may not act; empty if it may.
 
     Args:
-        why: it was stopped.
-        causes: why it has to stand still as yet.
+        why: reason of the stop.
+        causes: present reasons to stand still.
     """
     if not why:
         return ""
-    if told := "; ".join(causes):
-        return f"{STOPPED}: {told}"
+    if reasons := "; ".join(causes):
+        return f"{STOPPED}: {reasons}"
     return f"waits to be armed: {why if why == JUST_STARTED else f'{why}; that is over'}"

@@ -1,7 +1,7 @@
-"""Stop machine of a robot or world: when it must stand still, and when it may act again.
+"""Stop machine of a robot or world: states between standing still and acting.
 
-No ROS here. A robot's relay has such a machine, or its agent, if its link has no relay. These are
-all of its states and events::
+The machine is independent of ROS. A robot's relay has one, or its agent, if its link has no relay.
+All states and events::
 
     state      event                                          next state
     any        a cause appears: emergency stop, silent        stopping
@@ -12,8 +12,8 @@ all of its states and events::
     stopped    a person re-arms it, no cause is left          armed
     any other  a person re-arms it                            the same; refused, with the reason
 
-So nothing moves again by itself: a stopped robot waits for a person, after any cause and after
-any restart of its process.
+A stopped robot therefore never moves again by itself: it waits for a person, after any cause and
+after any restart of its process.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from collections.abc import Callable
 from enum import StrEnum
 
 JUST_STARTED = "it has just started"
-"""Reason of a robot that has not acted since its start, in place of causes that have passed."""
+"""Reason of a robot that has not acted since its start and has no other."""
 
 
 class StopState(StrEnum):
-    """The values are those of `hitab_msgs.msg.StopState`."""
+    """States; the values are those of `hitab_msgs.msg.StopState`."""
 
     ARMED = "armed"
     STOPPING = "stopping"
@@ -38,10 +38,10 @@ class StopMachine:
     """Whether one robot may act.
 
     Attributes:
-        causes: why it has to stand still as yet, by name.
-        why: why it was stopped, or `JUST_STARTED`; empty if it is armed.
-        stop: number of this stop, later than those of earlier stops, also of other processes.
-        stands: whether it was last seen to stand still.
+        causes: present reasons to stand still, by name.
+        why: reason of the stop, or `JUST_STARTED`; empty if armed.
+        stop: number of this stop, larger than those of earlier stops, also of other processes.
+        stands: whether the robot stood still at the last look.
     """
 
     def __init__(
@@ -51,10 +51,10 @@ class StopMachine:
         changed: Callable[[], None] = lambda: None,
         number: Callable[[], int] = time.time_ns,
     ) -> None:
-        """Begin stopped, since the process before this one may have been.
+        """Start stopped, since the previous process may have been stopped.
 
         Args:
-            rearms: whether it re-arms itself when no cause is left.
+            rearms: whether the robot re-arms itself when no cause is left.
             changed: called after each change.
             number: returns a number for a stop, larger each time.
         """
@@ -68,13 +68,13 @@ class StopMachine:
 
     @property
     def state(self) -> StopState:
-        """Whether it may act."""
+        """State of the robot."""
         if not self.why:
             return StopState.ARMED
         return StopState.STOPPED if self.stands else StopState.STOPPING
 
     def cause(self, name: str, why: str) -> None:
-        """Note why it has to stand still; with an empty text, that this is no cause any more."""
+        """Set a reason to stand still; an empty text removes the cause."""
         if self.causes.get(name, "") == why:
             return
         if not why:
@@ -89,7 +89,7 @@ class StopMachine:
         self._changed()
 
     def look(self, *, stands: bool) -> None:
-        """Note whether it stands still; call this again and again."""
+        """Note whether the robot stands still; call this periodically."""
         before, self.stands = self.stands, stands
         if self._rearms and self.state is StopState.STOPPED and not self.causes:
             self.why = ""
@@ -98,10 +98,10 @@ class StopMachine:
             self._changed()
 
     def arm(self, stop: int = 0) -> str:
-        """Let it act again; return why not, or an empty text if it may.
+        """Re-arm the robot; return the reason of a refusal, or an empty text.
 
         Args:
-            stop: the number of the stop that is to end; 0 for any.
+            stop: number of the stop to end; 0 for any.
         """
         if not self.why:
             return ""

@@ -1,6 +1,6 @@
-"""Notices that this process stood still for so long that others may have forgotten it.
+"""Detection of suspensions after which others may have dropped this process.
 
-A participant that only one side has forgotten is not fully rediscovered: if a heartbeat comes
+A participant that only one side has dropped is not fully rediscovered: if a heartbeat arrives
 before the first request for earlier samples, Fast DDS 2.14 takes all of them for received.
 """
 
@@ -14,12 +14,12 @@ from collections.abc import Callable, Iterator
 from xml.etree import ElementTree
 
 DDS_PROFILE = "FASTRTPS_DEFAULT_PROFILES_FILE"
-_LEASE_S = 20.0  # that of Fast DDS
+_LEASE_S = 20.0  # default of Fast DDS
 _REMEMBERED = 0.8  # of the lease: the last announcement may be a fifth of it old
 
 
 def remembered_s() -> float:
-    """Return for how long the others remember a process that stands still, s."""
+    """Return the time for which others remember a process that stands still, s."""
     try:
         root = ElementTree.parse(os.environ[DDS_PROFILE]).getroot()
         lease = float(root.findtext(".//{*}leaseDuration/{*}sec") or _LEASE_S)
@@ -30,7 +30,7 @@ def remembered_s() -> float:
 
 @contextlib.contextmanager
 def suspensions_noticed(tell: Callable[[float], None]) -> Iterator[None]:
-    """Call a function, in a thread, with how long this process stood still, s, if too long."""
+    """Call a function, in a thread, with the duration of each long suspension, s."""
     longest, over = remembered_s(), threading.Event()
 
     def watch() -> None:

@@ -18,7 +18,7 @@ from hitab_ros.ros_domains import reserved_domain
 
 @contextmanager
 def context_of_its_own() -> Iterator[Context]:
-    """Yield a context in a ROS domain, on this machine, that no other test uses."""
+    """Yield a context in a ROS domain that no other test on this machine uses."""
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     context = Context()
     with reserved_domain() as number:
@@ -32,14 +32,14 @@ def context_of_its_own() -> Iterator[Context]:
 
 
 SECONDS = 60.0
-"""Timeout of tests, s: longer than any wait, on a busy machine too."""
+"""Timeout of tests, s: longer than any wait, even on a busy machine."""
 
 
 def wait_until(condition: Callable[[], Any]) -> None:
     """Wait, handling no events, until a condition holds.
 
     Raises:
-        AssertionError: if it does not within a minute.
+        AssertionError: if the condition does not hold within a minute.
     """
     deadline = time.monotonic() + SECONDS
     while not condition():
@@ -53,12 +53,12 @@ def spin_until(
     """Handle events until a condition holds.
 
     Args:
-        executor: of the nodes.
+        executor: executor of the nodes.
         condition: to wait for.
-        each: called again and again meanwhile.
+        each: called repeatedly meanwhile.
 
     Raises:
-        AssertionError: if it does not within a minute.
+        AssertionError: if the condition does not hold within a minute.
     """
     deadline = time.monotonic() + SECONDS
     while not condition():

@@ -1,4 +1,4 @@
-"""Refuses to run two nodes with the same name, which would both obey every command."""
+"""Check that no two nodes have the same name, since both would obey every command."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ DEAD_AFTER_S = 2.5
 """Timeout for a discovered node to publish, s; killed ones stay discovered for longer."""
 
 _PARTICIPANT = 12  # bytes of an endpoint's identifier that identify the process
-_LONGEST_LIFESPAN_S = 2**31 - 2  # of what DDS can announce
+_LONGEST_LIFESPAN_S = 2**31 - 2  # maximum that DDS can announce
 
 
 class NameTakenError(FinalError):
@@ -32,22 +32,22 @@ class NameTakenError(FinalError):
 
 
 def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: type[Any]) -> None:
-    """Look for other nodes for a while, and raise if another process has one of these names.
+    """Check for a while that no other process has a node of these names.
 
     Args:
-        spinning: to wait with; the nodes have been added to its executor.
-        nodes: about to join the swarm. Each must have a publisher on its status topic but must not
-            have published yet.
+        spinning: spinner to wait with, whose executor has the nodes.
+        nodes: nodes about to join the swarm. Each must have a publisher on its status topic but
+            must not have published yet.
         status: type of the messages on that topic.
 
     Raises:
-        NameTakenError: naming the agent that is already up, and its swarm if that is another one.
-            If two start at once, one of them gives way.
-        HitabError: the same, if the other one belongs to the same swarm.
+        NameTakenError: if a name is taken; names the agent that is already up, and its swarm
+            if that is another one. If two start at once, one of them gives way.
+        HitabError: if a name is taken by a node of the same swarm.
         DefinitionsDifferError: if a node defines the project's messages differently.
     """
-    # The identifier of an endpoint that can only be ours reveals which others are ours. Its random
-    # part is a setting without effect, since a random name could not be in a security policy.
+    # The identifier of an endpoint that can only be this process's reveals its other endpoints.
+    # Its random part is a setting without effect, since security policies allow no random names.
     lifespan = Duration(seconds=1 + secrets.randbelow(_LONGEST_LIFESPAN_S))
     topic = names.in_swarm(nodes[0], names.ALIVE)
     profile = QoSProfile(depth=1, lifespan=lifespan)
@@ -63,8 +63,8 @@ def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: 
     doubtful = {node: others for node in nodes if (others := _participants(node) - ours)}
     if not doubtful:
         return
-    # Others have these names, too: those that have published a status were there first.
-    established: dict[str, str] = {}  # with the swarm of each
+    # Other nodes with these names that have published a status were up first.
+    established: dict[str, str] = {}  # with the swarm of each, by name
     listeners = []
     for node in doubtful:
         name = names.own_name(node)
@@ -86,8 +86,8 @@ def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: 
     try:
         spinning.spin_until(lambda: len(established) == len(doubtful), DISCOVERY_S)
         # Of two that start at once, the one with the lower identifier continues, and the other
-        # will hear it. A node that never publishes was killed; its leftovers are no reason to give
-        # way.
+        # receives its status. A node that never publishes was killed; its leftovers do not
+        # count.
         spinning.spin_until(lambda: not any(map(undecided, doubtful)), DEAD_AFTER_S)
         for node in doubtful:
             if (name := names.own_name(node)) in established:
@@ -99,7 +99,7 @@ def check_name_is_free(spinning: Spinner, nodes: Sequence[GuardedNode], status: 
 
 def _taken(name: str, other: str, own: str) -> HitabError:
     where = f"swarm {other}, in the same ROS domain" if other not in ("", own) else "this swarm"
-    # Leftovers of this same swarm may be gone at the next try.
+    # Leftovers of the same swarm may be gone at the next try.
     kind = HitabError if own and other == own else NameTakenError
     return kind(
         f'"{name}" is already running in {where}; give this one another name, or stop the '

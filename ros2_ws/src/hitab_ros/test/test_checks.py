@@ -1,4 +1,4 @@
-"""What cannot be meant is refused at the border, by name, before any callback sees it."""
+"""Invalid messages are refused, with the field's name, before any callback receives them."""
 
 from __future__ import annotations
 
@@ -76,12 +76,12 @@ def test_each_message_and_service_of_the_project_can_be_checked():
 
 @given(st.text(alphabet=st.characters(codec="utf-8"), max_size=3000))
 def test_a_status_with_any_text_made_plain_passes(text):
-    """Otherwise whoever quotes a stranger would no longer be heard by anybody."""
-    told = plain(text)
+    """Otherwise every receiver would drop a status that quotes a foreign text."""
+    quoted = plain(text)
     name = plain(text, 200, lines=False)
-    assert len(told) <= 1000
+    assert len(quoted) <= 1000
     assert len(name) <= 200
-    check(msg.AgentStatus(demonstrator=name, last_error=told, faults=[told], note=told))
+    check(msg.AgentStatus(demonstrator=name, last_error=quoted, faults=[quoted], note=quoted))
 
 
 def test_a_short_printable_text_stays_as_it_is_and_others_can_be_read():

@@ -1,4 +1,4 @@
-"""Two versions of a message are not talked over: whoever starts later finds the other."""
+"""Nodes with two versions of a message do not communicate: the later one finds the other."""
 
 import pytest
 from hitab_msgs.msg import AgentStatus

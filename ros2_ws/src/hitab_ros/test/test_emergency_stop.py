@@ -1,4 +1,4 @@
-"""All robots stop at one word, whoever says it, and whoever comes late hears it."""
+"""All robots stop on one message from any node, and nodes that join late receive the stop."""
 
 import time
 
@@ -33,7 +33,7 @@ class Room:
         spin_until(self.executor, condition)
 
     def button(self, *relays, profile=qos.EVENTS, events=None):
-        """Return a publisher of a node that is no participant, once these hear it."""
+        """Return a publisher of a node that is no participant, connected to these relays."""
         publisher = self.node("button").create_publisher(
             EmergencyStop, names.EMERGENCY_STOP, profile, event_callbacks=events
         )
@@ -52,13 +52,13 @@ def room():
 
 
 def test_a_relay_stops_and_keeps_the_stop_for_those_who_come_late(room):
-    told = []
-    relay = EmergencySwitch(room.node("relay"), told.append, hands_on=True)
+    changes = []
+    relay = EmergencySwitch(room.node("relay"), changes.append, hands_on=True)
     person = room.node("person")
     switch = EmergencySwitch(person)
     switch.set(True, "ann", "a dog")
     room.until(lambda: relay.engaged)
-    assert told[-1].who == "ann (a dog)"
+    assert changes[-1].who == "ann (a dog)"
     assert switch.delivered(10.0)
     room.leave(person)
 
@@ -66,7 +66,7 @@ def test_a_relay_stops_and_keeps_the_stop_for_those_who_come_late(room):
     room.until(lambda: late.engaged)
     late.set(False, "ben")
     room.until(lambda: not relay.engaged)
-    assert [bool(known) for known in told] == [True, False]
+    assert [bool(known) for known in changes] == [True, False]
 
 
 @pytest.mark.parametrize("ahead_s", [None, -35.0, -3600.0, 0.0, 50.0, 365 * 24 * 3600.0])

@@ -24,7 +24,7 @@ from hitab_ros.testing import context_of_its_own, spin_until, wait_until
 
 
 class Pair:
-    """A node whose callbacks fail, and one that talks to it; whatever is logged is kept."""
+    """A node whose callbacks fail, with its log, and a node that sends to it."""
 
     def __init__(self, context: Context) -> None:
         self.node = GuardedNode("failing", context=context)
@@ -104,7 +104,7 @@ def test_an_error_in_a_topics_callback_is_shown_until_the_callback_succeeds(pair
 def test_a_message_that_is_too_large_is_dropped_before_it_is_read_and_one_that_is_none_too(
     pair: Pair,
 ) -> None:
-    """Read first, a list of objects holds up a node a hundred times as long."""
+    """Deserializing a list of objects would hold up a node a hundred times as long."""
     taken: list[int] = []
     pair.node.create_subscription(msg.WorldState, "state", lambda m: taken.append(m.cycle), 10)
     publisher = pair.publisher(msg.WorldState, "state")
@@ -188,7 +188,7 @@ def test_different_errors_are_logged_at_a_bounded_rate(pair: Pair) -> None:
 
 
 class Unspeakable(Exception):
-    """An error of somebody else's that cannot even be printed."""
+    """A foreign error that cannot even be printed."""
 
     def __str__(self) -> str:
         raise ValueError("no")

@@ -1,4 +1,4 @@
-"""Who has heard of a stop stands still until it is released, whatever else was heard and when."""
+"""A robot that knows a stop stands still until its release, in any order of messages."""
 
 from dataclasses import dataclass, field
 
@@ -10,20 +10,20 @@ from hitab_ros.known_stops import KEPT_MAX, must_tell
 
 RELAYS = 3
 PEOPLE = 2
-"""They do not hand on what they hear."""
+"""Participants that do not rebroadcast received stops."""
 
 
 @dataclass
 class Participant:
     hands_on: bool
     known: KnownStops = field(default_factory=KnownStops)
-    told: list[KnownStops] = field(default_factory=list)
+    published: list[KnownStops] = field(default_factory=list)
 
     def know(self, known, heard, *, tells):
-        """As `EmergencySwitch` does."""
+        """Update the known stops, as `EmergencySwitch` does."""
         before, self.known = self.known, known
         if tells and must_tell(before, known, heard):
-            self.told.append(known)
+            self.published.append(known)
 
     def hear(self, heard):
         self.know(self.known.joined(heard), heard, tells=self.hands_on)
@@ -43,24 +43,24 @@ class Room:
         self.stops += 1
         one = self.all[who]
         one.known = one.known.stopped(f"s{self.stops}", "ann")
-        one.told.append(one.known)
+        one.published.append(one.known)
         assert one.known
 
     def release(self, who):
         one = self.all[who]
         self.may_be_ended |= {*one.known.stops}
         one.known = one.known.released_by("ben")
-        one.told.append(one.known)
+        one.published.append(one.known)
         assert not one.known
 
     def push(self, who):
-        """A program that is no participant stops all; at first only one hears it."""
+        """A program that is no participant stops all; at first only one participant hears that."""
         self.stops += 1
         self.buttons.add(f"s{self.stops}")
         self.deliver_button(who, -1)
 
     def deliver_button(self, who, which):
-        """The same is delivered to another one, or again."""
+        """A stop of such a program is delivered to another participant, or again."""
         if self.buttons:
             button = sorted(self.buttons)[which % len(self.buttons)]
             one = self.all[who]
@@ -69,7 +69,7 @@ class Room:
             assert one.known or button in one.known.released
 
     def let_go(self, who):
-        """A program that is no participant releases what its hearer knows."""
+        """A program that is no participant releases the stops that its receiver knows."""
         one = self.all[who]
         self.may_be_ended |= {*one.known.stops}
         known = one.known.released_by("button")
@@ -77,8 +77,8 @@ class Room:
         assert not one.known
 
     def deliver(self, who, which):
-        """What was said at any time arrives, for the first time or again."""
-        said = [known for one in self.all for known in one.told]
+        """A message from any time arrives, for the first time or again."""
+        said = [known for one in self.all for known in one.published]
         if said:
             heard = said[which % len(said)]
             one = self.all[who]
@@ -88,28 +88,28 @@ class Room:
     def restart(self, who):
         one = self.all[who]
         one.known = KnownStops.of_texts(**one.known.texts())
-        one.told = [one.known] if one.known and one.hands_on else []
+        one.published = [one.known] if one.known and one.hands_on else []
 
     def forget(self, who):
-        """One ends, and another one comes that has heard nothing."""
-        self.all[who].known, self.all[who].told = KnownStops(), []
+        """A participant ends, and another one starts that knows nothing."""
+        self.all[who].known, self.all[who].published = KnownStops(), []
 
     def settle(self):
-        """All hear the last that each has said, until none has more to say.
+        """All participants hear the last message of each, until none has more to publish.
 
-        In time, those who hand on tell of all stops that they know.
+        In time, participants that rebroadcast publish all stops that they know.
         """
         for _ in range(20):
             for one in self.all:
-                told = one.told[-1] if one.told else KnownStops()
-                if one.hands_on and one.known.stops.keys() - told.stops.keys():
-                    one.told.append(one.known)
-            said = [(one, one.told[-1]) for one in self.all if one.told]
+                published = one.published[-1] if one.published else KnownStops()
+                if one.hands_on and one.known.stops.keys() - published.stops.keys():
+                    one.published.append(one.known)
+            said = [(one, one.published[-1]) for one in self.all if one.published]
             for speaker, last in said:
                 for one in self.all:
                     if one is not speaker:
                         one.hear(last)
-            if said == [(one, one.told[-1]) for one in self.all if one.told]:
+            if said == [(one, one.published[-1]) for one in self.all if one.published]:
                 return
         raise AssertionError("they go on and on")
 
@@ -141,7 +141,10 @@ def test_all_agree_and_are_released_by_who_knows_all_and_by_nobody_else(steps, l
         getattr(room, step)(*arguments)
         room.check()
     relays = room.all[:RELAYS]
-    heard = [*(one.known for one in relays), *(one.told[-1] for one in room.all if one.told)]
+    heard = [
+        *(one.known for one in relays),
+        *(one.published[-1] for one in room.all if one.published),
+    ]
     held = {stop for known in heard for stop in known.stops}
     held -= {stop for known in heard for stop in known.released}
     room.settle()

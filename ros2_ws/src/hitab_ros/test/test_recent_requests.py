@@ -1,4 +1,4 @@
-"""What was done a moment ago is recognized when it is asked for again."""
+"""A repeated request is recognized and not carried out again."""
 
 from types import SimpleNamespace
 

@@ -77,8 +77,8 @@ test_a_robot_that_stopped_acts_only_once_re_armed = Robot.TestCase
 
 
 def test_one_that_re_arms_itself_waits_until_it_stands_and_all_causes_are_over():
-    told = []
-    machine = StopMachine(rearms=True, changed=lambda: told.append(1))
+    changes = []
+    machine = StopMachine(rearms=True, changed=lambda: changes.append(1))
     machine.cause("agent", "no scan")
     machine.look(stands=True)
     assert machine.state is StopState.STOPPED
@@ -87,7 +87,7 @@ def test_one_that_re_arms_itself_waits_until_it_stands_and_all_causes_are_over()
     assert machine.state is StopState.STOPPING
     machine.look(stands=True)
     assert machine.state is StopState.ARMED
-    assert told
+    assert changes
 
 
 def test_a_refusal_to_re_arm_says_why():

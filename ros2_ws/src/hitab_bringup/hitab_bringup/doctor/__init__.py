@@ -1,4 +1,4 @@
-"""Looks for problems that HiTAB would have on this computer."""
+"""Checks for problems that HiTAB would have on this computer."""
 
 import lazy_loader
 

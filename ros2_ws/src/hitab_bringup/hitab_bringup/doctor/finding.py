@@ -14,8 +14,8 @@ class Finding:
     Attributes:
         about: the examined thing, such as "Python".
         text: the finding.
-        level: `OK`; `WARNING`: it may cause problems; `ERROR`: it keeps HiTAB from working.
-        way_out: the remedy; empty if there is none.
+        level: `OK`; `WARNING` for possible problems; `ERROR` if HiTAB cannot work.
+        way_out: the remedy; empty without one.
     """
 
     about: str
@@ -25,5 +25,5 @@ class Finding:
 
 
 def judged(about: str, text: str, good: bool, way_out: str, level: str = WARNING) -> Finding:
-    """Return a finding that is good, or has a level and a way out."""
+    """Return a finding: `OK` if good, else with a level and a way out."""
     return Finding(about, text) if good else Finding(about, text, level, way_out)

@@ -1,4 +1,4 @@
-"""Checks the computer: Python, HiTAB, disk, memory and limits."""
+"""Checks of the computer: Python, HiTAB, disk, memory and limits."""
 
 from __future__ import annotations
 
@@ -19,46 +19,46 @@ MB = 1 << 20
 DISK_NEEDED, DISK_WANTED = 100 * MB, 1000 * MB
 MEMORY_WANTED = 1000 * MB
 FILES_NEEDED = 1024
-"""Open files without which the supervisor does not start."""
+"""Minimum limit of open files, below which the supervisor does not start."""
 
 PROCESSES_WANTED = 4096
-"""Processes and threads: a swarm in 100 processes has some 1,500."""
+"""Minimum limit of processes and threads: a swarm in 100 processes has some 1,500."""
 
 BUFFER = Path("/proc/sys/net/core/rmem_max")
 BUFFER_WANTED = 4 * MB
-"""The receive buffer for which the DDS profile asks."""
+"""Receive buffer that the DDS profile requests, bytes."""
 
 
 def python() -> Iterator[Finding]:
-    """Check the interpreter, and say which HiTAB this is."""
-    told = f"{'.'.join(map(str, sys.version_info[:3]))} ({sys.executable})"
+    """Check the interpreter, and report the version of HiTAB."""
+    text = f"{'.'.join(map(str, sys.version_info[:3]))} ({sys.executable})"
     good = PYTHONS[0] <= sys.version_info[:2] <= PYTHONS[1]
     way_out = f"install Python 3.11, 3.12 or 3.13; with it, {way_to_install()}"
-    yield judged("Python", told, good, way_out, ERROR)
+    yield judged("Python", text, good, way_out, ERROR)
     yield Finding("HiTAB", f"{installed_version()}, {installed_as()}")
 
 
 def home() -> Iterator[Finding]:
-    """Check the folder for runs, and the room there."""
+    """Check the folder for runs, and its free space."""
     folder = state_home()
     source = next((n for n in ("HITAB_HOME", "XDG_STATE_HOME") if os.environ.get(n)), "")
-    told = f"{folder} ({f'from {source}' if source else 'the default; HITAB_HOME changes it'})"
-    there = folder
-    while not there.exists() and there != there.parent:
-        there = there.parent
-    if not os.access(there, os.W_OK | os.X_OK) or not there.is_dir():
+    text = f"{folder} ({f'from {source}' if source else 'the default; HITAB_HOME changes it'})"
+    parent = folder
+    while not parent.exists() and parent != parent.parent:
+        parent = parent.parent
+    if not os.access(parent, os.W_OK | os.X_OK) or not parent.is_dir():
         way_out = "name another folder in HITAB_HOME"
-        yield Finding("files", f"{told} cannot be written", ERROR, way_out)
+        yield Finding("files", f"{text} cannot be written", ERROR, way_out)
         return
-    yield Finding("files", told)
-    free = shutil.disk_usage(there).free
+    yield Finding("files", text)
+    free = shutil.disk_usage(parent).free
     way_out = f"make room for {folder}, or name another in HITAB_HOME"
     level = ERROR if free < DISK_NEEDED else WARNING
     yield judged("disk", f"{free // MB:,} MB free", free >= DISK_WANTED, way_out, level)
 
 
 def memory() -> Iterator[Finding]:
-    """Check the memory that is available."""
+    """Check the available memory."""
     import psutil  # type: ignore[import-untyped]
 
     free = psutil.virtual_memory().available
@@ -75,15 +75,15 @@ def limits() -> Iterator[Finding]:
     ):
         _, hard = resource.getrlimit(what)
         if hard != resource.RLIM_INFINITY and hard < wanted:
-            told = f"at most {hard} {about} (ulimit -H{option})"
+            text = f"at most {hard} {about} (ulimit -H{option})"
             way_out = f"let the administrator raise it to {wanted} or more"
-            found.append(Finding("limits", told, level, way_out))
+            found.append(Finding("limits", text, level, way_out))
     buffer = int(BUFFER.read_text(encoding="ascii")) if BUFFER.exists() else BUFFER_WANTED
     if buffer < BUFFER_WANTED:
-        told = (
+        text = (
             f"at most {buffer // 1024} kB to receive messages in, which is little for a hundred "
             "processes"
         )
         way_out = f"sudo sysctl -w net.core.rmem_max={BUFFER_WANTED}"
-        found.append(Finding("limits", told, WARNING, way_out))
+        found.append(Finding("limits", text, WARNING, way_out))
     yield from found or [Finding("limits", "high enough for a thousand agents")]

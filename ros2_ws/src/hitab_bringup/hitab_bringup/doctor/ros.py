@@ -1,4 +1,4 @@
-"""Checks ROS: where it is from, DDS, and the domain."""
+"""Checks of ROS: installation, DDS and domain."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hitab_core import way_to_install
 DISTRO = "jazzy"
 FAST_DDS = "rmw_fastrtps_cpp"
 SAFE_DOMAINS = 102
-"""Domains whose ports no other program of the system uses."""
+"""Number of domains, from 0, whose ports no other program of the system uses."""
 
 
 def installation() -> Iterator[Finding]:
@@ -28,18 +28,18 @@ def installation() -> Iterator[Finding]:
         yield Finding("ROS", f"cannot be loaded: {wrong}", ERROR, way_to_install())
         return
     place = Path(rclpy.__file__).resolve().parents[1]
-    wheels = is_from_wheels()  # of the right distribution, as HiTAB requires them
+    wheels = is_from_wheels()  # wheels are always of the required distribution
     distro = os.environ.get("ROS_DISTRO", "") or (DISTRO if wheels else "of unknown distribution")
-    told = f"{distro}, from {'wheels' if wheels else 'an installation'} ({place})"
+    text = f"{distro}, from {'wheels' if wheels else 'an installation'} ({place})"
     way_out = f"HiTAB is made for ROS 2 {DISTRO}: use a terminal without another one's set-up file"
-    yield judged("ROS", told, distro == DISTRO, way_out)
+    yield judged("ROS", text, distro == DISTRO, way_out)
 
 
 def middleware() -> Iterator[Finding]:
     """Check the DDS implementation and its profile."""
     rmw = os.environ.get("RMW_IMPLEMENTATION") or FAST_DDS
-    told = f"{rmw}; HiTAB's DDS profiles are for Fast DDS, {FAST_DDS}"
-    yield judged("DDS", told, rmw == FAST_DDS, "unset RMW_IMPLEMENTATION")
+    text = f"{rmw}; HiTAB's DDS profiles are for Fast DDS, {FAST_DDS}"
+    yield judged("DDS", text, rmw == FAST_DDS, "unset RMW_IMPLEMENTATION")
     said = os.environ.get(RANGE, "")
     environment = dict(os.environ)
     choose_profile(environment)
@@ -47,32 +47,32 @@ def middleware() -> Iterator[Finding]:
     own = [name for name in profiles if Path(name).name not in (LOOPBACK.name, NETWORK.name)]
     level, way_out = "ok", ""
     if missing := [name for name in own if not Path(name).is_file()]:
-        told, level = f"there is no DDS profile {missing[0]}", ERROR
+        text, level = f"there is no DDS profile {missing[0]}", ERROR
         way_out = f"unset {' '.join(VARIABLES)}"
     elif own:
-        told = f"by your own DDS profile {own[0]}"
+        text = f"by your own DDS profile {own[0]}"
     elif server := os.environ.get(SERVER):
-        told = f"by the server {server}, without which no node finds another ({SERVER})"
+        text = f"by the server {server}, without which no node finds another ({SERVER})"
     elif any(Path(name).name == LOOPBACK.name for name in profiles):
-        told = "of processes on this computer only"
+        text = "of processes on this computer only"
     elif environment[RANGE] == "OFF":
-        told, level, way_out = f"{RANGE} is OFF: no node finds another", ERROR, f"unset {RANGE}"
+        text, level, way_out = f"{RANGE} is OFF: no node finds another", ERROR, f"unset {RANGE}"
     else:
-        told = f"of other computers in the network, too ({RANGE}={said})"
-    yield Finding("discovery", told, level, way_out)
+        text = f"of other computers in the network, too ({RANGE}={said})"
+    yield Finding("discovery", text, level, way_out)
     if os.environ.get("ROS_LOCALHOST_ONLY") == "1":
-        told = "ROS_LOCALHOST_ONLY=1 replaces HiTAB's DDS profile with one that finds 32 processes"
+        text = "ROS_LOCALHOST_ONLY=1 replaces HiTAB's DDS profile with one that finds 32 processes"
         way_out = f"unset ROS_LOCALHOST_ONLY; {RANGE}=LOCALHOST says the same"
-        yield Finding("discovery", told, WARNING, way_out)
+        yield Finding("discovery", text, WARNING, way_out)
 
 
 def domain() -> Iterator[Finding]:
-    """Check the ROS domain, which is a number or not given; see `problems`."""
+    """Check the ROS domain, if given; `problems` checks its form."""
     number = domain_ids.chosen_by_user()
     if number is None:
-        told = "not chosen: each swarm gets a free one, and commands find it (0 first)"
-        yield Finding("ROS domain", told)
+        text = "not chosen: each swarm gets a free one, and commands find it (0 first)"
+        yield Finding("ROS domain", text)
         return
     mean = "all commands mean swarms in this domain"
-    told = f"{number}: {mean if number < SAFE_DOMAINS else 'its ports may be in use by others'}"
-    yield judged("ROS domain", told, number < SAFE_DOMAINS, "choose a ROS_DOMAIN_ID up to 101")
+    text = f"{number}: {mean if number < SAFE_DOMAINS else 'its ports may be in use by others'}"
+    yield judged("ROS domain", text, number < SAFE_DOMAINS, "choose a ROS_DOMAIN_ID up to 101")

@@ -1,4 +1,4 @@
-"""Checks the runs: what is up, what hinders its agents, and what killed runs have left behind."""
+"""Checks of runs: swarms that are up, faults of agents, and leftovers of killed runs."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from hitab_client.run_processes import SUPERVISOR_TIMEOUT_SECONDS, is_suspended,
 from hitab_client.swarm_choice import way_to_stop
 from hitab_core import Fix, each_once, quantity, some
 
-PROCESSES_NAMED_MAX = 5  # processes by name
-LARGE_SWARM = 100  # agents; a larger swarm takes long to ask
+PROCESSES_NAMED_MAX = 5  # maximum number of processes listed by name
+LARGE_SWARM = 100  # number of agents above which requests take long
 DOCTOR_TIMEOUT_SECONDS = 3.0
 
 
@@ -27,8 +27,8 @@ def swarms() -> Iterator[Finding]:
 def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
     stop = as_command(way_to_stop(folder, record))
     if folder.supervisor(record) is None:
-        told = f"{record.swarm} has ended without being stopped ({folder.path})"
-        yield Finding("swarm", told, WARNING, stop)
+        text = f"{record.swarm} has ended without being stopped ({folder.path})"
+        yield Finding("swarm", text, WARNING, stop)
         return
     try:
         states = process_states(record, SUPERVISOR_TIMEOUT_SECONDS)
@@ -39,14 +39,14 @@ def _run(folder: RunFolder, record: RunRecord) -> Iterator[Finding]:
     lost = [state["name"] for state in states if state not in running]
     pids = some([f"{state['name']} {state['pid']}" for state in running], PROCESSES_NAMED_MAX)
     where = f"in ROS domain {record.domain_id}, supervisor {record.supervisor}"
-    told = f"{record.swarm} is up {where}: {pids}"
-    told += f"; {', '.join(lost[:PROCESSES_NAMED_MAX])} does not run" if lost else ""
-    yield judged("swarm", told, not lost, as_command(Fix.LOGS(node=lost[0] if lost else "")))
+    text = f"{record.swarm} is up {where}: {pids}"
+    text += f"; {', '.join(lost[:PROCESSES_NAMED_MAX])} does not run" if lost else ""
+    yield judged("swarm", text, not lost, as_command(Fix.LOGS(node=lost[0] if lost else "")))
     for state in running:
         if is_suspended(state["pid"]):
-            told = f"{state['name']} of {record.swarm} is suspended (process {state['pid']})"
+            text = f"{state['name']} of {record.swarm} is suspended (process {state['pid']})"
             way_out = f"`kill -CONT {state['pid']}` lets it continue"
-            yield Finding("swarm", told, WARNING, way_out)
+            yield Finding("swarm", text, WARNING, way_out)
 
 
 def leftovers() -> Iterator[Finding]:
@@ -61,19 +61,19 @@ def leftovers() -> Iterator[Finding]:
     for mark, pids in sorted(lost.items()):
         numbers = some([str(pid) for pid in sorted(pids)], PROCESSES_NAMED_MAX)
         unknown = "" if mark in known else ", which no command knows"
-        told = f"processes {numbers} of a killed run in {mark}{unknown}"
-        yield Finding("leftovers", told, WARNING, as_command(Fix.DOWN_FOLDER(folder=mark)))
+        text = f"processes {numbers} of a killed run in {mark}{unknown}"
+        yield Finding("leftovers", text, WARNING, as_command(Fix.DOWN_FOLDER(folder=mark)))
     if not lost:
         yield Finding("leftovers", "no processes of killed runs")
 
 
 def faults() -> Iterator[Finding]:
-    """Report what agents say that hinders them, such as a silent sensor."""
+    """Report the faults of agents, such as a silent sensor."""
     for _, record in running_swarms():
         if len(record.agents) > LARGE_SWARM:
             count = quantity(len(record.agents), "agent")
-            told = f"the {count} of {record.swarm} were not asked; {as_command(Fix.STATUS())}"
-            yield Finding("agents", told)
+            text = f"the {count} of {record.swarm} were not asked; {as_command(Fix.STATUS())}"
+            yield Finding("agents", text)
         else:
             yield from _faults_of(record)
 
@@ -89,8 +89,8 @@ def _faults_of(record: RunRecord) -> Iterator[Finding]:
         statuses = dict(agents.statuses)
     mute = [name for name in record.agents if name not in statuses]
     if mute:
-        told = f"{some(mute)} of {record.swarm} did not answer within {DOCTOR_TIMEOUT_SECONDS:g} s"
-        yield Finding("agents", told, WARNING, as_command(Fix.LOGS(node=mute[0])))
+        text = f"{some(mute)} of {record.swarm} did not answer within {DOCTOR_TIMEOUT_SECONDS:g} s"
+        yield Finding("agents", text, WARNING, as_command(Fix.LOGS(node=mute[0])))
     found = each_once((name, fault) for name, s in statuses.items() for fault in s.faults)
     yield from (Finding("agents", fault, WARNING, as_command(Fix.STATUS())) for fault in found)
     if not mute and not found:

@@ -1,4 +1,4 @@
-"""Expectations as people write and read them: values in the units in which they are shown."""
+"""Expectations in the notation of people, with values in the units of displays."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ def expected(
     """Return a new expectation of a behavior.
 
     Args:
-        file: of the behavior.
-        domain: in which it was trained.
-        words: the state, the next one, and ``FEATURE=VALUE`` for each feature of the situation.
-        example: the number of an example with all that, instead of the words; 0 if none.
-        name: of the expectation; empty for its number.
+        file: file of the behavior.
+        domain: domain of the behavior.
+        words: state, next state, and ``FEATURE=VALUE`` for each feature of the situation.
+        example: number of an example to use instead of the words; 0 for none.
+        name: name of the expectation; empty for a numbered name.
 
     Raises:
-        LibraryError: if something is unknown, or the name is taken.
+        LibraryError: if a state or an example is unknown, or the name is taken.
     """
-    there = {one.name for one in file.expectations}
-    numbered = (f"expectation_{number}" for number in range(1, len(there) + 2))
-    name = name or next(one for one in numbered if one not in there)
-    if name in there:
+    taken = {one.name for one in file.expectations}
+    numbered = (f"expectation_{number}" for number in range(1, len(taken) + 2))
+    name = name or next(one for one in numbered if one not in taken)
+    if name in taken:
         raise LibraryError(f'{file.name} has an expectation "{name}" already; choose another name')
     automaton = file.automaton
     if example:
@@ -72,10 +72,10 @@ def expected(
 
 
 def value_of(text: str, feature: str, domain: Domain) -> float:
-    """Return a value of a feature as it is shown: an angle in degrees, yes or no, a name.
+    """Return a feature's value from its displayed form: an angle in degrees, yes or no, a name.
 
     Raises:
-        LibraryError: if it is none.
+        LibraryError: if the text is not a value of the feature.
         VocabularyError: if there is no such feature.
     """
     name = Term.parse(feature).name
@@ -101,10 +101,10 @@ def value_of(text: str, feature: str, domain: Domain) -> float:
 
 
 def forgotten(file: BehaviorFile, name: str) -> list[Expectation]:
-    """Return the expectations of a behavior without one.
+    """Return the expectations of a behavior without the named one.
 
     Raises:
-        LibraryError: if it is not among them.
+        LibraryError: if there is no such expectation.
     """
     kept = [one for one in file.expectations if one.name != name]
     if len(kept) == len(file.expectations):
@@ -114,8 +114,8 @@ def forgotten(file: BehaviorFile, name: str) -> list[Expectation]:
 
 def in_words(one: Expectation, domain: Domain) -> str:
     """Return an expectation for people to read."""
-    seen = [_shown(feature, value, domain) for feature, value in one.features.items()]
-    seeing = f", with {', '.join(seen)}" if seen else ""
+    values = [_shown(feature, value, domain) for feature, value in one.features.items()]
+    seeing = f", with {', '.join(values)}" if values else ""
     return f"expects {one.name}: in {one.state}{seeing} -> {one.next_state}"
 
 

@@ -1,4 +1,4 @@
-"""Which library a person means: a folder, one of a swarm that was up, or a shipped one."""
+"""Choice of a library: a folder, a library of a swarm that was up, or a shipped one."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from hitab_core.library import BEHAVIOR_SUFFIX
 
 
 def known_libraries() -> dict[str, Path]:
-    """Return the libraries that have a name: those of swarms, kept between runs, and shipped."""
+    """Return the libraries with names: those of swarms, kept between runs, and shipped ones."""
     kept = {
         f"{path.parent.parent.name}/{path.name}": path
         for path in sorted(state_home().glob("*/libraries/*"))
@@ -43,16 +43,17 @@ def shipped_libraries() -> dict[str, Path]:
 def libraries_meant(
     library: str | None, agent: str | None, swarm: str | None
 ) -> dict[Path, list[str]]:
-    """Return the folders that the options of a verb mean, each with the agents that use it.
+    """Return the folders that a verb's options choose, each with the agents that use it.
 
     Args:
         library: a folder; ``SWARM/LIBRARY``, kept for a swarm between its runs; or the name of a
-            shipped library. Such a library has no agents here.
-        agent: of the swarm that is up; with neither, all libraries of that swarm are meant.
+            shipped library. A library given like this has no agents here.
+        agent: an agent of the swarm that is up. Without library and agent, all libraries of the
+            swarm are chosen.
         swarm: the swarm, if several are up.
 
     Raises:
-        LibraryError, SwarmError: if there is none; naming those that there are.
+        LibraryError, SwarmError: if there is no such library; names the existing ones.
     """
     if library is not None:
         return {named_library(library): []}
@@ -79,7 +80,7 @@ def named_library(text: str) -> Path:
     """Return the folder of a library: a path, ``SWARM/LIBRARY``, or the name of a shipped one.
 
     Raises:
-        LibraryError: naming those that there are.
+        LibraryError: if there is no such library; names the existing ones.
     """
     path = Path(text).expanduser()
     known = known_libraries()
@@ -93,8 +94,8 @@ def named_library(text: str) -> Path:
 
 
 def _load_worlds(folder: Path) -> None:
-    """Load the worlds in one file of a swarm, by its run folder: libraries find them by name."""
-    with suppress(OSError, ValueError, HitabError):  # opening the library says what is missing
+    """Load the worlds in one file of a swarm's run folder, which libraries find by name."""
+    with suppress(OSError, ValueError, HitabError):  # opening the library reports missing worlds
         for file in json.loads((folder / WORLD_FILES).read_text(encoding="utf-8")):
             load_domain(file)
 
@@ -102,14 +103,15 @@ def _load_worlds(folder: Path) -> None:
 def library_meant(
     library: str | None, agent: str | None, swarm: str | None, name: str = ""
 ) -> Path:
-    """Return the folder that the options of a verb mean: the only one, or one the others equal.
+    """Return the folder that a verb's options choose; several folders must be equal.
 
     Args:
         library, agent, swarm: see `libraries_meant`.
-        name: of a behavior, if only that matters: libraries without it do not count.
+        name: name of a behavior to compare alone, in the libraries that have it; empty to
+            compare whole libraries.
 
     Raises:
-        LibraryError: if they differ, naming an agent of each; if none has the behavior.
+        LibraryError: if the libraries differ (names an agent of each), or none has the behavior.
         SwarmError: if there is no such agent or swarm.
     """
     libraries = libraries_meant(library, agent, swarm)
@@ -144,7 +146,7 @@ def _files(folder: Path, name: str = "") -> frozenset[tuple[str, bytes]]:
 
 
 def users_of(library: Path) -> list[tuple[str, list[str]]]:
-    """Return the running swarms that use a library, each with its agents that do."""
+    """Return the running swarms that use a library, each with the agents concerned."""
     found = [
         (
             name_to_choose(record),
@@ -158,16 +160,16 @@ def users_of(library: Path) -> list[tuple[str, list[str]]]:
 def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
     """Return a swarm whose agents use a library, reading and saving there.
 
-    Commanders are left out, unless it is a library of commanders: then the commanders of that kind
-    use it. A folder that does not exist is a new library.
+    Commanders do not use the library, unless it is a library of commanders: then the commanders of
+    that kind use it. A folder that does not exist is a new library.
 
     Args:
         swarm: the swarm.
         text: the library, see `libraries_meant`.
 
     Raises:
-        DescriptionError: if it belongs to no member of the swarm.
-        LibraryError: if it is a shipped one, into which nothing is saved.
+        DescriptionError: if the library fits no member of the swarm.
+        LibraryError: if the library is a shipped one, which is read-only.
     """
     folder = Path(text).expanduser()
     if not folder.is_dir():
@@ -191,18 +193,19 @@ def with_library(swarm: SwarmDescription, text: str) -> SwarmDescription:
             f'{folder}: its behaviors are of domain "{domain}", and no agent of swarm '
             f'"{swarm.name}" is {has(theirs)}'
         )
-    meant = domain or domains[0]
+    trained_in = domain or domains[0]
     return replace(
         swarm,
         agents=tuple(
-            replace(a, library=folder) if _named(a.domain) == meant else a for a in swarm.agents
+            replace(a, library=folder) if _named(a.domain) == trained_in else a
+            for a in swarm.agents
         ),
         commanders=tuple(
-            replace(c, library=folder) if c.domain == meant else c for c in swarm.commanders
+            replace(c, library=folder) if c.domain == trained_in else c for c in swarm.commanders
         ),
     )
 
 
 def _named(domain: str) -> str:
-    """Return the name by which libraries know a domain: a file's has the name of the file."""
+    """Return a domain's name in libraries; for a domain in a file, the name of the file."""
     return Path(domain).stem if domain.endswith(".py") else domain

@@ -1,4 +1,4 @@
-"""Opens a library folder; its files name their domain."""
+"""Opening of library folders, whose files name their domain."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from hitab_core.library.yaml_places import open_yaml
 
 
 def open_library(folder: Path) -> BehaviorLibrary:
-    """Return the library in a folder, having read only one file's domain.
+    """Return the library in a folder; only the domain of one file is read.
 
     A library of commanders also has a file that describes their kind.
 
     Raises:
-        LibraryError: if there is no folder, or no file in it that names its domain.
-        VocabularyError: if its domain is not installed.
+        LibraryError: if there is no folder, or no file in the folder names its domain.
+        VocabularyError: if the domain is not installed.
     """
     if not folder.is_dir():
         raise LibraryError(f"{folder}: there is no such library folder")
@@ -33,7 +33,7 @@ def open_library(folder: Path) -> BehaviorLibrary:
 
 
 def domain_in(folder: Path) -> str | None:
-    """Return the name of a library's domain; None if no file in it says so.
+    """Return the name of a library's domain; None if no file names it.
 
     The domain of a library of commanders is the name of their kind.
     """
@@ -53,7 +53,7 @@ def _domain_of(path: Path) -> str | None:
     try:
         name = open_yaml(path).value["domain"]["name"]
     except (HitabError, TypeError, KeyError):
-        return None  # another file may name it; loading reports what is wrong with this one
+        return None  # another file may name the domain; loading reports the faults of this one
     return name if isinstance(name, str) else None
 
 

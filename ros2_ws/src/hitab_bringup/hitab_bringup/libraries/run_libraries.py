@@ -1,4 +1,4 @@
-"""Fills the library folders of a swarm's agents before their first start."""
+"""Library folders of a swarm's agents, filled before the first start."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def fill_libraries(swarm: SwarmDescription, folder: Path) -> None:
 
 
 def _fill(library: Path, source: Path) -> None:
-    """Copy all files or none: half a library would pass for one that was trained since."""
+    """Copy all files or none: an incomplete copy would look like a trained library."""
     with tempfile.TemporaryDirectory(dir=library.parent, prefix=f".{library.name}-") as folder:
         copy = Path(folder) / library.name
         copy_library(source, copy)
-        copy.replace(library)  # which is empty
+        copy.replace(library)  # replaces the empty folder
 
 
 def prepare(swarm: SwarmDescription, folder: Path) -> None:

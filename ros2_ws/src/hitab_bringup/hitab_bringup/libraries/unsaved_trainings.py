@@ -1,9 +1,8 @@
-"""Keeps unsaved trainings apart by library: each resumes only with its own library.
+"""Unsaved trainings, separated by library: each resumes only with its own library.
 
-An agent's database keeps the training under way, whatever the agent's library. Started with
-another library, the agent would resume the training there, and save it into the wrong library. So
-the training is set aside before such a start, and brought back before a start with its own
-library.
+An agent's database keeps the current training, whatever the agent's library. Started with another
+library, the agent would resume the training and save it into the wrong library. The training is
+therefore set aside before such a start, and brought back before a start with its own library.
 """
 
 from __future__ import annotations
@@ -19,16 +18,16 @@ from hitab_core.assistant import unsaved_cost
 from hitab_core.training import TrainingJournal
 
 TOLD_MAX = 5
-"""Trainings that are described individually."""
+"""Maximum number of trainings that are described individually."""
 
 
 def set_aside(before: Mapping[str, Path], now: Mapping[str, Path], folder: Path) -> None:
-    """Set aside the trainings of agents that get another library.
+    """Set aside the trainings of agents with another library than before.
 
     Args:
         before: each agent's library at the last start, by name.
-        now: the same at this start.
-        folder: of the run.
+        now: each agent's library at this start, by name.
+        folder: run folder of the swarm.
     """
     for agent, library in now.items():
         own = before.get(agent, library)
@@ -37,7 +36,7 @@ def set_aside(before: Mapping[str, Path], now: Mapping[str, Path], folder: Path)
 
 
 def bring_back(now: Mapping[str, Path], folder: Path) -> None:
-    """Bring back the trainings that were set aside and are for the libraries of this start."""
+    """Bring back the trainings that were set aside and fit the libraries of this start."""
     for agent, library in now.items():
         journal = TrainingJournal(folder / "state" / agent)
         if str(library) in journal.waiting():
@@ -45,7 +44,7 @@ def bring_back(now: Mapping[str, Path], folder: Path) -> None:
 
 
 def waiting(folder: Path) -> Iterator[tuple[str, Path]]:
-    """Yield the agents that have trainings set aside, each with the library of one."""
+    """Yield the agents with trainings set aside, each with the library of one training."""
     for state in sorted(folder.glob("state/*")):
         for library in TrainingJournal(state).waiting():
             yield state.name, Path(library)
@@ -57,19 +56,19 @@ def announcements(
     """Return sentences about the unsaved trainings of a swarm, with the ways out.
 
     Args:
-        statuses: of its agents, just started.
-        folder: of the run.
-        commanders: those of the agents that are commanders.
+        statuses: statuses of the agents, just started.
+        folder: run folder of the swarm.
+        commanders: the agents that are commanders.
     """
     sentences = []
     for status in sorted(statuses, key=lambda status: natural(status.agent)):
         if status.mode in (AgentStatus.TRAINING, AgentStatus.TESTING):
             agent = status.agent
-            told = f'{agent} resumes the training of "{status.behavior}"'
-            told += f" ({quantity(status.examples, 'example')}) and waits for commands"
-            told += "; its group waits for its orders" if agent in commanders else ""
+            sentence = f'{agent} resumes the training of "{status.behavior}"'
+            sentence += f" ({quantity(status.examples, 'example')}) and waits for commands"
+            sentence += "; its group waits for its orders" if agent in commanders else ""
             ways = [Fix.TEST(agent=agent), Fix.SAVE(agent=agent), Fix.DISCARD(agent=agent)]
-            sentences.append(with_commands(told, ways if status.examples else ways[2:]))
+            sentences.append(with_commands(sentence, ways if status.examples else ways[2:]))
     for agent, library in waiting(folder):
         own = library.is_relative_to(folder / "libraries")
         way = "without --library" if own else f"with --library {library}"
@@ -83,7 +82,7 @@ def left_to_resume(folder: Path) -> list[str]:
     """Return sentences about the trainings that the next start of a swarm resumes.
 
     Args:
-        folder: of the run, which has ended.
+        folder: run folder of the swarm, which has ended.
     """
     sentences = []
     for state in sorted(folder.glob("state/*"), key=lambda path: natural(path.name)):

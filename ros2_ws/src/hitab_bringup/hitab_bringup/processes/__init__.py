@@ -1,4 +1,4 @@
-"""The processes of a swarm: started, supervised, and their logs."""
+"""Processes of a swarm: start, supervision and logs."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Starts a swarm, also a temporary one, and waits until all of it answers."""
+"""Start of a swarm, also a temporary one, up to the answers of all nodes."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ from hitab_core import Fix, each_once, some
 SWARM_SECONDS = 60.0
 START_SECONDS_EACH = 0.2  # added per agent
 START_SECONDS_PROCESS = 2.0  # added per process, which takes at least a second of a core
-COMMANDERS_SECONDS = 10.0  # for commanders to hear all subordinates, once all nodes have reported
-DOMAINS_TRIED = 3  # if the names are taken there
-SENSORS_SECONDS = 1.5  # for robots to look for their sensors after they are up
-VALUES_SECONDS = 2.0  # for agents to perceive, commanders the values of their subordinates
-STRANGER_SECONDS = 1.0  # to hear who else has a name, once a process has ended because of it
-PROCESS_PERIOD_SECONDS = 0.3  # between two looks at the processes
+COMMANDERS_SECONDS = 10.0  # timeout for commanders, once all nodes have reported
+DOMAINS_TRIED = 3  # maximum number, if names are taken
+SENSORS_SECONDS = 1.5  # timeout for robots to find their sensors, once they are up
+VALUES_SECONDS = 2.0  # timeout for first percepts, and for values from subordinates
+STRANGER_SECONDS = 1.0  # timeout for the owner of a name to report
+PROCESS_PERIOD_SECONDS = 0.3  # period of checks of the processes
 
 Progress = Callable[[int, int, str], None]
 """Called with the number of nodes that are up, the expected number and the missing names."""
@@ -54,7 +54,7 @@ class RunningSwarm:
     """A swarm that is up, with a connection to it.
 
     Attributes:
-        groups: what its commanders report.
+        groups: reports of the commanders on their groups, by name.
     """
 
     folder: RunFolder
@@ -76,15 +76,15 @@ def bring_up(
 
     Args:
         swarm: the description.
-        folder: for its files.
+        folder: run folder.
         progress: called as nodes come up.
-        warn: called with notes for people: ROS domains in use; commanders that do not hear
-            everybody yet; faults of agents from the start; read-only libraries; resumed trainings.
+        warn: called with notes for people: ROS domains in use; commanders that have not heard
+            from all subordinates; initial faults; read-only libraries; resumed trainings.
         say: called with the reason when an interruption takes a while.
 
     Raises:
-        SwarmError: naming what did not start, or the names in use and their owner; nothing is left
-            running.
+        SwarmError: if the start fails; names the failed processes, or the names in use and their
+            owner. No process is left running.
     """
     refused: list[int] = []
     while True:
@@ -116,7 +116,7 @@ def temporary_swarm(
 
     Args:
         swarm: the description.
-        run_folder: for its files; None for a folder that is removed at the end.
+        run_folder: run folder; None for a folder that is removed at the end.
         progress: called as nodes come up.
     """
     with contextlib.ExitStack() as stack:
@@ -148,9 +148,9 @@ def _started(
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt):
             say(f"interrupted: stopping what was started of {swarm.name} …")
-        there = folder.read()
-        if record is None or there is None or there.identity == record.identity:
-            supervision.stop(folder)  # otherwise another swarm was started here since
+        current = folder.read()
+        if record is None or current is None or current.identity == record.identity:
+            supervision.stop(folder)  # otherwise another swarm has been started here since
         raise
 
 
@@ -181,14 +181,14 @@ def _refuse_conflicts(swarm: SwarmDescription, folder: RunFolder, domain_id: int
 
 
 def _another_domain(has_drivers: bool) -> str:
-    """Return the other way out if names are taken in a ROS domain."""
+    """Return the way out of taken names that uses another ROS domain."""
     if has_drivers:
         return "start it and its robots' drivers in another ROS_DOMAIN_ID"
     return "choose another ROS_DOMAIN_ID"
 
 
 def _refuse_taken(record: RunRecord, agents: SwarmClient, world: WorldClient) -> None:
-    """Refuse names used by any other node in the ROS domain."""
+    """Refuse names that any other node in the ROS domain uses."""
     taken = {name: agents.strangers[name] for name in record.agents if name in agents.strangers}
     if record.world and world.stranger is not None:
         taken["world"] = world.stranger
@@ -220,7 +220,7 @@ def _answering(
         world = WorldClient(link, prefix=prefix, identity=identity, started_by_it=record.world)
         view = CommanderView(link, prefix, identity)
         view.watch(record.commanders)
-        # Otherwise a commander starts with the members that it knows, and the others join later.
+        # Otherwise a commander starts with its known members, and the others join later.
         commanders = record.commanders if _is_exact(swarm) else ()
         starting = RunningSwarm(folder, record, link, agents, world, view)
         total = len(record.agents) + record.world
@@ -258,7 +258,7 @@ def _answering(
 
 
 def _is_exact(swarm: SwarmDescription) -> bool:
-    """Whether the world waits for its agents, so that each has to be there from the start."""
+    """Whether the world waits for its agents, so that all agents have to be up from the start."""
     return swarm.world is not None and swarm.world.pace == "lockstep"
 
 
@@ -266,9 +266,9 @@ def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
     """Raise if a process has ended; an agent whose name is taken may notice it first.
 
     Raises:
-        NamesTakenError: if names are taken.
-        SwarmError: naming the process, if it has another reason.
-        DescriptionError: naming the line of the swarm file that is the reason.
+        NamesTakenError: if names are in use.
+        SwarmError: if a process has ended for another reason; names the process.
+        DescriptionError: if a line of the swarm file is the reason; names the line.
     """
     try:
         supervision.refuse_failed(swarm.record, swarm.folder)
@@ -284,7 +284,7 @@ def _refuse_failed(file: Path, swarm: RunningSwarm) -> None:
         raise DescriptionError(f"{', '.join(places)}: {error}") from error
 
 
-# -- what to know -------------------------------------------------------------------------------
+# -- notes for people ---------------------------------------------------------------------------
 
 
 def _to_know(
@@ -292,13 +292,13 @@ def _to_know(
 ) -> Iterator[str]:
     """Yield notes for people about a swarm that has just started."""
     record, folder, agents = running.record, running.folder, running.agents
-    if not _is_exact(swarm):  # in lockstep that was waited for already
+    if not _is_exact(swarm):  # in lockstep, the start has waited for that already
         yield from _await_commanders(running, progress)
     _let_agents_perceive(running.link, agents, record.commanders)
     if not record.world:
         _let_robots_hear(running.link, agents)
-    there = sorted(agents.statuses.items())
-    yield from each_once((name, text) for name, s in there for text in s.faults)
+    statuses = sorted(agents.statuses.items())
+    yield from each_once((name, text) for name, s in statuses for text in s.faults)
     yield from read_only(folder.path)
     world = running.world.status
     begins_paused = swarm.world is not None and swarm.world.paused
@@ -308,10 +308,10 @@ def _to_know(
 
 
 def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: Sequence[str]) -> None:
-    """Give agents the time to perceive, and commanders to get their subordinates' first values.
+    """Wait for the agents' first percepts, and for commanders to get values from subordinates.
 
-    Only then are the faults of the others known. Until then commanders report these values as
-    missing, which is no fault in a swarm that just starts.
+    Only then are the faults of agents known. Until then commanders report these values as missing,
+    which is not a fault in a swarm that has just started.
     """
     statuses = agents.statuses
     link.spin_until(
@@ -321,7 +321,7 @@ def _let_agents_perceive(link: RosLink, agents: SwarmClient, commanders: Sequenc
 
 
 def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
-    """Give robots the time to notice that sensors are missing, or to hear those that are not."""
+    """Wait for robots to receive sensor data, or to detect missing sensors."""
 
     def has_faults() -> bool:
         return any(status.faults for status in agents.statuses.values())
@@ -331,7 +331,7 @@ def _let_robots_hear(link: RosLink, agents: SwarmClient) -> None:
 
 
 def _await_commanders(running: RunningSwarm, progress: Progress | None) -> Iterator[str]:
-    """Wait until all commanders hear their subordinates; yield a sentence if some do not yet.
+    """Wait until all commanders hear their subordinates; yield a sentence if some do not.
 
     This process has heard all nodes, but the nodes discover each other one by one, which takes
     longer in a large swarm.

@@ -1,4 +1,4 @@
-"""Reads the logs of a run: of its processes and of their supervisor, merged by time."""
+"""Logs of a run: of its processes and of their supervisor, merged by time."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from hitab_client import RunFolder
 
 SUPERVISOR = "supervisor"
 LEVELS = ("debug", "info", "warn", "error", "fatal")
-"""The levels of a log, as ROS names them, the least severe first."""
+"""Levels of a log, as ROS names them, the least severe first."""
 
 _OF_ROS = re.compile(r"\[(\w+)\] \[(\d+\.\d+)\] \[([^\]]*)\]: (.*)")
 _OF_SUPERVISOR = re.compile(r"(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d),(\d{3}) (\w+) (.*)")
 _FAILURE = re.compile(r"(Traceback|error:|Fatal Python error)")
-"""Begins what a process prints past its logger when it fails."""
+"""Prefixes of output that a failing process prints without its logger."""
 
 _MEANINGLESS = re.compile(
     r"Server 'unix_http_server' running without|Supervisor is running as root"
 )
-"""Log lines that matter only for a supervisor whose socket others can reach."""
+"""Log lines that matter only for a supervisor with a public socket."""
 
 _GIVES_UP = re.compile(r"gave up|spawnerr")
-"""Begins what the supervisor does not name an error."""
+"""Prefixes of errors that the supervisor does not log as errors."""
 
 
 class LogLine(NamedTuple):
     """A line of a log.
 
     Attributes:
-        seconds: when it was written, since the epoch; of a line without a time: that of the line
-            before it.
-        process: writer of the line.
-        text: with the time readable.
-        level: one of `LEVELS`; of a line without a level: that of the line before it, unless it
-            begins a failure.
+        seconds: time of writing, s since the epoch; for a line without a time, the time of the
+            line before.
+        process: name of the process that wrote the line.
+        text: the line with a readable time.
+        level: one of `LEVELS`; for a line without a level, the level of the line before, unless
+            the line begins a failure.
     """
 
     seconds: float
@@ -51,7 +51,7 @@ class LogLine(NamedTuple):
 
 @dataclass
 class LogFile:
-    """A log, which is read on from where the last reading ended."""
+    """A log file; each reading continues where the last one ended."""
 
     process: str
     path: Path
@@ -61,7 +61,7 @@ class LogFile:
     _level: str = "info"
 
     def new(self, *, ended: bool) -> list[LogLine]:
-        """Return the lines since the last call, or all; ``ended``: leave a begun one for later."""
+        """Return the lines since the last call; ``ended`` leaves an incomplete line for later."""
         lines = []
         for path in self._rotated() if not self._inode else ():
             with contextlib.suppress(OSError):
@@ -69,7 +69,7 @@ class LogFile:
         try:
             with self.path.open("rb") as file:
                 inode = os.fstat(file.fileno()).st_ino
-                if inode != self._inode:  # the supervisor has begun a new file
+                if inode != self._inode:  # the supervisor has started a new file
                     self._offset, self._inode = 0, inode
                 file.seek(self._offset)
                 data = file.read()
@@ -120,8 +120,8 @@ def new_lines(files: Iterable[LogFile], level: str, *, ended: bool) -> list[LogL
 
     Args:
         files: the logs.
-        level: of the least severe lines.
-        ended: leave lines that have not ended yet for later.
+        level: level of the least severe lines.
+        ended: whether to leave incomplete lines for later.
     """
     severe = LEVELS[LEVELS.index(level) :]
     lines = (line for file in files for line in file.new(ended=ended) if line.level in severe)

@@ -1,4 +1,4 @@
-"""Starts a swarm's processes under supervisord, keeps them alive and stops them.
+"""Supervision of a swarm's processes by supervisord: start, restart and stop.
 
 The supervisor listens only on a socket file. Every process has the run folder in its environment,
 so that `stop` finds them all, even if the supervisor itself was killed.
@@ -44,7 +44,7 @@ def environment(folder: RunFolder, domain_id: int, processes: int = 1) -> dict[s
         MARK: str(folder.path),
         "ROS_DOMAIN_ID": str(domain_id),
         "PYTHONUNBUFFERED": "1",
-        # One core each: numpy's own threads would only compete with the other processes.
+        # One core per process: numpy's threads would only compete with the other processes.
         "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1"),
         "OPENBLAS_NUM_THREADS": os.environ.get("OPENBLAS_NUM_THREADS", "1"),
     }
@@ -53,10 +53,10 @@ def environment(folder: RunFolder, domain_id: int, processes: int = 1) -> dict[s
 
 
 def refuse_running(folder: RunFolder) -> None:
-    """Raise if a swarm is up in a run folder.
+    """Check that no swarm is up in a run folder.
 
     Raises:
-        SwarmError: if one is.
+        SwarmError: if a swarm is up.
     """
     before = folder.read()
     if before is not None and folder.supervisor(before) is not None:
@@ -72,9 +72,9 @@ def launch(
 
     Args:
         swarm: the description.
-        folder: for its files.
+        folder: run folder.
         domain_id: ROS domain of the swarm.
-        temporary: end it with this process, and hide it from other verbs.
+        temporary: whether to end the swarm with this process, and hide it from other verbs.
 
     Raises:
         SwarmError: if the supervisor does not start.
@@ -123,7 +123,7 @@ def _spawn(
             stderr=subprocess.STDOUT,
             env=environment,
             cwd=folder.path,
-            start_new_session=True,  # the terminal's Ctrl-C is meant for the command only
+            start_new_session=True,  # the terminal's Ctrl-C is for the command only
             preexec_fn=_end_with_parent if temporary and sys.platform == "linux" else None,
         )
 
@@ -136,10 +136,10 @@ def _end_with_parent() -> None:
 def _await_answer(
     supervisor: subprocess.Popen[bytes], record: RunRecord, folder: RunFolder
 ) -> None:
-    """Wait until the supervisor answers: its socket exists before it listens there.
+    """Wait until the supervisor answers; its socket file exists earlier.
 
     Raises:
-        SwarmError: if it does not, after stopping the rest.
+        SwarmError: if the supervisor does not answer; its processes are stopped.
     """
     deadline = time.monotonic() + 15
     while not answers(record):
@@ -157,10 +157,10 @@ FAILED = (*ENDED_STATES, "BACKOFF")
 
 
 def refuse_failed(record: RunRecord, folder: RunFolder) -> None:
-    """Raise if a process of a starting swarm has ended, with the last lines of its log.
+    """Check that no process of a starting swarm has ended.
 
     Raises:
-        SwarmError: naming the process.
+        SwarmError: if a process has ended; has the last lines of its log.
     """
     for state in process_states(record):
         if state["statename"] in FAILED:
@@ -171,22 +171,22 @@ def _failure(process: str, exit_code: int, folder: RunFolder) -> str:
     lines = folder.tail(process)
     if exit_code == DO_NOT_RESTART and lines:
         return f"{process}: {lines[-1].removeprefix('error: ')} (log: {folder.log(process)})"
-    told = "\n".join(f"  | {line}" for line in lines) if lines else "  | (empty)"
-    # How, as in "exit status 127" or "terminated by SIGSEGV", is only in the supervisor's log.
+    excerpt = "\n".join(f"  | {line}" for line in lines) if lines else "  | (empty)"
+    # Only the supervisor's log has the kind, as in "exit status 127" or "terminated by SIGSEGV".
     text = (folder.path / "supervisord.log").read_text(encoding="utf-8", errors="replace")
     how = [f" ({how})" for how in re.findall(rf" exited: {process} \(([^;]*);", text)]
     end = f"the end of {folder.log(process)}{''.join(how[-1:])}"
-    return f"{process} ended while starting; {end}:\n{told}"
+    return f"{process} ended while starting; {end}:\n{excerpt}"
 
 
 def stop(folder: RunFolder) -> list[int]:
-    """Stop every process of a run folder, and check that none is left.
+    """Stop every process of a run folder, and check that no process is left.
 
     Returns:
         The ids of the processes that did not stop and were killed.
 
     Raises:
-        SwarmError: if a process survives that.
+        SwarmError: if a process cannot be stopped.
     """
     record = folder.read()
     supervisor = folder.supervisor(record) if record is not None else None
@@ -195,7 +195,7 @@ def stop(folder: RunFolder) -> list[int]:
             supervisor.terminate()
             deadline = time.monotonic() + STOP_SECONDS
             while supervisor.is_running() and time.monotonic() < deadline:
-                answers(record)  # which has it look at signals now, not after a second
+                answers(record)  # makes it handle signals now, not after a second
                 with contextlib.suppress(psutil.TimeoutExpired):
                     supervisor.wait(0.02)
     killed = _end(folder)

@@ -1,6 +1,6 @@
-"""The configuration of supervisord for a swarm.
+"""Configuration of supervisord for a swarm.
 
-It contains neither a path nor a user's text: supervisord expands and cuts off parts of its input.
+The file contains no path and no text of users, since supervisord expands and truncates its input.
 Each command is in a file of its own, which a shell runs; the path of the socket is a variable.
 """
 
@@ -14,16 +14,16 @@ from hitab_bringup.swarm_files.swarm_description import Process
 from hitab_ros.exit_codes import DO_NOT_RESTART, FINAL_AFTER
 
 SOCKET_VARIABLE = "HITAB_SUPERVISOR_SOCKET"
-"""Environment variable of supervisord with the path of the socket where it listens."""
+"""Environment variable of supervisord with the path of its socket."""
 
 COMMANDS_FOLDER = "commands"
-"""Folder in the run folder, which is where supervisord runs, with the command of each process."""
+"""Folder with the command of each process, in the run folder, where supervisord runs."""
 
 PROCESS_START_SECONDS = 3
 
 
 def write_commands(processes: Sequence[Process], folder: Path) -> None:
-    """Write the command of each process, for a shell, to a file of its name."""
+    """Write the command of each process, for a shell, to a file with the process's name."""
     commands = folder / COMMANDS_FOLDER
     commands.mkdir(exist_ok=True)
     for process in processes:
@@ -34,7 +34,7 @@ def write_commands(processes: Sequence[Process], folder: Path) -> None:
 def supervisor_config(processes: Sequence[Process]) -> str:
     """Return the text of ``supervisord.conf``."""
     names = [process.name for process in processes]
-    # One group, since groups are stopped one after the other.
+    # One group, since supervisord stops groups one after the other.
     return f"""\
 [unix_http_server]
 file=%(ENV_{SOCKET_VARIABLE})s
@@ -56,10 +56,10 @@ programs={",".join(names)}
 def _program(name: str) -> str:
     """Return the section of a process.
 
-    It counts as started after startsecs. If it dies earlier, it is retried startretries times,
-    each time after one more second. A process that dies later is restarted at once, unless its
-    exit code says that a restart would not help; such a process stays up for startsecs before it
-    exits.
+    A process counts as started after startsecs. If it dies earlier, it is retried startretries
+    times, each time after one more second. A process that dies later is restarted at once, unless
+    its exit code shows that a restart would not help; such a process stays up for startsecs before
+    exiting.
     """
     return f"""
 [program:{name}]

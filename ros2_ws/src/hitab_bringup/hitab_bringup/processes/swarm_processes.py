@@ -1,4 +1,4 @@
-"""The processes of a swarm: those of its world, agents and hosts, and further ones."""
+"""Processes of a swarm: its world, agents, hosts, and further programs."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
     Args:
         swarm: the description.
         folder: the run folder, for libraries and journals.
-        identity: of the swarm, which its nodes publish in their statuses; empty if none.
+        identity: identity of the swarm, which its nodes publish in their statuses; empty if none.
     """
     own = {"swarm": identity} if identity else {}
     found = [] if swarm.world is None else [_world(swarm, swarm.world, folder, own)]
@@ -64,13 +64,13 @@ def processes(swarm: SwarmDescription, folder: Path, identity: str = "") -> list
         found.append(
             replace(process, namespace=space, remap=remap) if process.is_node else process
         )
-    there = {(process.module, process.namespace) for process in found}
+    started = {(process.module, process.namespace) for process in found}
     companions = _companions(swarm, folder)
-    return [*found, *(p for p in companions if (p.module, p.namespace) not in there)]
+    return [*found, *(p for p in companions if (p.module, p.namespace) not in started)]
 
 
 def _companions(swarm: SwarmDescription, folder: Path) -> Iterator[Process]:
-    """Yield the processes that agents' links need, such as a relay to the motors."""
+    """Yield the processes that the links of agents need, such as a relay to the motors."""
     modules = {point.name: point.value for point in entry_points(group=COMPANIONS)}
     packages = {
         domain: load_domain(domain).link.partition(":")[0].partition(".")[0]

@@ -1,1 +1,1 @@
-"""Swarm files: read into a description of the swarm, with its vocabulary and command tree."""
+"""Swarm files, and the description of a swarm with its vocabulary and command tree."""

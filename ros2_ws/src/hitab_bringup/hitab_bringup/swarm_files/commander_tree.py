@@ -1,4 +1,4 @@
-"""The command hierarchy of a swarm: who commands whom, with which orders, in which processes.
+"""Command hierarchy of a swarm: commanders, their subordinates, orders and processes.
 
 A name in `commands:` refers to an agent or a commander, or to all members of a line with several.
 """
@@ -18,22 +18,22 @@ from hitab_core.orders import ALL_OTHERS
 
 Member = TypeVar("Member", bound=AgentDescription)
 Complain = Callable[[str, str, str], None]
-"""Called with the name of a line, a key in it, or "", and what is wrong."""
+"""Called with the name of a line, a key of the line or "", and the fault."""
 
 
 class CommanderTree:
-    """Builds the commanders, and complains about anything that is not a tree.
+    """Builds the commanders, and reports every fault of the tree.
 
     Args:
-        groups: the agents by the key of their line.
-        lines: of commanders.
-        kinds: of commanders, by name.
-        make: makes one of the commanders of a line, given the line's key and its name.
-        words: the behaviors that members can be ordered to perform.
-        complain: about a line.
+        groups: agents, by the key of their line.
+        lines: lines of commanders, by key.
+        kinds: kinds of commanders, by name.
+        make: returns a commander of a line, given the line's key and the commander's name.
+        words: vocabulary of the behaviors that members can be ordered to perform.
+        complain: called with each fault of a line.
 
     Attributes:
-        superiors: the commander of each member that has one, by name.
+        superiors: commanders of the members that have one, by the member's name.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class CommanderTree:
         self._open: list[str] = []
 
     def commanders(self) -> dict[str, list[CommanderDescription]]:
-        """Return the commanders by the key of their line; each asks for positions if it has to."""
+        """Return the commanders by the key of their line, with `asks_position` where needed."""
         made = {
             key: [m for m in self._members(key) or () if isinstance(m, CommanderDescription)]
             for key in self._lines
@@ -75,7 +75,7 @@ class CommanderTree:
         return [replace(m, superior=self.superiors.get(m.name, "")) for m in members]
 
     def _members(self, key: str) -> list[AgentDescription] | None:
-        """Return the members that a name refers to, making commanders first; None if unknown."""
+        """Return the members that a name refers to, creating commanders first; None if unknown."""
         if key in self._groups or key not in self._lines:
             return self._groups.get(key)
         if key in self._open:
@@ -108,9 +108,9 @@ class CommanderTree:
         counts = line.commands
         needed = {n: -(-len(members) // counts[n]) for n, members in found.items() if members}
         if len(set(needed.values())) > 1:
-            told = ", ".join(f"{count} of {name}" for name, count in needed.items())
+            given = ", ".join(f"{count} of {name}" for name, count in needed.items())
             text = (
-                f"`commands:` these counts give different numbers of commanders ({told}); change "
+                f"`commands:` these counts give different numbers of commanders ({given}); change "
                 "the counts, or the sizes of the groups"
             )
             self._complain(key, "commands", text)
@@ -153,7 +153,7 @@ class CommanderTree:
         )
 
     def _shared_behaviors(self, key: str, share: Sequence[AgentDescription]) -> list[str]:
-        """Return the behaviors without parameters that all subordinates share."""
+        """Return the behaviors without parameters that all subordinates have."""
         known = (self._words.repertoire(member).items() for member in share)
         names = [{name for name, parameters in one if not parameters} for one in known]
         shared = set.intersection(*names)
@@ -163,7 +163,7 @@ class CommanderTree:
         return sorted(shared)
 
     def _wrong(self, order: OrderMap, member: AgentDescription) -> Iterator[str]:
-        """Yield the faults of an order for a member, in words that similar ones share."""
+        """Yield the faults of an order for a member, in equal words for similar members."""
         if not order.covers(member.role):
             yield f'has no behavior for role "{member.role}"; add it, or `others:`'
             return
@@ -185,7 +185,7 @@ class CommanderTree:
 def in_hosts(
     agents: Sequence[AgentDescription], commanders: Sequence[CommanderDescription], hosts: int
 ) -> tuple[list[AgentDescription], list[CommanderDescription]]:
-    """Distribute all members without their own process to this many hosts, groups together.
+    """Distribute members without a process of their own to some hosts, keeping groups together.
 
     Agents are distributed evenly in the order of the tree, so that most commanders share a process
     with all their subordinates. A commander runs where its first subordinate does.

@@ -1,4 +1,4 @@
-"""A swarm: its agents, their world and their processes.
+"""Description of a swarm: its agents, their world and their processes.
 
 `swarm_file` reads it from YAML:
 
@@ -26,8 +26,8 @@
       relay: {module: my_robot.relay, namespace: keeper_1}
 
 Settings above ``agents`` apply to all agents, so that an agent lists only its differences.
-`swarm_lines` has all keys. An agent has no namespace but its name: whoever
-works with a swarm finds all its agents in the swarm's namespace.
+`swarm_lines` has all keys. The namespace of an agent is its name within the swarm's namespace, in
+which programs find all agents of the swarm.
 `hitab_commander.kind_reader` documents kinds of commanders; the default orders of a kind are the
 behaviors that all its subordinates share.
 """
@@ -59,12 +59,13 @@ class WorldDescription:
     """The simulated world of a swarm.
 
     Attributes:
-        kind: of world, such as ``keepaway``.
-        module: of its node, run with ``python -m``; see `swarm_file.world_module`.
+        kind: kind of world, such as ``keepaway``.
+        module: module of the world's node, run with ``python -m``; see
+            `swarm_file.world_module`.
         pace: ``lockstep`` or ``realtime``, at ``factor`` of real time.
-        parameters: of this kind of world, such as ``taker_speed``.
-        node_parameters: other parameters of its node, such as ``state_rate``.
-        remap: the names that its node uses, each with the one to use instead.
+        parameters: parameters of this kind of world, such as ``taker_speed``.
+        node_parameters: other parameters of the world's node, such as ``state_rate``.
+        remap: remappings of the node: new names, by original name.
     """
 
     kind: str
@@ -83,15 +84,15 @@ class AgentDescription:
     """One agent.
 
     Attributes:
-        library: folder of the library; None for one in the run folder, kept between runs.
-        start_from: a library to copy into its own library if that is empty.
-        behavior: to start with, such as ``Keepaway``; empty if nothing.
-        remap: the names that its node uses, each with the one to use instead.
-        parameters: of its node, such as those of its link; a nested one has dots in its name.
+        library: library folder; None for a folder in the run folder, kept between runs.
+        start_from: library that is copied into the agent's own library if that is empty.
+        behavior: initial behavior, such as ``Keepaway``; empty for none.
+        remap: remappings of the node: new names, by original name.
+        parameters: parameters of the node and its link; nested names have dots.
         process: name of the process; the agent's own name unless the process is shared.
-        library_name: name of its library folder in the run folder; empty for that of the process.
-        superior: name of its commander; empty if none.
-        role: in its commander's group.
+        library_name: name of the library folder in the run folder; empty for the process's name.
+        superior: name of the agent's commander; empty if none.
+        role: role in the commander's group.
     """
 
     name: str
@@ -110,12 +111,12 @@ class AgentDescription:
 
 @dataclass(frozen=True)
 class CommanderDescription(AgentDescription):
-    """One commander; its domain is its kind.
+    """One commander, whose domain is its kind.
 
     Attributes:
-        kind: defines its orders and its features.
-        subordinates: roles of its subordinates, by name.
-        asks_position: whether it needs their positions, for itself or its superiors.
+        kind: kind, which defines the orders and features.
+        subordinates: roles of the subordinates, by name.
+        asks_position: whether the commander or its superiors need the subordinates' positions.
     """
 
     kind: CommanderKind = field(default_factory=lambda: CommanderKind("", ()))
@@ -128,14 +129,14 @@ class Process:
     """One operating-system process of a swarm.
 
     Attributes:
-        name: unique within the swarm; names its log.
-        module: run with ``python -m``; empty if the arguments are the command.
-        arguments: before those for ROS.
-        namespace: of the process's node, or around its several nodes; relative to the swarm's
-            namespace in a description, unless it begins with a slash.
-        remap, parameters: of its nodes.
-        is_node: whether it takes arguments for ROS.
-        agents: names of its agents.
+        name: name, unique within the swarm; also of the log.
+        module: module, run with ``python -m``; empty if the arguments are the command.
+        arguments: arguments before those for ROS.
+        namespace: namespace of the process's node, or around its several nodes; relative to the
+            swarm's namespace in a description, unless it begins with a slash.
+        remap, parameters: remappings and parameters of the nodes.
+        is_node: whether the process takes arguments for ROS.
+        agents: names of the agents in the process.
     """
 
     name: str
@@ -169,7 +170,7 @@ class Process:
 
 
 def _as_yaml(value: Any) -> str:
-    """Write a parameter as JSON, which is YAML, to keep its type."""
+    """Return a parameter as JSON, which is valid YAML and keeps the type."""
     if isinstance(value, tuple):
         return f"[{', '.join(map(_as_yaml, value))}]"
     if isinstance(value, float) and not math.isfinite(value):
@@ -179,10 +180,10 @@ def _as_yaml(value: Any) -> str:
 
 @dataclass(frozen=True)
 class SwarmDescription:
-    """A whole swarm.
+    """A complete swarm.
 
     Attributes:
-        namespace: of all its nodes, such as ``/left``; empty if none.
+        namespace: namespace of all nodes, such as ``/left``; empty if none.
     """
 
     name: str
@@ -214,15 +215,15 @@ class SwarmDescription:
         return name if name.startswith("/") else f"{self.namespace}/{name}".rstrip("/")
 
     def remap(self, given: Mapping[str, str]) -> dict[str, str]:
-        """Return the remappings of a node: in a namespace, each swarm has its own clock."""
+        """Return a node's remappings, with the swarm's own clock if it has a namespace."""
         own = {CLOCK_TOPIC: self.full_name("clock")} if self.namespace else {}
         return {**own, **given}
 
     def in_namespace(self, namespace: str) -> SwarmDescription:
-        """Return the same swarm in another namespace, and named after it too.
+        """Return the swarm in another namespace, which also becomes part of its name.
 
         Raises:
-            DescriptionError: if that is not a namespace.
+            DescriptionError: if the text is not a namespace.
         """
         parts = namespace.strip("/").split("/")
         if not all(VOCABULARY_NAME.match(part) for part in parts):
@@ -232,7 +233,7 @@ class SwarmDescription:
         return replace(self, name="_".join((self.name, *parts)), namespace="/" + "/".join(parts))
 
     def with_sim_time(self) -> SwarmDescription:
-        """Return the same swarm with nodes whose clock is the topic of the world's time."""
+        """Return the swarm with nodes whose clock is the topic of the world's time."""
 
         def on(node: Any) -> Any:
             return replace(node, parameters={**node.parameters, SIM_TIME: True})
@@ -245,7 +246,7 @@ class SwarmDescription:
         )
 
     def with_world(self, **changes: Any) -> SwarmDescription:
-        """Return the same swarm with changes to its world."""
+        """Return the swarm with changes to its world."""
         if self.world is None:
             raise DescriptionError(f'{self.file}: swarm "{self.name}" has no `world:`')
         return replace(self, world=replace(self.world, **changes))

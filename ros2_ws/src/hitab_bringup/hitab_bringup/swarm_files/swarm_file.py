@@ -1,4 +1,4 @@
-"""Reads a swarm file: YAML that describes a swarm; see `swarm_description`."""
+"""Reader of swarm files: YAML that describes a swarm; see `swarm_description`."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ FORMAT = 2
 
 WORLDS = "hitab.worlds"
 PYTHON_SUFFIX = ".py"
-"""Of a world in one file, and of the words of its agents."""
+"""Suffix of a world in one file, which also has its agents' vocabulary."""
 
 NODES = {"remap", SIM_TIME}
 MEMBERS = {*NODES, "library", "start_from", "behavior", "seed", "parameters", "domain"}
 ROS_WORDS = {*NODES, "namespace", "parameters"}
-"""Keys with which a process is a node of ROS; another program takes no ROS arguments."""
+"""Keys that make a process a ROS node; other programs take no ROS arguments."""
 
 L = TypeVar("L", bound=Nodes)
 
@@ -59,11 +59,11 @@ def read_swarm(path: Path, run_dir: Path | None = None) -> SwarmDescription:
     """Read a swarm description.
 
     Args:
-        path: of its file.
-        run_dir: its run folder, unless that is the default one.
+        path: path of the file.
+        run_dir: run folder of the swarm; None for the default one.
 
     Raises:
-        DescriptionError: naming everything that is wrong, by file and line.
+        DescriptionError: if the file is invalid; names all faults by file and line.
     """
     if path.name.endswith(BEHAVIOR_SUFFIX):
         raise DescriptionError(f"{path}: this is the file of a behavior, not a swarm file")
@@ -74,7 +74,7 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
     r"""Read a swarm description from its text; relative paths start at the folder of ``path``.
 
     Raises:
-        DescriptionError: naming each line that is wrong.
+        DescriptionError: if the text is invalid; names each wrong line.
 
     Examples:
         >>> text = "swarm: pair\ndomain: keepaway\nagents:\n  keeper: {count: 2}\n"
@@ -84,7 +84,7 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
     document = read_yaml(text, str(path), error=DescriptionError)
     file = open_record(SwarmLines, document, FORMAT)
     name = file.swarm or path.stem
-    # In a namespace its name, and so its run folder's, is longer.
+    # In a namespace, the swarm's name and its run folder's are longer.
     runs = (run_dir,) if run_dir is not None else state_home().glob(f"{name}*")
     kept = (file for run in runs for file in run.glob(f"libraries/*/*{BEHAVIOR_SUFFIX}"))
     words = SwarmVocabulary(frozenset(file.name.removesuffix(BEHAVIOR_SUFFIX) for file in kept))
@@ -92,8 +92,8 @@ def parse_swarm(text: str, path: Path, run_dir: Path | None = None) -> SwarmDesc
 
 
 def parameter_places(path: Path, name: str) -> list[str]:
-    """Return the lines of a swarm file, as ``file:line``, that set a parameter of its nodes."""
-    if path.suffix == PYTHON_SUFFIX:  # a world alone
+    """Return the lines of a swarm file, as ``file:line``, that set a parameter of nodes."""
+    if path.suffix == PYTHON_SUFFIX:  # only a world
         return []
     document = open_yaml(path, error=DescriptionError)
     end = ("parameters", *name.removeprefix("parameters.").split("."))
@@ -103,15 +103,15 @@ def parameter_places(path: Path, name: str) -> list[str]:
 def world_module(kind: str) -> str:
     """Return the module that runs worlds of a kind.
 
-    A package registers its own under the entry-point group ``hitab.worlds``; the default is
+    Packages register modules under the entry-point group ``hitab.worlds``; the default is
     ``<kind>_world.world_main``.
     """
-    told = entry_points(group=WORLDS, name=kind)
-    return next((point.value for point in told), f"{kind}_world.world_main")
+    registered = entry_points(group=WORLDS, name=kind)
+    return next((point.value for point in registered), f"{kind}_world.world_main")
 
 
 def _under(above: Nodes, line: L, keys: set[str]) -> L:
-    """Return a line, completed by what was said for all; the line's own keys stay known."""
+    """Return a line completed by the settings for all; the line's own keys stay marked as set."""
     missing = (above.model_fields_set & keys) - line.model_fields_set
     more: dict[str, Any] = {key: getattr(above, key) for key in missing}
     for key in {"remap", "parameters"} & keys:
@@ -135,7 +135,7 @@ def _ros(line: MemberSettings | ProcessLine, agent: str = AGENT_MARK) -> dict[st
 
 
 class _Reader:
-    """Makes a swarm of the lines of a file, and complains about what does not fit together."""
+    """Makes a swarm from the lines of a file, and collects complaints about conflicts."""
 
     def __init__(
         self, file: SwarmLines, complaints: Complaints, path: Path, words: SwarmVocabulary
@@ -166,8 +166,8 @@ class _Reader:
         groups = {key: tree.with_superiors(group) for key, group in groups.items()}
         agents = [agent for group in groups.values() for agent in group]
         if self._world_file:
-            there = {f"agent_{i + 1}" for i in range(len(agents))}
-            if there != {agent.name for agent in agents}:
+            own = {f"agent_{i + 1}" for i in range(len(agents))}
+            if own != {agent.name for agent in agents}:
                 text = "of a world in one file are called agent_1, agent_2 and so on: rename them"
                 self._complaints.add(("agents",), text)
         for section, found in (("agents", groups), ("commanders", lines)):
@@ -192,7 +192,7 @@ class _Reader:
         self._complaints.add((section, line, key) if key else (section, line), text)
 
     def _tell_at(self, place: tuple[str, ...], line: Nodes, key: str, text: str) -> None:
-        """Complain at a word: in the line, or above."""
+        """Complain about a key, in the line or in the settings for all."""
         if text:
             where = place if key in line.model_fields_set else ()
             self._complaints.add((*where, key), text)
@@ -200,8 +200,8 @@ class _Reader:
     def _check_folders(self, line: MemberSettings, *place: str) -> None:
         for key in sorted({"library", "start_from"} & line.model_fields_set):
             folder = getattr(line, key)
-            there = self._start(folder) if key == "start_from" else self._path.parent / folder
-            if folder and AGENT_MARK not in folder and not there.is_dir():
+            library = self._start(folder) if key == "start_from" else self._path.parent / folder
+            if folder and AGENT_MARK not in folder and not library.is_dir():
                 text = (
                     f'`{key}:` there is no folder "{folder}"; make it, correct the path, which is '
                     "relative to this file, or leave it out"
@@ -210,17 +210,17 @@ class _Reader:
 
     @property
     def _world_file(self) -> str:
-        """The file of the world, whose words its agents have; empty: it is in no file."""
+        """Path of the world's file with its agents' vocabulary; empty without one."""
         world = self._file.world
         return world.kind if world is not None and world.kind.endswith(PYTHON_SUFFIX) else ""
 
     def _start(self, text: str) -> Path:
-        """Return a library to begin with: a folder, or one that has a name, as for `up -l`."""
-        there = self._path.parent / text
-        return there if there.is_dir() else known_libraries().get(text, there)
+        """Return an initial library: a folder, or a named library, as for `up -l`."""
+        library = self._path.parent / text
+        return library if library.is_dir() else known_libraries().get(text, library)
 
     def _in_file(self, text: str) -> str:
-        """Return the path of a file with a world, or its words; other names are as they are."""
+        """Return the path of a file with a world or vocabulary; other names stay unchanged."""
         return str((self._path.parent / text).resolve()) if text.endswith(PYTHON_SUFFIX) else text
 
     def _world(self, line: WorldLine) -> WorldDescription:
@@ -274,7 +274,7 @@ class _Reader:
         return groups
 
     def _process(self, line: AgentLine, key: str, name: str, index: int) -> str:
-        """Return the process of an agent; "" if the swarm's hosts are to run it."""
+        """Return the process of an agent; empty if the swarm's hosts run the agent."""
         if not line.host and line.per_process not in (None, 1):
             return f"{key}_host_{index // line.per_process + 1}"
         hosted = self._file.hosts is not None and line.per_process is None
@@ -294,13 +294,13 @@ class _Reader:
 
     def _commander(self, key: str, name: str) -> CommanderDescription:
         line = self._file.commanders[key]
-        # Of the settings for all agents, only the seed and those of all nodes apply here, too.
+        # Of the settings for all agents, only the seed and those for all nodes apply here, too.
         own = _under(self._file, line, {*NODES, "seed"})
         process = line.host or ("" if self._file.hosts is not None else name)
         return CommanderDescription(domain="", process=process, **self._common(own, key, name))
 
     def _kinds(self) -> dict[str, CommanderKind]:
-        """Return the kinds of commanders; those without orders get them from subordinates."""
+        """Return the kinds of commanders; kinds without orders get them from subordinates."""
         kinds = {}
         for name, line in self._file.kinds.items():
             before = len(self._complaints)
@@ -329,7 +329,7 @@ class _Reader:
         return found
 
     def _claim(self, section: str, key: str, names: Iterable[str]) -> None:
-        """Take names for a line; complain about those that another line has taken."""
+        """Claim names for a line; complain about names of another line."""
         for name in names:
             if name in self._owners:
                 text = f'a second "{name}" (see `{self._owners[name]}`); rename one'

@@ -1,4 +1,4 @@
-"""The lines of a swarm file and their keys; `swarm_description` shows a file.
+"""Lines of a swarm file and their keys; `swarm_description` shows a file.
 
     remap: {cmd_vel: /base/cmd_vel}     # names that the nodes of a line use: other names
     parameters: {max_speed: 0.5}        # of the nodes
@@ -38,7 +38,7 @@ SET = ("commander", "roles", "state_dir", "subordinates", "asks_position", "swar
 """Parameters of agents and worlds that a swarm sets by itself."""
 
 OWN_LINES = ("domain", "library", "behavior", "seed", "role", SIM_TIME)
-"""Parameters of agents that a line has keys for."""
+"""Parameters of agents for which a line has keys."""
 
 _PART = r"[A-Za-z_][A-Za-z0-9_]*"
 _ROS_NAME = re.compile(rf"(~/|/)?{_PART}(/{_PART})*")
@@ -72,7 +72,7 @@ def _namespace(text: str) -> str:
 
 
 def _own(lines: tuple[str, ...], taken: tuple[str, ...]) -> AfterValidator:
-    """Return a check that a parameter is neither set elsewhere nor by the swarm."""
+    """Return a check that parameters are not set by a key of the line or by the swarm."""
 
     def check(name: str) -> str:
         if name in lines:
@@ -157,13 +157,13 @@ Parameters = Annotated[dict[Annotated[str, _own(OWN_LINES, SET)], Value], NONE_I
 
 
 class Renamed(Record):
-    """What any line says of its nodes in words of ROS."""
+    """ROS settings of the nodes of any line."""
 
     remap: Annotated[dict[RosName, RosName], NONE_IS_EMPTY] = Field(default_factory=dict)
 
 
 class WorldLine(Renamed):
-    """The world. It makes the clock, and cannot wait for it."""
+    """The world, which publishes the clock and cannot use it."""
 
     kind: str
     module: str = ""
@@ -181,13 +181,13 @@ class WorldLine(Renamed):
 
 
 class Nodes(Renamed):
-    """What any line but the world's says of its nodes."""
+    """Settings of the nodes of any line except the world's."""
 
     use_sim_time: bool | None = None
 
 
 class MemberSettings(Nodes):
-    """What agents and commanders have in common."""
+    """Settings that agents and commanders have in common."""
 
     library: str = ""
     start_from: str = ""
@@ -197,7 +197,7 @@ class MemberSettings(Nodes):
 
 
 class AgentSettings(MemberSettings):
-    """What a file says of all its agents."""
+    """Settings for all agents of a file."""
 
     domain: str = ""
 
@@ -212,7 +212,7 @@ class AgentLine(AgentSettings):
 
 
 class CommanderLine(MemberSettings):
-    """One commander, or as many as it takes: then `commands` has counts."""
+    """One commander, or as many as needed if `commands` has counts."""
 
     kind: str
     commands: Annotated[

@@ -1,4 +1,4 @@
-"""The swarm that the options of `hitab up`, or the arguments of the launch file, describe."""
+"""Swarm descriptions from the options of `hitab up`, or the launch file's arguments."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def described_swarm(
     library: str = "",
     agents: int = 0,
 ) -> SwarmDescription:
-    """Return the swarm that the options describe, those of `hitab up`."""
+    """Return the swarm that the options of `hitab up` describe."""
     if swarm.endswith(".py"):
         described = _of_simulation(Path(swarm).resolve(), agents, run_dir)
     elif agents:

@@ -1,4 +1,4 @@
-"""Which domains and behaviors there are for a swarm."""
+"""Vocabulary of a swarm: its domains and behaviors."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from hitab_core import (
 from hitab_core.library import BEHAVIOR_SUFFIX
 
 Repertoire = Mapping[str, tuple[str, ...]]
-"""The parameters of behaviors, by name."""
+"""Parameters of behaviors, by the behavior's name."""
 
 
 class SwarmVocabulary:
     """The behaviors that members of a swarm can perform.
 
     Args:
-        kept: names of behaviors in the libraries of earlier runs, which a member may have.
+        kept: names of behaviors in libraries of earlier runs, which a member may have.
     """
 
     def __init__(self, kept: frozenset[str] = frozenset()) -> None:
@@ -35,7 +35,7 @@ class SwarmVocabulary:
         self._repertoires: dict[tuple[str, ...], Repertoire] = {}
 
     def wrong_domain(self, name: str) -> str:
-        """Return the fault of a domain's name; "" if nothing is."""
+        """Return the fault of a domain's name; empty without one."""
         if not name:
             return f"`domain:` is missing {has(self._domains)}"
         if name in self._domains:
@@ -52,10 +52,10 @@ class SwarmVocabulary:
         )
 
     def wrong_behavior(self, member: AgentDescription) -> str:
-        """Return why a member cannot perform its initial behavior; "" if it may.
+        """Return why a member cannot perform its initial behavior; empty if it may.
 
-        A library in the run folder is not known yet, so it is assumed to have what is missing; if
-        not, the agent itself complains.
+        A library in the run folder is not known yet, so it is assumed to have missing behaviors;
+        otherwise the agent itself reports them.
         """
         if not member.behavior:
             return ""
@@ -99,7 +99,7 @@ class SwarmVocabulary:
             return {}
         found: dict[str, tuple[str, ...]] = {}
         for folder in _folders(member):
-            # The agent itself reports what is wrong with its library.
+            # The agent itself reports the faults of its library.
             trained = BehaviorLibrary(folder, load_domain(member.domain)).load(strict=False)
             found |= {name: automaton.parameters for name, automaton in trained.items()}
         return found

@@ -35,21 +35,21 @@ if TYPE_CHECKING:
 
 PICTURE_CYCLES = 120
 PICTURE_MOMENTS = 80
-"""The last ones of an episode, whose ways are drawn."""
+"""Number of last moments of an episode whose paths are drawn."""
 LINE_EVERY = 20
-"""Episodes after which a line says how far it is, where there is no progress bar."""
+"""Number of episodes between two lines of progress, if there is no progress bar."""
 
 
 def offered_demo(name: str = "") -> Demo:
-    """Return a demo that an installed domain offers; without a name the first one.
+    """Return a demo of an installed domain; without a name the first one.
 
     Raises:
-        HitabError: if no installed domain offers this.
+        HitabError: if no installed domain offers this demo.
     """
-    there = {point.name: point for point in entry_points(group=DEMO_ENTRY_POINTS)}
-    if name not in there and (name or not there):
-        raise HitabError(f'no installed domain offers a demo "{name}" {has(there, name)}')
-    demo: Demo = there[name or min(there)].load()
+    offered = {point.name: point for point in entry_points(group=DEMO_ENTRY_POINTS)}
+    if name not in offered and (name or not offered):
+        raise HitabError(f'no installed domain offers a demo "{name}" {has(offered, name)}')
+    demo: Demo = offered[name or min(offered)].load()
     return demo
 
 
@@ -68,8 +68,8 @@ def run_demo(
         demo: the demo to play.
         out: the folder; pictures, figures and the library of an earlier demo are replaced.
         episodes: number to play.
-        seed: of the episodes.
-        studio_port: of the studio during the demo; None for no studio.
+        seed: random seed of the episodes.
+        studio_port: port of the studio during the demo; None for no studio.
         browser: whether to open the studio in a browser.
 
     Returns:
@@ -131,7 +131,7 @@ def _train(running: RunningSwarm, demo: Demo) -> list[LessonReport]:
 def _evaluate(
     running: RunningSwarm, library: Path, demo: Demo, episodes: int, seed: int
 ) -> dict[str, Any]:
-    """Have all agents perform what was taught, and return what came of it as plain data."""
+    """Play episodes in which all agents perform the taught behavior; return the results."""
     for agent in running.record.agents:
         running.agents.perform(agent, demo.behavior)
     world = running.world
@@ -139,7 +139,7 @@ def _evaluate(
         played = world.play(
             episodes, seed, progress=lambda done: advance(done, episodes, "playing episodes")
         )
-    # The world pauses by itself after the last one and reports it.
+    # The world pauses by itself after the last episode and reports that.
     running.link.spin_until(
         lambda: world.status is not None and world.status.episodes_left == 0, 3.0
     )
@@ -208,10 +208,10 @@ def _show(
     reports: Sequence[LessonReport], figures: Mapping[str, Any], demo: Demo, out: Path
 ) -> None:
     console.out().print()
-    told = demo.reference
+    reference = demo.reference
     _print_table(
         "What training took",
-        ("automaton", "commands", "examples", f"examples, {told}"),
+        ("automaton", "commands", "examples", f"examples, {reference}"),
         [(r.lesson, r.commands, r.examples, demo.examples.get(r.lesson, "")) for r in reports],
     )
     evaluation = figures["evaluation"]
@@ -219,7 +219,7 @@ def _show(
     against = f" against {demo.against}" if demo.against else ""
     _print_table(
         f"{quantity(evaluation['episodes'], 'episode')}{against}",
-        ("", "ours", told),
+        ("", "ours", reference),
         [
             *(
                 (name, _shown(mean["mean"], mean["se"]), _shown(*demo.references.get(name, ())))

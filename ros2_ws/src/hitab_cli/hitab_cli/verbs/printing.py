@@ -1,4 +1,4 @@
-"""Prints the features of a training, and the obstacles to an agent's command."""
+"""Texts of learned behaviors, and the obstacles to an agent's command."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def plain(message: Any, fields: str) -> dict[str, Any]:
 
 
 def as_text(learned: Learned) -> str:
-    """Return the states, transitions and trees of what was learned."""
+    """Return the states, transitions and trees of a learned behavior."""
     from hitab_core import automaton_as_text
 
     if learned.automaton is None:
@@ -28,10 +28,10 @@ def as_text(learned: Learned) -> str:
 
 
 def tell_faults(status: Any) -> None:
-    """Say what hinders an agent from its last command, such as an emergency stop.
+    """Print the faults that keep an agent from its last command, such as an emergency stop.
 
     Args:
-        status: of the agent.
+        status: the agent's status.
     """
     from hitab_ros.conversions import remedies_of
 

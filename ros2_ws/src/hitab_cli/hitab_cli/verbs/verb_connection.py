@@ -1,4 +1,4 @@
-"""A verb's connection to the swarm that is up."""
+"""Connection of a verb to the swarm that is up."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from hitab_client import RosLink, RunFolder, RunRecord, SwarmClient, WorldClient
     from hitab_client.run_processes import RunProcesses
 
-WATCH_SECONDS = 0.2  # between two looks at what is watched
+WATCH_SECONDS = 0.2  # between two updates of a watched view
 
 
 @dataclass
@@ -29,10 +29,10 @@ class Connection:
     record: RunRecord | None = None
 
     def note_whose(self, identities: Iterable[str]) -> None:
-        """Say which swarms have answered that were not started from here.
+        """Print which swarms have answered that were not started from here.
 
         Args:
-            identities: in the statuses of nodes that have answered.
+            identities: identities in the statuses of nodes that have answered.
         """
         from hitab_client.swarm_choice import whose
 
@@ -41,10 +41,10 @@ class Connection:
                 console.note(sentence)
 
     def await_world(self) -> WorldClient | None:
-        """Return the world, once it answers; None if there is none.
+        """Return the world, once it answers; None without a world.
 
         Raises:
-            SwarmError: if the swarm has one that does not answer.
+            SwarmError: if the swarm's world does not answer.
         """
         if not (self.has_world or self.world.is_there()):
             return None
@@ -70,15 +70,15 @@ class Connection:
 def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Connection]:
     """Connect to the named swarm, or the one that is up, or nodes that were started by hand.
 
-    A swarm that was started elsewhere (another HITAB_HOME, user or computer) is meant only if its
-    identity is given, or by a verb that only reads.
+    A swarm that was started elsewhere (another HITAB_HOME, user or computer) is chosen only if its
+    identity is given, or if the verb only reads.
 
     Args:
         swarm: name, identity, namespace or run folder.
         reads: whether the verb changes nothing; it has to call `Connection.note_whose`.
 
     Raises:
-        SwarmError: if none is up, or several are and none is named.
+        SwarmError: if no swarm is up, or several are up and none is named.
     """
     from hitab_client.domain_ids import chosen_by_user
     from hitab_client.swarm_choice import find_meant, is_namespace, look_elsewhere, none_is_up
@@ -86,7 +86,7 @@ def connection(swarm: str | None = None, *, reads: bool = False) -> Iterator[Con
     domain_id = chosen_by_user()
     found = find_meant(swarm, domain_id)
     if found is None:
-        # Said before ROS is loaded, which takes a moment.
+        # Printed before ROS is loaded, which takes a moment.
         console.note(with_commands(*none_is_up(domain_id)))
 
     from hitab_client import RosLink, SwarmClient, WorldClient

@@ -1,1 +1,1 @@
-"""Pictures and views of the terminal."""
+"""Pictures, and views in the terminal."""

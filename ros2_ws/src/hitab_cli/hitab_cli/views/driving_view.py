@@ -1,4 +1,4 @@
-"""The view of `hitab drive`: what the agent does, what came of the last key, and the keys."""
+"""View of `hitab drive`: the agent's status, the outcome of the last key, and the keys."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ SPACE = "Space"
 def lines(
     demonstrator: Demonstrator, silent: Mapping[str, float], *, help_wanted: bool
 ) -> Iterator[Text]:
-    """Yield the lines that are shown.
+    """Yield the lines of the view.
 
     Args:
         demonstrator: the person.
-        silent: for how long each silent agent has given no sign of life, s.
+        silent: time since the last sign of life of each silent agent, s, by name.
         help_wanted: whether to explain all keys.
     """
     status, agent = demonstrator.status, demonstrator.agent
@@ -66,9 +66,9 @@ def _doing(status: AgentStatus, training: str) -> str:
     if status.mode in (status.TRAINING, status.TESTING):
         examples = quantity(status.examples, "example")
         asks = f", {quantity(status.questions, 'question')}" if status.questions else ""
-        told = f'{status.mode} "{status.behavior}": {examples} ({status.default_examples} default)'
+        text = f'{status.mode} "{status.behavior}": {examples} ({status.default_examples} default)'
         done = "performs nothing yet" if path in ("", START) else f"performs {path}"
-        return f"{told}{asks}; {done}"
+        return f"{text}{asks}; {done}"
     done = path or status.behavior
     doing = f"{status.mode}: {done}" if done else str(status.mode)
     if not status.examples:
@@ -100,8 +100,8 @@ def _asking(demonstrator: Demonstrator) -> Iterator[Text]:
         )
         return
     parameter = asked.term.arguments[asked.place]
-    there = enumerate(asked.targets[:9], 1)
-    targets = "   ".join(f"{number} {target}" for number, target in there)
+    numbered = enumerate(asked.targets[:9], 1)
+    targets = "   ".join(f"{number} {target}" for number, target in numbered)
     yield console.line(f"{asked.term}: which target is {parameter}?  {targets}   Esc none", "bold")
 
 

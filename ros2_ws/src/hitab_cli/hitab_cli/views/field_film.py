@@ -1,4 +1,4 @@
-"""Films an episode: the field cycle by cycle, as a moving picture for a page or a talk."""
+"""Films of episodes: the field cycle by cycle, as a moving picture."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from hitab_world import World
 
 SUFFIXES = (".gif", ".png", ".webp")
-INCHES = 3.6  # width of the drawing; text and lines are as large in it
+INCHES = 3.6  # width of the drawing, for the size of text and lines
 TITLE_INCHES = 0.25  # inches, above the field
-TRAIL = 10  # moments of the ball's path
+TRAIL = 10  # number of moments of the ball's path
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Filmed:
     Attributes:
         world: the filmed world.
         moments: everything in the world, cycle by cycle.
-        begin: s, when the first one was.
-        ended: why the episode ended within it; "" if it went on.
+        begin: time of the first moment, s.
+        ended: outcome of the episode if it ended within the film; empty if it continued.
     """
 
     world: World
@@ -48,10 +48,10 @@ class Filmed:
 
 
 def check_film(path: Path) -> None:
-    """Check that a film can be saved there.
+    """Check that a film can be saved at a path.
 
     Raises:
-        HitabError: saying why not, and what would do.
+        HitabError: if it cannot; names the reason and a way out.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise HitabError(f"{path} cannot be filmed: its name must end with {', '.join(SUFFIXES)}")
@@ -62,10 +62,10 @@ def film(game: GameSetup, episode: int, begin: float, seconds: float) -> Filmed:
     """Play an episode and keep a part of it.
 
     Args:
-        game: whose world is reset.
+        game: game whose world is reset and played.
         episode: number of the episode in the run.
-        begin: s, when the part begins.
-        seconds: how long it takes; less if the episode ends before.
+        begin: beginning of the part, s.
+        seconds: length of the part, s; the film is shorter if the episode ends before.
 
     Raises:
         HitabError: if the episode ends before the part begins.
@@ -99,13 +99,13 @@ def draw_film(
 
     Args:
         filmed: the filmed episode.
-        path: of the film; the suffix selects the format.
+        path: path of the film; the suffix selects the format.
         advance: called with the number of pictures drawn.
         pixels: width of the pictures.
-        speed: of the film, as a factor of real time.
+        speed: speed of the film, as a factor of real time.
 
     Raises:
-        HitabError: if it cannot be saved.
+        HitabError: if the film cannot be saved.
     """
     from matplotlib.animation import PillowWriter
 
@@ -113,14 +113,14 @@ def draw_film(
     (width, height), looks = filmed.world.size, filmed.world.looks
     cycle_seconds = filmed.world.cycle_seconds
     drawing, axes = figure(INCHES, INCHES * height / width + TITLE_INCHES)
-    drawing.set_layout_engine("none")  # the same in all pictures
+    drawing.set_layout_engine("none")  # equal in all pictures
     axes.set_position((0.0, 0.0, 1.0, 1.0 - TITLE_INCHES / drawing.get_figheight()))
-    rate: Any = speed / cycle_seconds  # need not be whole
+    rate: Any = speed / cycle_seconds  # pictures per second, not always whole
     writer = PillowWriter(fps=rate)
     try:
         with tempfile.TemporaryDirectory() as folder:
-            drawn = Path(folder) / path.name  # its suffix says the format
-            # Not `saving`, which writes what there is when it is interrupted.
+            drawn = Path(folder) / path.name  # the suffix selects the format
+            # Not `saving`, which writes an incomplete film when interrupted.
             writer.setup(drawing, str(drawn), dpi=pixels / INCHES)
             for number, moment in enumerate(filmed.moments):
                 advance(number, len(filmed.moments), "drawing pictures")

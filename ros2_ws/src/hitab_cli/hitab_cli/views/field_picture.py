@@ -1,4 +1,4 @@
-"""Draws the field of a world: positions, headings and paths."""
+"""Pictures of the field of a world: positions, headings and paths."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOR = "#1f5fb4"
-"""The color of agents, and of things without a declared color."""
+"""Color of agents, and of things without a declared color."""
 BALL_SHAPE = "ball"
-"""The shape of what viewers follow with their eyes; see `hitab_world.Look`."""
+"""Shape of the things that viewers follow with their eyes; see `hitab_world.Look`."""
 GROUND = "#5d9150"
 
 
@@ -25,9 +25,9 @@ def draw_field(states: Sequence[WorldState], path: Path, title: str = "") -> Non
     """Draw the last state of a world, with the paths that led there.
 
     Args:
-        states: one per moment.
-        path: of the picture; the suffix selects the format.
-        title: of the picture.
+        states: states of the world, one per moment.
+        path: path of the picture; the suffix selects the format.
+        title: title of the picture.
     """
     last, moments = states[-1], [state.entities for state in states]
     width, height = last.width, last.height
@@ -53,11 +53,11 @@ def draw_moment(
     """Draw the field at one moment.
 
     Args:
-        axes: to draw on.
+        axes: axes to draw on.
         moment: everything in the world.
-        width, height: of the field, m, which is centered on the origin.
-        looks: of the kinds of things, as `Look` messages have them.
-        paths: by the name of a thing, the moments whose path is drawn.
+        width, height: size of the field, m, which is centered on the origin.
+        looks: `Look` messages, by kind of thing.
+        paths: moments whose path is drawn, by the name of the thing.
     """
     margin = 0.08 * width
     left, low = -width / 2 - margin, -height / 2 - margin
@@ -87,7 +87,7 @@ def _layer(thing: Thing, looks: Mapping[str, Any]) -> int:
 
 
 def shape_of(thing: Thing, looks: Mapping[str, Any]) -> str:
-    """Return the shape with which a world has viewers draw a thing; empty if none."""
+    """Return the shape that a world declares for a thing; empty if none."""
     return str(getattr(looks.get(thing.kind), "shape", ""))
 
 

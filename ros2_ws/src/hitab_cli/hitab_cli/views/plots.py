@@ -1,4 +1,4 @@
-"""Figures that need no screen."""
+"""Figures drawn without a screen."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def save(drawing: Figure, path: Path) -> None:
     """Save a figure; the suffix selects the format.
 
     Raises:
-        HitabError: if that fails.
+        HitabError: if saving fails.
     """
     check_folder(path, "drawn")
     try:
@@ -43,11 +43,11 @@ def check_folder(path: Path, done: str) -> None:
     """Check that there is a folder for a file.
 
     Args:
-        path: of the file.
+        path: path of the file.
         done: participle for messages, such as "drawn".
 
     Raises:
-        HitabError: if there is none.
+        HitabError: if there is no folder.
     """
     if not path.parent.is_dir():
         raise HitabError(
@@ -65,13 +65,13 @@ def draw_measures(
     """Draw how measures of episodes are distributed, with their means, one below the other.
 
     Args:
-        measured: the values of each measure, by what they were measured of.
-        title: of the figure.
-        path: of the file.
+        measured: values of each measure, by label of the measured swarm.
+        title: title of the figure.
+        path: path of the file.
         references: other means of the first measure, for comparison.
 
     Raises:
-        HitabError: if it cannot be saved.
+        HitabError: if the figure cannot be saved.
     """
     drawing, first = figure(7.0, 1.0 + 3.0 * len(measured))
     first.remove()

@@ -1,4 +1,4 @@
-"""Keys of a terminal, one at a time and without Enter; the terminal is left as it was found."""
+"""Keys of a terminal, one at a time and without Enter; the terminal is restored at the end."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from typing import Self
 ARROW_NAMES = {"A": "up", "B": "down", "C": "right", "D": "left"}
 _SEQUENCE = re.compile(r"\x1b(?:\[([0-9;?]*)([@-~])|O(.))", re.DOTALL)
 _BEGUN = re.compile(r"\x1b(?:\[[0-9;?]*|O)?\Z")
-"""The beginning of a sequence, whose rest is still to come; a lone Escape looks the same."""
+"""Incomplete escape sequence; a lone Escape looks the same."""
 
 SHIFT = "2"  # the modifier in sequences such as ESC [ 1 ; 2 D
 ESCAPE = "escape"
 END = "end"
-"""The terminal is gone, or the person has pressed Ctrl-D."""
+"""Key for the end: the terminal is gone, or the person has pressed Ctrl-D."""
 
 _READ_MAX = 4096
 
 
 def keys_in(text: str) -> tuple[list[str], str]:
-    r"""Return the keys in what a terminal has sent, and what is not yet complete.
+    r"""Return the keys in a terminal's input, and the incomplete rest.
 
     Characters are keys by themselves; arrow keys are ``up``, ``shift-left`` and so on. Sequences
     of other keys are left out.
@@ -53,8 +53,8 @@ def keys_in(text: str) -> tuple[list[str], str]:
 class TerminalKeys:
     r"""Reads keys as they are pressed; a context manager that restores the terminal.
 
-    Ctrl-C still interrupts. Ctrl-Z and Ctrl-\ do nothing meanwhile: whoever drives a robot must
-    not be left with a terminal that shows no keys.
+    Ctrl-C still interrupts. Ctrl-Z and Ctrl-\ do nothing meanwhile, since a person who drives a
+    robot must not lose the keys.
 
     Args:
         terminal: file descriptor, open for reading.
@@ -75,17 +75,17 @@ class TerminalKeys:
         return self
 
     def __exit__(self, *error: object) -> None:
-        # With what was typed and not read: the shell is not to run it.
+        # Discards unread input, which the shell must not run.
         termios.tcsetattr(self._terminal, termios.TCSAFLUSH, self._before)
 
     def read(self) -> list[str]:
         """Return the keys that were pressed since the last call, without waiting.
 
-        Once the terminal is gone, or on Ctrl-D, the last one is `END`.
+        If the terminal is gone, or on Ctrl-D, the last key is `END`.
         """
         found: list[str] = []
         if not select.select([self._terminal], [], [], 0)[0]:
-            if self._rest:  # nothing followed: it was Escape
+            if self._rest:  # nothing followed: the Escape key
                 found, self._rest = [ESCAPE], ""
             return found
         try:

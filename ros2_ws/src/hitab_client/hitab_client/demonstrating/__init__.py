@@ -1,4 +1,4 @@
-"""Demonstrating by keys and buttons: what is commanded, to whom, and driving robots by hand."""
+"""Demonstration by keys and buttons: commands to agents, and driving robots by hand."""
 
 import lazy_loader
 

@@ -20,12 +20,13 @@ class AgentVocabulary:
     """Vocabulary for commands to an agent.
 
     Attributes:
-        domain: of the agent.
-        behaviors: with parameters, in the order of their keys; in training the flags come last.
+        domain: name of the agent's domain.
+        behaviors: behaviors with parameters, in the order of their keys; in training, flags
+            come last.
         keys: of the behaviors that have one.
-        targets: of parameters; in training its own parameters are among them.
-        training: name of the training that is under way, or kept with its examples; "": none.
-        numbers: of the behaviors that take some, by name.
+        targets: targets for parameters; in training, also the automaton's own parameters.
+        training: name of the automaton in training, or of a suspended training; empty if none.
+        numbers: numbers of the behaviors that take numbers, by name.
     """
 
     domain: str = ""
@@ -36,12 +37,12 @@ class AgentVocabulary:
     numbers: Mapping[str, tuple[BoundedNumber, ...]] = field(default_factory=dict)
 
     def open_numbers(self, term: Term) -> list[BoundedNumber]:
-        """Return the numbers that a behavior takes and is not given."""
+        """Return the numbers that a behavior takes and the term does not give."""
         given = {argument.partition("=")[0] for argument in term.arguments if "=" in argument}
         return [n for n in self.numbers.get(term.name, ()) if n.name not in given]
 
     def open_parameter(self, term: Term) -> int | None:
-        """Return the place of a parameter that is bound to no target; None if there is none."""
+        """Return the position of the first unbound parameter; None if all are bound."""
         term = without_numbers(term)
         for declared in map(Term.parse, self.behaviors):
             if declared.name == term.name and len(declared.arguments) == len(term.arguments):
@@ -52,7 +53,7 @@ class AgentVocabulary:
         return None
 
     def open_part(self, pressed: Pressed) -> Prompt | None:
-        """Return what a person can be asked for, of a behavior that needs a target or a number."""
+        """Return a prompt for a behavior's missing target or number; None if it needs none."""
         term = Term.parse(pressed.behavior)
         place, numbers = self.open_parameter(term), self.open_numbers(term)
         if place is not None:
@@ -63,7 +64,7 @@ class AgentVocabulary:
         """Check that a behavior of an agent has all its targets.
 
         Raises:
-            SwarmError: naming the targets that there are.
+            SwarmError: if it lacks one; names the existing targets.
         """
         if (place := self.open_parameter(term)) is None:
             return
@@ -76,17 +77,17 @@ class AgentVocabulary:
         )
 
     def on_key(self, key: str) -> str:
-        """Return the behavior on a key; "" if there is none."""
+        """Return the behavior on a key; empty if there is none."""
         return dict(self.keys).get(key, "")
 
     def number(self, number: int) -> str:
-        """Return a behavior by its place in the order, from 1; "" if there are fewer."""
+        """Return the behavior at a position, from 1; empty if there are fewer."""
         names = [name for name in self.behaviors if name not in FLAGS]
         return names[number - 1] if 1 <= number <= len(names) else ""
 
 
 class WordsOfAgents:
-    """Asks agents for their words, again when these may have changed."""
+    """Vocabularies of agents, requested again when they may have changed."""
 
     def __init__(self, agents: SwarmClient, keys: Keys) -> None:
         self._agents = agents
@@ -94,19 +95,19 @@ class WordsOfAgents:
         self._known: dict[str, tuple[tuple[str, ...], AgentVocabulary]] = {}
 
     def known(self, agent: str) -> AgentVocabulary:
-        """Return what is known of an agent's words, without waiting."""
+        """Return an agent's last known vocabulary, without waiting."""
         return self._known.get(agent, ((), AgentVocabulary()))[1]
 
     def is_old(self, agent: str) -> bool:
-        """Whether an agent's words may have changed since it was asked."""
+        """Whether an agent's vocabulary may have changed since the last request."""
         status = self._agents.statuses.get(agent)
         return status is not None and self._known.get(agent, ((),))[0] != _state(status)
 
     def ask(self, agent: str) -> AgentVocabulary:
-        """Return an agent's words; it is asked if they may have changed.
+        """Return an agent's vocabulary, requested if it may have changed.
 
         Raises:
-            SwarmError: if it does not answer.
+            SwarmError: if the agent does not answer.
         """
         status = self._agents.await_agent(agent)
         state = _state(status)
@@ -115,22 +116,22 @@ class WordsOfAgents:
         return self._known[agent][1]
 
     def _asked(self, agent: str, status: AgentStatus) -> AgentVocabulary:
-        told = self._agents.vocabulary(agent)
-        targets = list(told.targets)
+        answer = self._agents.vocabulary(agent)
+        targets = list(answer.targets)
         training = self._agents.training(agent) if _is_trained(status) else None
         if training is not None:
             targets += [p for p in training.parameters if p not in targets]
-        behaviors = [b.name for b in told.behaviors]
-        trained = {Term.parse(b.name).name for b in told.behaviors if b.trained}
-        there = self._keys.commandable(told.domain, behaviors, trained, training)
-        keys = ((self._keys.of(told.domain, name), name) for name in there)
+        behaviors = [b.name for b in answer.behaviors]
+        trained = {Term.parse(b.name).name for b in answer.behaviors if b.trained}
+        commandable = self._keys.commandable(answer.domain, behaviors, trained, training)
+        keys = ((self._keys.of(answer.domain, name), name) for name in commandable)
         return AgentVocabulary(
-            told.domain,
-            tuple(there),
+            answer.domain,
+            tuple(commandable),
             tuple(k for k in keys if k[0]),
             tuple(targets),
             status.training,
-            numbers_of_behaviors(told.behaviors),
+            numbers_of_behaviors(answer.behaviors),
         )
 
 
@@ -139,5 +140,5 @@ def _is_trained(status: AgentStatus) -> bool:
 
 
 def _state(status: AgentStatus) -> tuple[str, ...]:
-    """Return what an agent's words depend on."""
+    """Return the parts of a status that an agent's vocabulary depends on."""
     return status.domain, status.library_digest, str(_is_trained(status)), status.training

@@ -1,7 +1,7 @@
 """Keys of behaviors: a key stays with its behavior when others appear.
 
-The keys are kept on this machine, so that `hitab drive`, `hitab joystick` and the studio agree on
-them, today and tomorrow.
+The keys are stored on this machine, so that `hitab drive`, `hitab joystick` and the studio always
+agree on them.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from hitab_client.learned import Learned
 
 KEYS = "1234567890qweiopsghjkcvm"
-"""Keys of behaviors, in the order in which they are given; other keys have other meanings."""
+"""Keys of behaviors, in the order in which they are assigned; other keys have other meanings."""
 
 FLAG_KEYS = dict(zip(FLAGS, "dx", strict=True))
 """Keys of the flags, which every training has."""
@@ -33,13 +33,14 @@ def file() -> Path:
 
 
 def in_order(behaviors: Iterable[str], trained: Container[str]) -> list[str]:
-    """Return behaviors in the order in which they get keys: those of the domain first.
+    """Return behaviors in the order in which they get keys: behaviors of the domain first.
 
-    Among these, those with parameters come last, since a gamepad's button cannot name a target.
+    Behaviors of the domain with parameters come after those without, since a gamepad's button
+    cannot name a target.
 
     Args:
-        behaviors: with parameters, such as ``GoTo(A)``.
-        trained: names of those that were trained.
+        behaviors: behaviors with parameters, such as ``GoTo(A)``.
+        trained: names of the trained behaviors.
     """
 
     def place(behavior: str) -> tuple[bool, bool, str]:
@@ -53,8 +54,8 @@ class Keys:
     """The keys of the behaviors of each domain.
 
     Args:
-        path: of the file that keeps them for all processes; None if they are this process's. If
-            it cannot be read or written, the keys last as long as the process.
+        path: file that keeps the keys for all processes; None for keys of this process alone.
+            If the file cannot be read or written, the keys last as long as the process.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -62,7 +63,7 @@ class Keys:
         self._path = path
 
     def give(self, domain: str, behaviors: Iterable[str]) -> None:
-        """Give each behavior that has no key the next one, as long as there are any."""
+        """Assign the next free key to each behavior without one, as long as keys are left."""
         given = self._given.setdefault(domain, {})
         new = [b for b in dict.fromkeys(behaviors) if b not in given and b not in FLAG_KEYS]
         if not new or len(given) == len(KEYS):
@@ -78,7 +79,7 @@ class Keys:
             write_durably(self._path, text.encode(), sync=False)
 
     def of(self, domain: str, behavior: str) -> str:
-        """Return the key of a behavior; "" if it has none."""
+        """Return the key of a behavior; empty if it has none."""
         return FLAG_KEYS.get(behavior) or self._given.get(domain, {}).get(behavior, "")
 
     def commandable(
@@ -88,34 +89,34 @@ class Keys:
         trained: Container[str],
         training: Learned | None = None,
     ) -> list[str]:
-        """Return what an agent can be commanded, in the order of the keys, which it gives.
+        """Return the behaviors that can be commanded, by key; assign missing keys.
 
         Args:
-            domain: of the agent.
-            behaviors: of the agent, with parameters.
-            trained: names of those that were trained.
-            training: of the agent; None if it is not in training.
+            domain: name of the agent's domain.
+            behaviors: the agent's behaviors, with parameters.
+            trained: names of the trained behaviors.
+            training: the agent's training; None if it is not in training.
         """
-        there = in_order(behaviors, trained)
-        self.give(domain, there)
+        found = in_order(behaviors, trained)
+        self.give(domain, found)
         if training is not None:
-            bound = [state for state in training.states if state not in there]
-            there = [b for b in [*there, *bound] if Term.parse(b).name != training.name]
-            there = [b for b in training.chosen or there if b not in FLAGS]
-            self.give(domain, there)
-        there.sort(key=lambda b: KEYS.index(key) if (key := self.of(domain, b)) else len(KEYS))
-        return there if training is None else [*there, *FLAGS]
+            bound = [state for state in training.states if state not in found]
+            found = [b for b in [*found, *bound] if Term.parse(b).name != training.name]
+            found = [b for b in training.chosen or found if b not in FLAGS]
+            self.give(domain, found)
+        found.sort(key=lambda b: KEYS.index(key) if (key := self.of(domain, b)) else len(KEYS))
+        return found if training is None else [*found, *FLAGS]
 
 
 def _give(given: dict[str, str], new: Iterable[str], kept: dict[str, str]) -> dict[str, str]:
-    """Give keys to new behaviors; return what is to be kept.
+    """Assign keys to new behaviors; return the keys to store.
 
-    If no key is left, that of a behavior is given which was kept and has not been met since.
+    If no key is left, the key of a stored behavior that this process has not seen is reused.
 
     Args:
-        given: the keys that this process shows; they do not change.
-        new: behaviors without one.
-        kept: by behavior.
+        given: keys that this process shows, by behavior; they do not change.
+        new: behaviors without a key.
+        kept: stored keys, by behavior.
     """
     others = {b: k for b, k in kept.items() if b not in given and k not in given.values()}
     given |= {behavior: others.pop(behavior) for behavior in new if behavior in others}
@@ -126,7 +127,7 @@ def _give(given: dict[str, str], new: Iterable[str], kept: dict[str, str]) -> di
 
 
 def _read(path: Path) -> dict[str, dict[str, str]]:
-    """Return the keys by domain and behavior; what is no key is left out."""
+    """Return the keys by domain and behavior; invalid entries are left out."""
     with suppress(OSError, ValueError, AttributeError, yaml.YAMLError):
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
         of_keys = {str(d): {str(k): str(b) for b, k in ks.items()} for d, ks in content.items()}

@@ -1,8 +1,8 @@
-"""A person who trains agents by keys or buttons: whom they command, and what comes of it.
+"""Demonstrator: a person who trains agents by keys or buttons, and the outcome of each key.
 
 Keys and buttons arrive in callbacks of the node, which must not wait; `Demonstrator.work` carries
-out what was pressed, outside of them. The emergency stop and driving by hand never wait: they
-take effect in the callback, also while an agent is waited for.
+them out outside of the callbacks. The emergency stop and driving by hand never wait: they take
+effect in the callback, even while a command waits for an agent.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from hitab_core import START, HitabError, Term, natural, numbers_of, some
 from hitab_ros import EmergencySwitch, give_signs_of_operator, names
 
 KEY_AGE_MAX_S = 1.0
-"""Maximum age of a key, s: an older one was meant for another moment."""
+"""Maximum age of a key, s: an older key was meant for another situation."""
 
 PENDING_MAX = 8
-"""Keys that may wait until an agent has answered; more are not meant."""
+"""Maximum number of keys that wait until an agent has answered."""
 
 TAKEN_S = 2.0
 """Timeout for an agent to take a command, s."""
@@ -43,27 +43,27 @@ RELAY_TIMEOUT_S = 3.0
 DRIVING_BY_HAND = "driving by hand"
 
 PARTS, BACKSPACES, ENTERS = "0123456789.-", "\x7f\b", "\r\n"
-"""Keys with which a number is typed."""
+"""Keys that type a number."""
 
 
 class Demonstrator:
     """Demonstrator: a person who commands with keys or buttons.
 
     Args:
-        agents: of the swarm.
-        world: of the swarm, or an absent one.
+        agents: client of the swarm's agents.
+        world: client of the swarm's world, which may be absent.
         asks: whether the person can be asked for targets and numbers.
-        keys: of behaviors, kept for all processes; None for those of this one alone.
-        clock: s; any steady clock.
+        keys: keys of behaviors, stored for all processes; None for keys of this process alone.
+        clock: returns the time of any steady clock, s.
 
     Attributes:
-        agent: that is commanded.
-        said: what came of the last key.
-        failed: whether that is an error.
-        told: how often something was said.
-        switch: of the emergency stop.
+        agent: name of the commanded agent.
+        said: outcome of the last key.
+        failed: whether that outcome is an error.
+        told: number of outcomes so far.
+        switch: switch of the emergency stop.
         steering: drives the robot by hand.
-        prompt: what the person is asked for, or None.
+        prompt: the prompt that waits for the person's answer, or None.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Demonstrator:
         self.failed = False
         self.told = 0
         self.prompt: Prompt | None = None
-        # Hands on: the topic is open before it is needed, so that a stop arrives at once.
+        # `hands_on`: the topic is open before it is needed, so that a stop arrives at once.
         self.switch = EmergencySwitch(agents.link.node, hands_on=True)
         give_signs_of_operator(agents.link.node, agents.prefix, lambda: True)
         self._stops = Stops(agents.link, switch=self.switch)
@@ -117,12 +117,12 @@ class Demonstrator:
         return self._words.known(self.agent)
 
     def tell(self, text: str, *, failed: bool = False) -> None:
-        """Note what came of a key."""
+        """Note the outcome of a key."""
         self.said, self.failed = text, failed
         self.told += 1
 
     def close(self, seconds: float) -> None:
-        """Let go of the robot, and wait for at most so long until all have an emergency stop."""
+        """Release the robot; wait at most this long until all robots have an emergency stop."""
         self.let_go()
         if self.switch.engaged:
             self.switch.delivered(seconds)
@@ -138,7 +138,7 @@ class Demonstrator:
         self._chosen_at = self._clock()
 
     def press(self, action: str) -> None:
-        """Take one of the `ACTIONS`; the emergency stop and the choice of the agent at once."""
+        """Queue one of the `ACTIONS`; emergency stop and choice of agent take effect at once."""
         if action == "go" or (action == "stop" and not self._is_simulated()):
             self._switch(engaged=action == "stop")
         elif action in ("previous", "next"):
@@ -147,31 +147,31 @@ class Demonstrator:
             self._wait(self.pressed("", action))
 
     def pressed(self, behavior: str, what: str = "") -> Pressed:
-        """Return what is pressed now: a behavior, or something else."""
+        """Return a record of a key pressed now, for a behavior or another action."""
         now = self._clock()
         state = self._world.state
         seen = 0 if state is None or self._world.status is None else int(state.cycle)
         return Pressed(what or behavior, self.agent, behavior, now, seen)
 
     def press_behavior(self, behavior: str, first: Pressed | None = None) -> None:
-        """Have a behavior be commanded, or in no training performed.
+        """Queue a behavior to be commanded in training, or performed without one.
 
         Args:
-            behavior: with its targets and numbers.
-            first: the key that was pressed before these were given; None for this one.
+            behavior: behavior with its targets and numbers.
+            first: key pressed before the targets and numbers were given; None for this key.
         """
         now = self.pressed(behavior)
         pressed = now if first is None else replace(first, behavior=behavior, at=now.at)
-        # Asked at once, since the answer may be pressed before an agent has answered.
+        # Prompt at once, since the answer may be pressed before an agent has answered.
         agent, words = pressed.agent, self._words
         if words.is_old(agent) or not self._ask(pressed, words.known(agent)):
             self._wait(pressed)
 
     def answer(self, key: str) -> None:
-        """Take a key of a person who is asked; any that is no answer gives the command up.
+        """Take a key as the answer to the prompt; a key that is no answer cancels the command.
 
         Args:
-            key: the number of a target, from 1; or a part of a number, Backspace, or Enter.
+            key: number of a target, from 1; or a character of a number, Backspace, or Enter.
         """
         prompt, self.prompt = self.prompt, None
         if prompt is None:
@@ -198,10 +198,10 @@ class Demonstrator:
             self.press_behavior(str(term), prompt.pressed)
 
     def steer(self, velocity: Sequence[float], seconds: float) -> None:
-        """Drive the robot by hand for so long, unless it is said again; zeros: not any more.
+        """Drive the robot by hand for some seconds; zeros stop it.
 
-        The agent first gives up its behavior, so that nothing drives the robot on afterwards.
-        A command to the agent meanwhile ends the driving until the person lets go.
+        The agent first gives up its behavior, so that nothing else drives the robot afterwards.
+        A command to the agent meanwhile ends the driving until the person releases the keys.
         """
         if not any(velocity) or not all(map(math.isfinite, velocity)):
             self.let_go()
@@ -217,7 +217,7 @@ class Demonstrator:
         if self.switch.engaged:
             self._refuse_steering("the emergency stop holds the robots")
         elif not self.steering.reaches_relay and now <= self._chosen_at + RELAY_TIMEOUT_S:
-            self.steering.release()  # it may still be found
+            self.steering.release()  # the relay may still be discovered
         elif not self.steering.reaches_relay:
             self._refuse_steering(
                 f"{self.agent} cannot be driven by hand: no {names.VELOCITY_RELAY} listens on "
@@ -233,7 +233,7 @@ class Demonstrator:
         self.tell(why, failed=True)
 
     def let_go(self) -> None:
-        """Have the robot stand still; what is held has to be let go before it drives again."""
+        """Stop the robot; held keys have to be released before the robot drives again."""
         if self.steering.until > self._clock():
             self._refused_until = self.steering.until
         self._is_driven = False
@@ -247,20 +247,20 @@ class Demonstrator:
 
     def _switch(self, *, engaged: bool) -> None:
         self.let_go()
-        self._pending.clear()  # it was meant for before
+        self._pending.clear()  # these keys were meant for before the stop
         self.switch.set(engaged, self._agents.demonstrator)
         if not engaged:
             self.tell("released: simulated worlds go on, and each robot waits to be re-armed")
             return
-        there = self._stops.names()
-        heard = f": {some(there)}" if there else "; nothing that acts is there, who comes obeys"
-        self.tell(f"emergency stop: all have to stand still{heard}", failed=not there)
+        acting = self._stops.names()
+        heard = f": {some(acting)}" if acting else "; nothing that acts is there, who comes obeys"
+        self.tell(f"emergency stop: all have to stand still{heard}", failed=not acting)
 
     def _step(self, by: int) -> None:
-        there = sorted({*self._agents.expected, *self._agents.agents()}, key=natural)
-        if there:
-            place = there.index(self.agent) + by if self.agent in there else 0
-            self.choose(there[place % len(there)])
+        agents = sorted({*self._agents.expected, *self._agents.agents()}, key=natural)
+        if agents:
+            place = agents.index(self.agent) + by if self.agent in agents else 0
+            self.choose(agents[place % len(agents)])
             self.tell(f"{self.agent} obeys from now on")
 
     def _is_at_rest(self) -> bool:
@@ -276,7 +276,7 @@ class Demonstrator:
     # -- outside of callbacks ---------------------------------------------------------------
 
     def work(self) -> None:
-        """Carry out what was pressed; errors are noted in `said`."""
+        """Carry out the pressed keys; errors are noted in `said`."""
         while self._pending:
             pressed, taken = self._pending.popleft(), True
             try:
@@ -289,10 +289,10 @@ class Demonstrator:
         self._unseen.clear()
 
     def look(self) -> None:
-        """Learn what the agent can be commanded, if that may have changed.
+        """Request the agent's vocabulary, if it may have changed.
 
         Raises:
-            SwarmError: if it does not answer.
+            SwarmError: if the agent does not answer.
         """
         self._stops.look()
         if self.agent not in self._agents.statuses or self._words.is_old(self.agent):
@@ -326,7 +326,7 @@ class Demonstrator:
         return command(agents, self._world, agent, str(term), seen=pressed.seen, seconds=TAKEN_S)
 
     def _ask(self, pressed: Pressed, words: AgentVocabulary) -> bool:
-        """Ask for a target or a number that is still to be given; return whether one is."""
+        """Prompt for a missing target or number; return whether one is missing."""
         prompt = words.open_part(pressed) if self._asks else None
         if prompt is None:
             return False
@@ -351,7 +351,7 @@ class Demonstrator:
         return f"{answer.message}: {answer.path}{left_out}"
 
     def _is_simulated(self) -> bool:
-        """Whether there is a simulated world, and nothing else that acts."""
+        """Whether everything that acts is in a simulated world."""
         return {*self._stops.names()} == {f"{self._agents.prefix}/{names.WORLD}".strip("/")}
 
     def _pause(self, agent: str) -> str:
@@ -366,9 +366,9 @@ class Demonstrator:
         return f"{agent} may act"
 
     def _halt(self, agent: str) -> str:
-        """Have the agent do nothing; a training goes on at its beginning."""
+        """Stop the agent; in training, restart at Start."""
         if self._is_at_rest():
-            return ""  # pressed once more before it had been carried out
+            return ""  # pressed twice before the first was carried out
         mode = self._agents.await_agent(agent).mode
         self._agents.perform(agent, "")
         if mode not in (AgentStatus.TRAINING, AgentStatus.TESTING):

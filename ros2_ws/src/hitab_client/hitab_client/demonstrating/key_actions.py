@@ -11,7 +11,7 @@ from hitab_core import FLAGS, quantity
 from hitab_ros.call import blocking
 
 EARLIER_SECONDS = 0.2
-"""By how much a person has a command be due earlier with one key, in seconds of their own."""
+"""Time by which one key press dates a command back, in seconds of the person's time."""
 
 
 @blocking
@@ -26,20 +26,20 @@ async def command(
     seconds: float = ACKNOWLEDGE_SECONDS,
     demonstrator: str = "",
 ) -> str:
-    """Command a behavior, or in no training have it performed; return what came of it.
+    """Command a behavior in training, or make the agent perform it; return the outcome.
 
     If the agent is testing, take over first.
 
     Args:
-        agents: of the swarm.
-        world: that the person sees.
-        agent: to command.
-        behavior: with its targets.
+        agents: client of the swarm's agents.
+        world: client of the world that the person sees.
+        agent: name of the agent.
+        behavior: behavior with its targets.
         seen: the world's cycle that the person saw; 0 for the last one. While the world runs, the
-            agent estimates how long before it the command was due.
-        sequence: number of the command; 0 for a new one.
-        seconds: how long to wait for the agent's acknowledgement.
-        demonstrator: who commands; empty for the client's own.
+            agent estimates the person's reaction time before that cycle.
+        sequence: the command's number; 0 for a new number.
+        seconds: timeout for the agent's acknowledgement.
+        demonstrator: name of the demonstrator; empty for the client's own.
 
     Raises:
         SwarmError: if the agent is missing, refuses, or does not acknowledge.
@@ -55,7 +55,7 @@ async def command(
     status = await agents.command.coroutine(
         agent,
         behavior,
-        seen=0 if paused else seen,  # the situation has waited for the person
+        seen=0 if paused else seen,  # the paused world has not changed since
         pace=simulated(1.0, world.status, world.speed),
         sequence=sequence,
         seconds=seconds,
@@ -66,24 +66,24 @@ async def command(
 
 
 def simulated(seconds: float, status: WorldStatus | None, speed: float = 1.0) -> float:
-    """Return how much simulated time passes for a person in some time of their own.
+    """Return the simulated time that passes during some seconds of a person's time.
 
     Args:
-        seconds: of the person.
-        status: of the world; None if missing, or a robot's, where time is the person's.
-        speed: of a world in lockstep, as seen: simulated seconds in a second.
+        seconds: seconds of the person's time.
+        status: the world's status; None if missing, or for robots, whose time is the person's.
+        speed: observed speed of a world in lockstep, simulated seconds per second.
     """
     if status is None:
         return seconds
     if status.mode == WorldState.PAUSED:
-        return 0.0  # the situation waits for the person
+        return 0.0  # the world is paused
     return seconds * (status.factor if status.pace == "realtime" else speed)
 
 
 def earlier(world: WorldClient) -> float:
-    """Return the simulated time by which one key has a command be due earlier, s.
+    """Return the simulated time by which one key press dates a command back, s.
 
-    A person may pause the world to correct: what counts is its pace when it runs.
+    The world's pace while it runs counts, since a person may pause it to correct.
     """
     status = world.status
     if status is not None:
@@ -92,7 +92,7 @@ def earlier(world: WorldClient) -> float:
 
 
 def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
-    """Return what came of a command, from the status that acknowledges it."""
+    """Return the outcome of a command, from the status that acknowledges it."""
     state = behavior if behavior in FLAGS else next(iter(status.active_path), behavior)
     done = f": {status.left} -> {state}" if status.left else f" performs {state}"
     return (
@@ -104,10 +104,10 @@ def outcome(agent: str, behavior: str, status: AgentStatus) -> str:
 
 @blocking
 async def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> str:
-    """Have the last command be due a little earlier than at present; return by how much.
+    """Date the last command back a little further; return a text with the total.
 
     Raises:
-        SwarmError: if there is none, or that time is not kept.
+        SwarmError: if there is no command, or that time is no longer recorded.
     """
     examples = (await agents.training.coroutine(agent)).examples
     last = max(examples, key=lambda e: (e.command, -e.number), default=None)
@@ -120,6 +120,6 @@ async def put_earlier(agents: SwarmClient, world: WorldClient, agent: str) -> st
 
 
 def other_mode(status: AgentStatus) -> str:
-    """Return what one key switches to: testing what was learned, or training."""
+    """Return the mode that one key switches to: testing or training."""
     training = status.mode == AgentStatus.TRAINING
     return AgentStatus.TESTING if training else AgentStatus.TRAINING

@@ -1,4 +1,4 @@
-"""The keys of a terminal as those of a demonstrator. No terminal here; keys come by name."""
+"""Keyboard input for a demonstrator, by names of keys; independent of any terminal."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from hitab_client.demonstrating.demonstrator import Demonstrator
 from hitab_client.demonstrating.steering import Velocity
 
 HOLD_S = 0.4
-"""Time for which one press of an arrow key drives, s. Terminals do not tell when a key is let go;
-one that is held comes again and again, about 30 times a second after a first pause."""
+"""Driving time of one press of an arrow key, s. Terminals do not report released keys; a held key
+repeats about 30 times a second after a first pause."""
 
 ACTION_KEYS = {
     "t": "test",
@@ -40,12 +40,12 @@ ARROW_AXES = {
 
 
 class KeyboardInput:
-    """Hands keys to a demonstrator.
+    """Passes keys to a demonstrator.
 
     Args:
-        demonstrator: that obeys the keys.
-        speed: m/s, of the arrow keys.
-        turn: rad/s, of the arrow keys.
+        demonstrator: receiver of the keys.
+        speed: speed of the arrow keys, m/s.
+        turn: turn rate of the arrow keys, rad/s.
         clock: s; any steady clock.
     """
 
@@ -65,7 +65,7 @@ class KeyboardInput:
         """Take a key: a character, or the name of an arrow key such as ``shift-left``."""
         demonstrator = self._demonstrator
         if ACTION_KEYS.get(key) == "stop":
-            demonstrator.press("stop")  # whatever else is going on
+            demonstrator.press("stop")  # also while a prompt waits
         elif demonstrator.prompt is not None:
             demonstrator.answer(key)
         elif key in ARROW_AXES:

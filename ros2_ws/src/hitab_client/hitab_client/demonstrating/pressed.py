@@ -1,4 +1,4 @@
-"""Keys that a person who trains agents can press, and has pressed."""
+"""Key actions of a demonstrator, and records of pressed keys."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Pressed:
     """A pressed key or button.
 
     Attributes:
-        what: for people.
-        agent: whom it is for.
-        behavior: that is commanded, or empty.
-        at: when, s, by the demonstrator's clock.
+        what: name of the action, for people.
+        agent: name of the agent it is for.
+        behavior: the commanded behavior; empty for another action.
+        at: time by the demonstrator's clock, s.
         seen: the world's cycle that the person saw; 0 if unknown.
     """
 
@@ -45,15 +45,15 @@ class Pressed:
 
 @dataclass(frozen=True)
 class Prompt:
-    """A behavior of which a target or a number is still to be given.
+    """A behavior with a missing target or number.
 
     Attributes:
-        term: the behavior, with its parameters, and what was given so far.
-        pressed: the key that commanded it.
-        place: of the parameter in question.
-        targets: among which to choose.
-        number: in question, instead of a parameter, or None.
-        typed: of the number so far.
+        term: behavior with its parameters, and the targets and numbers given so far.
+        pressed: key that commanded the behavior.
+        place: position of the missing parameter.
+        targets: targets to choose from.
+        number: missing number, or None if a parameter is missing.
+        typed: characters of the number so far.
     """
 
     term: Term
@@ -64,17 +64,17 @@ class Prompt:
     typed: str = ""
 
     def with_target(self, target: str) -> Term:
-        """Return the behavior with a target in the place of the parameter."""
+        """Return the behavior with a target for the missing parameter."""
         arguments = list(self.term.arguments)
         arguments[self.place] = target
         return Term(self.term.name, tuple(arguments))
 
 
 class UnseenOutcomes:
-    """Whether agents have taken the commands whose outcomes the person cannot have seen yet.
+    """Outcomes of commands that the person cannot have seen yet.
 
-    A person who presses undo before seeing that the last command was refused does not mean the
-    command before.
+    If the last command was refused and the person presses undo before seeing that, the undo is not
+    meant for the command before.
     """
 
     def __init__(self) -> None:
@@ -85,10 +85,10 @@ class UnseenOutcomes:
         self._taken[agent].append(taken)
 
     def check(self, agent: str, action: str) -> None:
-        """Check that what is done to the last command is not done to another.
+        """Check that an action on the last command would not affect another command.
 
         Raises:
-            SwarmError: if the last one was not taken.
+            SwarmError: if the agent has not taken the last command.
         """
         taken = self._taken[agent][-1:]
         if action == "undo":
@@ -98,9 +98,9 @@ class UnseenOutcomes:
 
     @property
     def there(self) -> bool:
-        """Whether there are any."""
+        """Whether there are unseen outcomes."""
         return any(self._taken.values())
 
     def clear(self) -> None:
-        """Note that the person sees them."""
+        """Note that the person has seen all outcomes."""
         self._taken.clear()

@@ -1,7 +1,7 @@
-"""Drives one robot by hand through its relay, which limits it and stops it.
+"""Driving of one robot by hand, through its relay.
 
-The relay's limits and the emergency stop hold, and it stops the robot when nothing more comes; see
-docs/robots.md.
+The relay applies its limits and the emergency stop, and stops the robot when no velocity arrives;
+see docs/robots.md.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from rclpy.qos import QoSProfile
 from hitab_ros import GuardedNode, names, steady_timer
 
 RATE_HZ = 20.0
-"""Rate at which the velocity is sent; the relay stops the robot after 0.3 s without one."""
+"""Rate of velocity messages; the relay stops the robot after 0.3 s without one."""
 
 Velocity = tuple[float, float, float]
-"""m/s ahead, m/s to the left, rad/s (REP 103)."""
+"""Velocity: m/s ahead, m/s to the left, rad/s (REP 103)."""
 
 STILL: Velocity = (0.0, 0.0, 0.0)
 
 
 class Steering:
-    """Sends a velocity for as long as the person holds it, and then one zero.
+    """Sends a velocity while the person holds the keys, and then one zero.
 
     Args:
-        node: to send with.
+        node: node that publishes the velocities.
         prefix: namespace of the swarm.
-        may_drive: whether nothing else drives the robot; asked before each velocity is sent.
-        clock: s; any steady clock.
+        may_drive: returns whether nothing else drives the robot; called before each message.
+        clock: returns the time of any steady clock, s.
 
     Attributes:
-        until: s, by the clock; for how long the velocity is wanted.
+        until: end of the wanted velocity by the clock, s.
     """
 
     def __init__(
@@ -86,11 +86,11 @@ class Steering:
 
     @property
     def topic_name(self) -> str:
-        """Topic of the velocities, empty before the first."""
+        """Topic of the velocities; empty before the first one."""
         return "" if self._topic is None else self._topic.topic_name
 
     def hold(self, velocity: Sequence[float], seconds: float) -> None:
-        """Want a velocity for some seconds; what is no finite velocity releases the robot."""
+        """Request a velocity for some seconds; a non-finite velocity releases the robot."""
         if len(velocity) != 3 or not all(map(math.isfinite, velocity)) or not any(velocity):
             self.release()
             return
@@ -98,7 +98,7 @@ class Steering:
         self.until = self._clock() + seconds
 
     def release(self) -> None:
-        """Have the robot stand still at once."""
+        """Stop the robot at once."""
         self.until = -math.inf
         self._tick()
 

@@ -1,4 +1,4 @@
-"""Lessons: files that say what to demonstrate to an agent, and when."""
+"""Lessons: files that define what to demonstrate to an agent, and when."""
 
 import lazy_loader
 

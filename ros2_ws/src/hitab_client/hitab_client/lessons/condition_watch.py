@@ -1,8 +1,8 @@
-"""Sees what conditions ask for, moment by moment: in a world that is stepped, or without a world.
+"""Evaluation of conditions over time, in a stepped world or without a world.
 
 A simulated world is stepped cycle by cycle, and every condition is checked in every cycle. Robots
-without a world are watched as time passes; their places are unknown, so conditions are
-limited to reports and percepts of the agents.
+without a world are watched in real time; their positions are unknown, so conditions are limited to
+reports and percepts of the agents.
 """
 
 from __future__ import annotations
@@ -25,15 +25,16 @@ CONDITION_CHECK_SECONDS = 0.1
 
 
 class ConditionWatch:
-    """Watches the agents of a swarm; a context manager, since it costs the agents time.
+    """Watches the agents of a swarm; a context manager, since watching costs the agents time.
 
-    An agent's status has its active states, but only at intervals; its transitions report every
-    change, so that no short-lived state is missed.
+    Statuses of agents contain the active states, but arrive only at intervals. Transitions
+    report every change, so that no short-lived state is missed.
 
     Args:
-        swarm: the agents.
-        world: their world, which is paused and stepped here; None if they have none.
-        factor: multiple of real time, for people who look on; 0 for full speed.
+        swarm: client of the agents.
+        world: client of the agents' world, which is paused and stepped here; None without a
+            world.
+        factor: multiple of real time, for human viewers; 0 for full speed.
     """
 
     def __init__(
@@ -68,7 +69,7 @@ class ConditionWatch:
         self._passed.setdefault(event.agent, []).append(event.to_state)
 
     def begin(self) -> None:
-        """Forget past messages, entries and ends; count the time from now."""
+        """Discard past messages, entered states and ended episodes; count the time from now."""
         self._entered: dict[str, list[str]] = {}
         self._said: frozenset[str] = frozenset()
         self._ended: tuple[str, ...] = ()
@@ -82,7 +83,7 @@ class ConditionWatch:
         return seconds_of(self._world.state.header.stamp)
 
     def go_on(self) -> None:
-        """Let some time pass, or one cycle of the world, and see what happens meanwhile."""
+        """Watch for one period, or for one cycle of the world."""
         self._passed = {}
         if self._world is None:
             self._swarm.link.spin_until(lambda: False, CONDITION_CHECK_SECONDS)
@@ -105,7 +106,7 @@ class ConditionWatch:
         return WorldView(
             None if state is None else state.entities,
             self.now() - self._since,
-            # The status may lag behind by some cycles; the states entered in this one do not.
+            # The status may lag behind by some cycles; states entered in this cycle do not.
             {
                 name: [*status.active_path, *self._entered.get(name, ())]
                 for name, status in self._swarm.statuses.items()
@@ -116,16 +117,16 @@ class ConditionWatch:
         )
 
     def _reading(self, agent: str, feature: str) -> float:
-        """Return the value that an agent perceives; NaN without a value.
+        """Return a feature's value as an agent perceives it; NaN without a value.
 
-        A flag is one of the automaton that uses it as a feature: the outermost one counts.
+        Flags belong to the automaton that uses them as features; the outermost one counts.
         """
         if agent not in self._swarm.statuses:
             self._swarm.await_agent(agent)
         answer = self._swarm.read_features(agent, [feature])
         used = [r.value for r in answer.readings if r.automaton and r.feature == feature]
-        asked = [r.value for r in answer.readings if not r.automaton]
-        return float(used[0] if used else asked[-1])
+        values = [r.value for r in answer.readings if not r.automaton]
+        return float(used[0] if used else values[-1])
 
     def until(
         self,
@@ -133,12 +134,12 @@ class ConditionWatch:
         within: float,
         seen: Callable[[WorldView], None] = lambda view: None,
     ) -> bool:
-        """Let time pass until a condition holds; return whether it came to hold in time.
+        """Watch until a condition holds; return whether it holds in time.
 
         Args:
-            condition: what is awaited.
-            within: how long, s of the agents' world.
-            seen: called with each moment.
+            condition: condition to wait for.
+            within: timeout, s of the agents' world.
+            seen: called with each view.
         """
         while not condition.holds(view := self.view()):
             seen(view)

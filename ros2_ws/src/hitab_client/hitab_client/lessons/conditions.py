@@ -28,15 +28,15 @@ class Condition(Record):
     """A condition that can be evaluated and described."""
 
     def holds(self, view: WorldView) -> bool:
-        """Whether it holds in this view."""
+        """Whether the condition holds in this view."""
         raise NotImplementedError
 
     def describe(self, view: WorldView | None = None) -> str:
-        """Return it in words, with the current value if a view is given."""
+        """Return the condition in words, with the current value if a view is given."""
         raise NotImplementedError
 
     def about(self, agent: str) -> Condition:
-        """Return the same, about this agent where it names none."""
+        """Return the condition with this agent where it names none."""
         if getattr(self, "agent", None) == "":
             return self.but(agent=agent)
         return self
@@ -49,7 +49,7 @@ class Condition(Record):
 
 
 class Limited(Condition):
-    """A value above or below a limit; no value is neither."""
+    """A value above or below a limit; a missing value is neither."""
 
     below: float | None = None
     above: float | None = None
@@ -82,11 +82,11 @@ class Limited(Condition):
         """Return text such as ``distance of keeper_1 and ball below 4 (is 5.2)``."""
         limits = [f"below {self.below:g}"] if self.below is not None else []
         limits += [f"above {self.above:g}"] if self.above is not None else []
-        seen = ""
+        current = ""
         if view is not None:
             value = self.value(view)
-            seen = f" (is {value:.2f})" if value == value else " (has no value)"
-        return f"{self.named} {' and '.join(limits)}{seen}"
+            current = f" (is {value:.2f})" if value == value else " (has no value)"
+        return f"{self.named} {' and '.join(limits)}{current}"
 
 
 def _two(things: tuple[str, ...]) -> tuple[str, ...]:
@@ -149,17 +149,17 @@ class ActiveState(Condition):
     agent: str = ""
 
     def holds(self, view: WorldView) -> bool:
-        """Whether the agent performs it, at any level."""
+        """Whether the agent performs the state, at any level."""
         path = (view.paths or {}).get(self.agent, ())
         return any(label == self.state or label.split("(")[0] == self.state for label in path)
 
     def describe(self, view: WorldView | None = None) -> str:
         """Return text such as ``keeper_1 in GotoBall``."""
-        seen = ""
+        current = ""
         if view is not None:
             path = (view.paths or {}).get(self.agent, ())
-            seen = f" (is in {' > '.join(path) if path else 'nothing'})"
-        return f"{self.agent} in {self.state}{seen}"
+            current = f" (is in {' > '.join(path) if path else 'nothing'})"
+        return f"{self.agent} in {self.state}{current}"
 
 
 class Said(Condition):
@@ -168,7 +168,7 @@ class Said(Condition):
     by: str = Field(alias="said")
 
     def holds(self, view: WorldView) -> bool:
-        """Whether it has."""
+        """Whether the agent has said something."""
         return self.by in view.said
 
     def describe(self, view: WorldView | None = None) -> str:
@@ -177,12 +177,12 @@ class Said(Condition):
 
 
 class Ended(Condition):
-    """An episode has ended since the step began; ``any``: in any way."""
+    """An episode has ended since the step began, with this outcome or ``any``."""
 
     how: str = Field(alias="ended")
 
     def holds(self, view: WorldView) -> bool:
-        """Whether one has."""
+        """Whether such an episode has ended."""
         return bool(view.ended) if self.how == "any" else self.how in view.ended
 
     def describe(self, view: WorldView | None = None) -> str:
@@ -196,7 +196,7 @@ class Passed(Condition):
     seconds: float
 
     def holds(self, view: WorldView) -> bool:
-        """Whether it has, with half a millisecond of tolerance."""
+        """Whether the time has passed, with half a millisecond of tolerance."""
         return view.seconds >= self.seconds - 5e-4
 
     def describe(self, view: WorldView | None = None) -> str:
@@ -212,7 +212,7 @@ class All(Condition):
     suffices: ClassVar[Callable[[list[bool]], bool]] = all
 
     def holds(self, view: WorldView) -> bool:
-        """Whether enough of them hold; all are asked, so that a wrong name shows at once."""
+        """Whether enough conditions hold; all are evaluated, to detect wrong names at once."""
         return type(self).suffices([part.holds(view) for part in self.parts])
 
     def describe(self, view: WorldView | None = None) -> str:
@@ -220,7 +220,7 @@ class All(Condition):
         return self.joined.join(part.describe(view) for part in self.parts)
 
     def about(self, agent: str) -> Condition:
-        """Return the same, about this agent where a part names none."""
+        """Return the conditions with this agent where a part names none."""
         return self.but(parts=[part.about(agent) for part in self.parts])
 
 
@@ -238,7 +238,7 @@ class Not(Condition):
     part: Condition = Field(alias="not")
 
     def holds(self, view: WorldView) -> bool:
-        """Whether it does not hold."""
+        """Whether the condition does not hold."""
         return not self.part.holds(view)
 
     def describe(self, view: WorldView | None = None) -> str:
@@ -246,7 +246,7 @@ class Not(Condition):
         return f"not ({self.part.describe(view)})"
 
     def about(self, agent: str) -> Condition:
-        """Return the same, about this agent where it names none."""
+        """Return the condition with this agent where it names none."""
         return self.but(part=self.part.about(agent))
 
 

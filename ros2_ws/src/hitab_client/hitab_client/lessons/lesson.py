@@ -1,4 +1,4 @@
-"""A lesson: step by step, which agent learns what, as in its YAML file.
+"""Lessons: steps that teach an agent an automaton, and their YAML format.
 
     lesson: GotoBall
     agent: keeper_1               # the agent to teach
@@ -74,16 +74,16 @@ Things = Annotated[dict[str, ThingPlacement], NONE_IS_EMPTY]
 
 
 def placed(things: Mapping[str, ThingPlacement]) -> dict[str, dict[str, float]]:
-    """Return where things are put in the world's units, with what is said of each."""
-    said = {name: thing.model_dump(exclude_none=True) for name, thing in things.items()}
-    for place in said.values():
+    """Return the given coordinates of things, in the world's units."""
+    fields = {name: thing.model_dump(exclude_none=True) for name, thing in things.items()}
+    for place in fields.values():
         if "heading" in place:
             place["heading"] = math.radians(place["heading"])
-    return said
+    return fields
 
 
 class Step(Record):
-    """One step; ``line`` is where it stands in the file, ``kind`` its first key there."""
+    """One step; ``line`` is its line in the file, ``kind`` its first key."""
 
     kinds: ClassVar[dict[str, type[Step]]] = {}
     kind: ClassVar[str] = ""
@@ -97,13 +97,13 @@ class Step(Record):
 
 
 class Say(Step):
-    """Tell the user what is about to happen."""
+    """Show a text to the user."""
 
     text: str = Field(alias="say")
 
 
 class Place(Step):
-    """Put things somewhere, and let all agents see it."""
+    """Place things, and let all agents perceive the change."""
 
     where: Things = Field(alias="place")
     new_episode: bool = False
@@ -132,14 +132,14 @@ class Command(Step):
 
 
 class Until(Step):
-    """Run the world until a condition holds; it is an error if it does not in time."""
+    """Run the world until a condition holds; a timeout is an error."""
 
     condition: Condition = Field(alias="until")
     within: float = Field(default=WITHIN, gt=0.0)
 
 
 class Check(Until):
-    """The same, as a test of what was learned."""
+    """Run the world until a condition holds, as a test of the learned behavior."""
 
     condition: Condition = Field(alias="check")
 
@@ -151,13 +151,13 @@ class Never(Until):
 
 
 class Wait(Step):
-    """Short for ``until: {seconds: 2}``, and replaced by it."""
+    """Shorthand for ``until: {seconds: 2}``, which replaces it."""
 
     seconds: float = Field(alias="wait", gt=0.0)
 
 
 class Test(Step):
-    """Give control to what the agent has learned."""
+    """Give control to the learned behavior."""
 
     __test__: ClassVar[bool] = False  # not a test case, despite its name
     test: Any
@@ -177,7 +177,7 @@ class Undo(Step):
 
 
 class Save(Step):
-    """Save what was learned; ``keep_unused`` keeps features for training to be resumed later."""
+    """Save the learned behavior; ``keep_unused`` keeps unused features for later training."""
 
     save: Any
     name: str = ""
@@ -209,11 +209,11 @@ class NewEpisode(Step):
 
 @dataclass(frozen=True)
 class Lesson:
-    """A whole lesson.
+    """A complete lesson.
 
     Attributes:
-        name: of the automaton to teach.
-        agent: to teach.
+        name: name of the automaton to teach.
+        agent: name of the agent to teach.
         budget: maximum number of examples, including default ones, or None for no limit.
     """
 
@@ -238,13 +238,13 @@ def read_lesson(path: Path) -> Lesson:
     """Read a lesson.
 
     Raises:
-        LessonError: naming everything that is wrong, by file and line.
+        LessonError: if the lesson is invalid; names all faults by file and line.
     """
     return parse_lesson(read_text(path, error=LessonError), path)
 
 
 def parse_lesson(text: str, path: Path) -> Lesson:
-    """Read a lesson from its text; ``path`` is its name for errors."""
+    """Read a lesson from its text; errors name ``path``."""
     document = read_yaml(text, str(path), error=LessonError)
     read = open_record(_File, document, LESSON_FORMAT)
     steps = tuple(

@@ -1,8 +1,8 @@
-"""Plays a lesson as a demonstrator would: live, through the public topics and services.
+"""Player of lessons, which acts as a demonstrator through the public topics and services.
 
 A simulated world is stepped cycle by cycle, as fast as the agents answer, and every condition is
 checked in every cycle, so that a lesson always gives the same examples. Robots without a world are
-watched as time passes, as a person watches them.
+watched in real time.
 """
 
 from __future__ import annotations
@@ -46,12 +46,12 @@ class LessonReport:
     """The cost and outcome of a lesson.
 
     Attributes:
-        examples: of the saved automaton, including default ones.
-        commands: given by the demonstrator.
+        examples: number of examples of the saved automaton, including default ones.
+        commands: number of the demonstrator's commands.
         simulated_s: training time as the robots see it, s.
         wall_s: elapsed wall time, s.
-        digest: of the saved file.
-        note: what saving said besides, such as which version it replaces.
+        digest: digest of the saved file.
+        note: the message of the save, such as which version it replaces.
     """
 
     lesson: str
@@ -77,15 +77,16 @@ class LessonPlayer:
 
     Args:
         lesson: the lesson.
-        swarm: the agents.
-        world: the world, which the lesson drives; None if there is none, as with real robots.
+        swarm: client of the agents.
+        world: client of the world, which the lesson drives; None without a world, as with
+            real robots.
         factor: multiple of real time, for watching a world; 0 for full speed.
-        discard: whether to give up an unsaved training that an agent has before the lesson.
+        discard: whether to discard an agent's unsaved training before the lesson.
 
     Attributes:
         report: the cost and outcome so far.
-        begun: what the lesson has begun to train and not saved yet, by agent.
-        watch: sees what the lesson's conditions ask for, and steps the world if there is one.
+        begun: automata in training that the lesson has begun and not saved yet, by agent.
+        watch: evaluates the lesson's conditions, and steps the world if there is one.
     """
 
     def __init__(
@@ -113,8 +114,8 @@ class LessonPlayer:
             progress: called before every step.
 
         Raises:
-            LessonError: naming the lesson's file and line, if a step is refused or fails, or if it
-                took more examples than its budget.
+            LessonError: if a step is refused or fails, or the lesson exceeds its budget of
+                examples; names the lesson's file and line.
         """
         began = time.monotonic()
         with standing_still(self.world):
@@ -122,7 +123,7 @@ class LessonPlayer:
             with self.watch:
                 for index, step in enumerate(self.lesson.steps):
                     if progress is not None:
-                        progress(index, len(self.lesson.steps), _told(step))
+                        progress(index, len(self.lesson.steps), _described(step))
                     self._play(step)
             self.report.simulated_s = round(self.watch.now() - start, 3)
         self.report.wall_s = round(time.monotonic() - began, 3)
@@ -130,20 +131,20 @@ class LessonPlayer:
         return self.report
 
     def take_back(self) -> list[str]:
-        """Discard what the lesson has begun and not saved; return what was done, in sentences."""
-        told = []
+        """Discard the lesson's unsaved trainings; return sentences about the outcome."""
+        outcomes = []
         with not_interrupted():
             for agent, automaton in self.begun.items():
                 try:
-                    told.append(self.swarm.discard(agent).message)
+                    outcomes.append(self.swarm.discard(agent).message)
                 except SwarmError as error:
-                    told.append(f'{agent} may still be training "{automaton}": {error}')
+                    outcomes.append(f'{agent} may still be training "{automaton}": {error}')
             self.begun.clear()
         for behavior in dict.fromkeys(self._performing.values()):
             agents = [agent for agent, its in self._performing.items() if its == behavior]
             verb = "goes" if len(agents) == 1 else "go"
-            told.append(f"{some(agents)} {verb} on performing {behavior}")
-        return told
+            outcomes.append(f"{some(agents)} {verb} on performing {behavior}")
+        return outcomes
 
     def _play(self, step: Step) -> None:
         self.watch.begin()
@@ -156,10 +157,10 @@ class LessonPlayer:
     # -- the steps --------------------------------------------------------------------------
 
     def _arranged(self) -> WorldClient:
-        """Return the world, in which things can be put somewhere.
+        """Return the world, in which things can be placed.
 
         Raises:
-            LessonError: if there is none.
+            LessonError: if there is no world.
         """
         if self.world is None:
             raise LessonError(
@@ -177,7 +178,7 @@ class LessonPlayer:
         world.shown(world.control(Control.Request.RESET))
 
     def _begin(self, step: Begin) -> None:
-        # After an interruption it must be known whether the training has begun.
+        # An interruption must not hide whether the training has begun.
         with not_interrupted():
             self.swarm.begin(
                 step.agent,
@@ -268,7 +269,7 @@ class LessonPlayer:
                 self.swarm.perform(agent, "")
                 self._performing.pop(agent, None)
                 continue
-            # Noted before it is confirmed: an interruption may come in between.
+            # Note the training before it is confirmed: an interruption may come in between.
             self._performing[agent] = str(step.term)
             self.swarm.perform(agent, step.term.name, step.term.arguments)
 
@@ -285,7 +286,7 @@ class LessonPlayer:
             )
 
 
-def _told(step: Step) -> str:
+def _described(step: Step) -> str:
     """Return a short description of a step."""
     match step:
         case Say():

@@ -1,4 +1,4 @@
-"""A bag of one file: MCAP with what ``ros2 bag`` looks for in it.
+"""Bag in one MCAP file, with the metadata that ``ros2 bag`` expects.
 
 See rosbag2 of ROS 2 Jazzy: ``rosbag2_storage/src/qos.cpp`` and
 ``rosbag2_storage_mcap/src/mcap_storage.cpp``.
@@ -21,7 +21,7 @@ METADATA = "hitab"
 """Name of the metadata record; recordings without one have the first format."""
 
 BAG_FORMAT = 1
-"""The format version that is written."""
+"""Format version that is written."""
 
 NANOSECONDS = 10**9
 
@@ -30,15 +30,15 @@ class BagFile:
     """A bag that is being written.
 
     Attributes:
-        path: of the file.
+        path: path of the file.
         count: number of messages.
     """
 
     def __init__(self, path: Path) -> None:
-        """Begin a file that does not exist yet.
+        """Create the file, which must not exist yet.
 
         Raises:
-            SwarmError: if it cannot be written.
+            SwarmError: if the file cannot be written.
         """
         self.path = path
         self.count = 0
@@ -60,13 +60,13 @@ class BagFile:
         """Add a topic; return its channel.
 
         Args:
-            topic: its full name.
-            kind: name of its type.
-            offered: by its publishers.
-            type_hash: of its definition, as ROS 2 announces it.
+            topic: full name of the topic.
+            kind: name of the topic's type.
+            offered: QoS profiles of the topic's publishers.
+            type_hash: hash of the type's definition, as ROS 2 announces it.
 
         Raises:
-            SwarmError: if the definition of its type is not installed.
+            SwarmError: if the type's definition is not installed.
         """
         if kind not in self._schemas:
             self._schemas[kind] = self._writer.register_schema(
@@ -88,22 +88,22 @@ class BagFile:
         """Write a message.
 
         Args:
-            channel: of its topic.
-            data: serialized.
-            received: when, ns since 1970.
-            sent: when, ns since 1970.
+            channel: channel of the message's topic.
+            data: serialized message.
+            received: time of receipt, ns since 1970.
+            sent: time of sending, ns since 1970.
 
         Raises:
-            OSError: if it cannot be written.
+            OSError: if the file cannot be written.
         """
         self._writer.add_message(channel, log_time=received, data=data, publish_time=sent)
         self.count += 1
 
     def flush(self) -> None:
-        """Give everything to the system, where it survives this process.
+        """Write all buffered data to the system, where it survives this process.
 
         Raises:
-            OSError: if it cannot be written.
+            OSError: if the file cannot be written.
         """
         self._writer.flush()
 
@@ -111,7 +111,7 @@ class BagFile:
         """Write the index and close the file.
 
         Raises:
-            SwarmError: if it cannot be written.
+            SwarmError: if the file cannot be written.
         """
         try:
             with self._file:
@@ -121,7 +121,7 @@ class BagFile:
 
 
 def qos_record(profile: QoSProfile) -> dict[str, Any]:
-    """Return a quality of service as ``ros2 bag`` of Jazzy writes it."""
+    """Return a QoS profile as ``ros2 bag`` of Jazzy writes it."""
     return {
         "history": profile.history.short_key,
         "depth": profile.depth,

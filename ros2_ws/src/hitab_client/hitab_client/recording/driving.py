@@ -1,4 +1,4 @@
-"""The actions of an agent in a recording, moment by moment, without commands."""
+"""Actions of an agent in a recording, cycle by cycle, without commands."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hitab_ros import names
 from hitab_ros.stamps import seconds_of
 
 VELOCITY_TOPIC = "cmd_vel"
-"""Topic of the velocity that a robot was driven with, in the agent's namespace."""
+"""Topic of a robot's applied velocity, in the agent's namespace."""
 
 NANOSECONDS = 1e9
 _PERCEPTS = (names.PERCEIVED, names.PERCEPT)
@@ -22,14 +22,14 @@ _PERCEPTS = (names.PERCEIVED, names.PERCEPT)
 
 @dataclass(frozen=True)
 class Driven:
-    """Actions of one agent.
+    """Recorded actions of one agent.
 
     Attributes:
-        agent: its name.
-        domain: the name of its domain.
-        start: when the first percept was recorded, s since 1970.
-        moments: each cycle; they are so many s after the start.
-        missing: what an unfinished recording lacks; "" if nothing.
+        agent: the agent's name.
+        domain: name of the agent's domain.
+        start: time of the first percept, s since 1970.
+        moments: the cycles, with their times after the start, s.
+        missing: what an unfinished recording lacks; empty if nothing.
     """
 
     agent: str
@@ -40,47 +40,48 @@ class Driven:
 
 
 def driving_of(path: Path, agent: str = "") -> Driven:
-    """Return the actions of an agent, from any driver.
+    """Return the recorded actions of an agent, whatever program or person drove it.
 
-    An agent, or a program that answers percepts in its place, publishes actions. A robot's are the
-    velocities that its relay passed on, so that a person who drives by hand counts.
+    In a world, an agent or a program in its place publishes actions. A robot's actions are the
+    velocities that its relay passed on, which include a person's driving by hand.
 
     Args:
-        path: of the recording.
-        agent: its name, with its namespace if there are several; empty for the only one.
+        path: path of the recording.
+        agent: the agent's name, with its namespace if the name is ambiguous; empty for the only
+            agent.
 
     Raises:
         SwarmError: if the recording lacks percepts or actions of the agent.
     """
     messages = RecordedMessages(path)
     parts = {message.topic.rpartition("/") for message in messages}
-    there = sorted({namespace for namespace, _, name in parts if name in _PERCEPTS})
-    if not there:
+    agents = sorted({namespace for namespace, _, name in parts if name in _PERCEPTS})
+    if not agents:
         raise SwarmError(f"{path.name} has no percepts of any agent", Fix.RECORD())
-    namespace = agent_meant(path, there, agent)
+    namespace = agent_meant(path, agents, agent)
     swarm, _, name = namespace.rpartition("/")
     world = f"{swarm}/{names.WORLD}"
     seen_on = next(topic for topic in _PERCEPTS if (namespace, "/", topic) in parts)
-    told = [f"{namespace}/{topic}" for topic in (seen_on, VELOCITY_TOPIC, names.STATUS)]
-    told += [f"{world}/{names.ACTIONS}", f"{world}/{names.STATUS}"]
+    topics = [f"{namespace}/{topic}" for topic in (seen_on, VELOCITY_TOPIC, names.STATUS)]
+    topics += [f"{world}/{names.ACTIONS}", f"{world}/{names.STATUS}"]
     seen: list[tuple[float, Any]] = []
     did: list[Any] = []
-    latest: dict[int, int] = {}  # percepts by their numbers, which a restarted world gives again
+    latest: dict[int, int] = {}  # percepts by number; a restarted world repeats numbers
     early: dict[int, Any] = {}
     velocity, domain = None, ""
     for message in messages:
-        if message.topic not in told:
+        if message.topic not in topics:
             continue
         content, topic = message.decoded(), message.topic.rpartition("/")[2]
         if topic == seen_on:
             if content.look or (seen and seen[-1][1].sequence == content.sequence):
-                continue  # shown again, to a recorder or in a paused world
+                continue  # repeated for a recorder, or in a paused world
             latest[content.sequence] = len(seen)
             seen.append((message.received / NANOSECONDS, content))
             did.append(velocity or early.pop(content.sequence, None))
         elif topic == names.ACTIONS and content.agent == name:
             if velocity is not None:
-                continue  # a robot did as the velocity says, from any driver
+                continue  # a robot's action is its velocity, from any driver
             if content.sequence in latest:
                 did[latest[content.sequence]] = content.values
             else:
@@ -90,8 +91,8 @@ def driving_of(path: Path, agent: str = "") -> Driven:
             velocity = twist.linear.x, twist.linear.y, twist.angular.z
             if did:
                 did[-1] = velocity
-        elif message.topic == told[-1]:
-            domain = domain or content.world  # who answers in its place has no status
+        elif message.topic == topics[-1]:
+            domain = domain or content.world  # a program in the agent's place publishes no status
         elif topic == names.STATUS:
             domain = content.domain
     if not seen:
@@ -103,7 +104,7 @@ def driving_of(path: Path, agent: str = "") -> Driven:
     if not any(action is not None for action in did):
         raise SwarmError(
             f"{path.name} has {quantity(len(seen), 'percept')} of {name}, but not what was done: "
-            f"it lacks its actions on {world}/{names.ACTIONS}, or of a robot {told[1]}",
+            f"it lacks its actions on {world}/{names.ACTIONS}, or of a robot {topics[1]}",
             Fix.RECORD(),
         )
     moments, episode = [], 0

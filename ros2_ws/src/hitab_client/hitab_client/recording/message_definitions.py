@@ -1,4 +1,4 @@
-"""The definitions of messages with all their parts, as recordings contain them."""
+"""Definitions of messages with all their parts, as recordings contain them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def message_class(name: str) -> Any:
     """Return the class of a type, such as ``sensor_msgs/msg/LaserScan``.
 
     Raises:
-        SwarmError: if it is not installed here.
+        SwarmError: if the type is not installed here.
     """
     package, _, rest = name.partition("/")
     folder, _, kind = rest.partition("/")
@@ -40,10 +40,10 @@ def message_class(name: str) -> Any:
 
 @cache
 def definition(name: str) -> str:
-    """Return the definition of a type, followed by those of its parts.
+    """Return the definition of a type, followed by the definitions of its parts.
 
     Raises:
-        SwarmError: if its package has none.
+        SwarmError: if the type's package has no such definition.
     """
     parts = [_text(name)]
     for inner in own_hashes(name):
@@ -54,9 +54,9 @@ def definition(name: str) -> str:
 
 
 def same_definition(schema: Schema) -> bool:
-    """Return whether a recorded definition equals the one here, whatever their comments.
+    """Return whether a recorded definition equals the installed one, apart from comments.
 
-    Other releases of ROS 2 word comments otherwise, and list the parts in another order.
+    Other releases of ROS 2 have other comments, and list the parts in another order.
     """
     return _meaning(schema.data.decode(errors="replace")) == _meaning(definition(schema.name))
 

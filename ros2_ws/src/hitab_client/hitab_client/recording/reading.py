@@ -1,8 +1,7 @@
-"""Reads recordings: those of this package, and bags of ``ros2 bag record`` in MCAP.
+"""Reader of recordings, including MCAP bags of ``ros2 bag record``.
 
-A file is read from its beginning to the end of its data, in the order in which it was written:
-neither its index, which an unfinished file lacks, nor its times, which follow a clock that may be
-set, say what came first.
+A file is read from the beginning to the end of its data, in the order of writing. The index, which
+an unfinished file lacks, and the times, whose clock may have been set, do not give that order.
 """
 
 from __future__ import annotations
@@ -32,10 +31,10 @@ ZSTD = b"\x28\xb5\x2f\xfd"
 OTHER = "; `ros2 bag convert` converts other bags, and `zstd -d` unpacks .zstd files"
 
 SET_BACK_NS = 10**9
-"""By more than this, times go back only if the clock was set."""
+"""A larger step back in time means that the clock was set."""
 
 SET_AHEAD_NS = 24 * 3600 * 10**9
-"""A longer pause between two messages is a clock that was set."""
+"""A longer pause between two messages means that the clock was set."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,10 +43,11 @@ class Received:
 
     Attributes:
         file: name of the recording.
-        channel: with its topic.
-        schema: of its type.
-        received: ns, by a clock that starts at the recorded time and is never set.
-        data: serialized.
+        channel: channel of the message, with its topic.
+        schema: schema of the message's type.
+        received: time of receipt, ns, by a clock that starts at the recorded time and is never
+            set.
+        data: serialized message.
     """
 
     file: str
@@ -58,14 +58,14 @@ class Received:
 
     @property
     def topic(self) -> str:
-        """Full name of its topic."""
+        """Full name of the message's topic."""
         return self.channel.topic
 
     def decoded(self) -> Any:
         """Return the message.
 
         Raises:
-            SwarmError: if its type is defined differently here, or it cannot be decoded.
+            SwarmError: if the type is defined differently here, or decoding fails.
         """
         name = self.schema.name
         kind = message_class(name)
@@ -86,20 +86,20 @@ class Received:
 
 
 class RecordedMessages:
-    """The messages of a recording in the order in which they were written; can be iterated again.
+    """Messages of a recording in the order of writing; can be iterated repeatedly.
 
     Attributes:
-        missing: what an unfinished file lacks; known after the last message, "" if nothing.
+        missing: what an unfinished file lacks, known after the last message; empty if nothing.
     """
 
     def __init__(self, path: Path) -> None:
         """Find the files of a recording.
 
         Args:
-            path: of a file, or of the folder of a bag that may have several.
+            path: a file, or the folder of a bag, which may have several files.
 
         Raises:
-            SwarmError: if the folder has none.
+            SwarmError: if the folder has no file.
         """
         self.missing = ""
         self._files = [path]
@@ -115,7 +115,7 @@ class RecordedMessages:
         """Yield each message.
 
         Raises:
-            SwarmError: if it is no recording, damaged, or of a newer format.
+            SwarmError: if the file is no recording, damaged, or of a newer format.
         """
         self.missing = ""
         self._shift = self._last = 0
@@ -148,7 +148,7 @@ class RecordedMessages:
                                 yield Received(path.name, channel, schema, when, inner.data)
                     at = stream.tell()
                 if is_finished and messages < (all_of_it := _message_count(stream)):
-                    # A chunk whose kind is one wrong byte looks like a record to be skipped.
+                    # A chunk with a wrong byte in its type looks like a record to be skipped.
                     raise SwarmError(
                         f"{path} is damaged: {messages} of its {all_of_it} messages can be found; "
                         "copy it again from where it was recorded"
@@ -173,7 +173,7 @@ class RecordedMessages:
                 raise SwarmError(self.missing) from None
 
     def _time(self, logged: int) -> int:
-        """Return when a message was logged, without the jumps of a clock that was set."""
+        """Return the log time of a message, without the jumps of a clock that was set."""
         if not self._last:
             self._last = logged
         ahead = logged + self._shift - self._last
@@ -188,7 +188,7 @@ def _looked_at(path: Path, stream: BinaryIO) -> tuple[bool, int]:
     """Return whether a file ends as a finished MCAP file, and its size.
 
     Raises:
-        SwarmError: if it does not begin as one.
+        SwarmError: if the file does not begin as an MCAP file.
     """
     begins = stream.read(len(MAGIC))
     size = stream.seek(0, 2)
@@ -201,7 +201,7 @@ def _looked_at(path: Path, stream: BinaryIO) -> tuple[bool, int]:
 
 
 def _records(stream: BinaryIO, size: int) -> Iterator[list[McapRecord]]:
-    """Yield the records of the data section, those of a chunk together."""
+    """Yield the records of the data section, grouped by chunk."""
     reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=size)
     for record in reader.records:
         if isinstance(record, DataEnd):
@@ -213,17 +213,17 @@ def _records(stream: BinaryIO, size: int) -> Iterator[list[McapRecord]]:
 
 
 def _message_count(stream: BinaryIO) -> int:
-    """Return how many messages a finished file has by its summary; 0 if that says nothing."""
+    """Return the number of messages in a finished file's summary; 0 if unknown."""
     stream.seek(0)
     try:
         summary = make_reader(stream).get_summary()
         return summary.statistics.message_count if summary and summary.statistics else 0
-    except Exception:  # the summary is damaged, and only repeats what was read
+    except Exception:  # a damaged summary loses no messages
         return 0
 
 
 def _unpacked(data: bytes) -> bytes:
-    """Return a message, decompressed if it is compressed by itself; CDR begins otherwise."""
+    """Return a message, decompressed if necessary; CDR has another beginning."""
     if not data.startswith(ZSTD):
         return data
     stream, size = get_chunk_data_stream(Chunk("zstd", data, 0, 0, 0, 0))
@@ -236,19 +236,20 @@ def _check_format(path: Path, metadata: Metadata) -> None:
         raise SwarmError(f"{path.name} {newer_format(found, BAG_FORMAT)}")
 
 
-def agent_meant(path: Path, there: Sequence[str], agent: str) -> str:
-    """Return which of the agents in a recording is meant, with its namespace.
+def agent_meant(path: Path, agents: Sequence[str], agent: str) -> str:
+    """Return the chosen agent of a recording, with its namespace.
 
     Args:
-        path: of the recording.
-        there: the agents, with their namespaces.
-        agent: its name, with its namespace if several have that name; empty for the only one.
+        path: path of the recording.
+        agents: the recorded agents, with their namespaces.
+        agent: the agent's name, with its namespace if the name is ambiguous; empty for the only
+            agent.
 
     Raises:
-        SwarmError: if it is not there, or there are several.
+        SwarmError: if no agent or several agents match.
     """
-    found = [n for n in there if agent in ("", n, n.removeprefix("/"), n.rpartition("/")[2])]
+    found = [n for n in agents if agent in ("", n, n.removeprefix("/"), n.rpartition("/")[2])]
     if len(found) == 1:
         return found[0]
     what = "has several agents" if found else f'has nothing of an agent "{agent}"'
-    raise SwarmError(f"{path.name} {what}; choose one with --agent {has(found or there, agent)}")
+    raise SwarmError(f"{path.name} {what}; choose one with --agent {has(found or agents, agent)}")

@@ -42,18 +42,18 @@ RECORDED_TOPICS: Mapping[str, tuple[Any, QoSProfile]] = {
     "distribution_ack": (DistributionAck, qos.EVENTS),
     "markers": (MarkerArray, qos.LATCHED),
 }
-"""Recorded topics besides all statuses, by the last part of their names."""
+"""Recorded topics in addition to all statuses, by the last part of their names."""
 
 STATUSES = (WorldStatus, AgentStatus)
 
 DEPTH = 1000
-"""Messages of one topic that may wait while this process is busy."""
+"""Maximum number of a topic's messages that wait while this process is busy."""
 
 NO_HASH = "INVALID"
-"""Hash that rclpy reports for an unannounced definition, as by other versions of ROS 2."""
+"""Hash that rclpy reports for an unannounced definition, such as from other ROS 2 versions."""
 
 ROBOT_PACKAGES = frozenset({"geometry_msgs", "nav_msgs", "sensor_msgs", "tf2_msgs"})
-"""Packages of the messages that robots have in common."""
+"""Packages with the usual messages of robots."""
 
 PERCEIVING_MAX = 64
 """Maximum number of agents whose percepts are recorded."""
@@ -62,13 +62,13 @@ PERCEIVING_MAX = 64
 class Recorder:
     """Records every topic of the swarm, including those that appear later.
 
-    Messages are not deserialized: they are written as received, with the times at which they were
-    sent and received. Of each agent with a process of its own, it also records the percepts.
+    Messages are not deserialized: they are written as received, with the times of sending and of
+    receipt. Percepts are recorded of each agent with a process of its own.
 
     Attributes:
-        bag: that is written.
-        problem: why nothing more can be written; "" if nothing is wrong.
-        left_out: topics of robots that cannot be recorded, and why.
+        bag: the written bag.
+        problem: why nothing more can be written; empty if nothing is wrong.
+        left_out: reasons why topics of robots cannot be recorded, by topic.
     """
 
     def __init__(
@@ -82,10 +82,10 @@ class Recorder:
         """Start recording.
 
         Args:
-            link: to the ROS domain.
-            path: of the file.
-            also: full names of other topics, such as those of a robot.
-            robots: also record every topic with messages that robots use (`ROBOT_PACKAGES`).
+            link: connection to the ROS domain.
+            path: path of the file.
+            also: full names of further topics, such as those of a robot.
+            robots: whether to record every topic with a type from `ROBOT_PACKAGES`, too.
 
         Raises:
             SwarmError: if the file cannot be written, or a type of ``also`` is not installed.
@@ -119,14 +119,14 @@ class Recorder:
 
     @property
     def awaited(self) -> list[str]:
-        """The agents whose percepts have not come yet."""
+        """The agents whose percepts have not arrived yet."""
         return sorted(self._agents - self._heard)
 
     def look(self) -> None:
-        """Find new topics; what was recorded until now survives this process.
+        """Find new topics, and write all buffered messages to the system.
 
         Raises:
-            SwarmError: if the type of a chosen one is not installed.
+            SwarmError: if the type of a chosen topic is not installed.
         """
         for topic, kinds in self._link.node.get_topic_names_and_types():
             if topic in self._subscriptions and topic not in self._offered:
@@ -162,7 +162,7 @@ class Recorder:
         return [RECORDED_TOPICS[name]] if name in RECORDED_TOPICS else []
 
     def _alone(self) -> Iterator[str]:
-        """Yield the namespaces of agents in processes of their own; those have parameters."""
+        """Yield the namespaces of agents in processes of their own, which have parameters."""
         ending = "/agent/get_parameters"
         for service, _ in self._link.node.get_service_names_and_types():
             agent = service.removesuffix(ending)
@@ -170,7 +170,7 @@ class Recorder:
                 yield agent
 
     def _subscribe_as_offered(self, topic: str, kind: str) -> None:
-        """Subscribe so that all present publishers are heard; again, when they are others."""
+        """Subscribe with a QoS that matches all publishers; repeat when the publishers change."""
         ends = self._link.node.get_publishers_info_by_topic(topic)
         before = self._offered.get(topic)
         offered = {(e.qos_profile.reliability, e.qos_profile.durability) for e in ends}
@@ -192,7 +192,7 @@ class Recorder:
         self._offered[topic] = offered
 
     def _refuse_other_definition(self, ends: Iterable[Any], kind: str) -> None:
-        """Raise if messages come that the definition here, which goes into the file, misreads."""
+        """Raise if a publisher's definition differs from the one that goes into the file."""
         message_class(kind)
         for end in ends:
             if str(end.topic_type_hash) not in (own_hash(kind), NO_HASH):
@@ -203,7 +203,7 @@ class Recorder:
 
     def _subscribe(self, topic: str, kind: Any, profile: QoSProfile, agent: str = "") -> None:
         name = type_name(kind)
-        definition(name)  # refuse what could not be recorded
+        definition(name)  # raises if the type cannot be recorded
 
         def take(data: bytes, information: Mapping[str, Any]) -> None:
             if self.problem:
@@ -212,7 +212,7 @@ class Recorder:
                 self._heard.add(agent)
             now = time.time_ns()
             try:
-                if topic not in self._channels:  # by now its publishers are known
+                if topic not in self._channels:  # the publishers are known by now
                     self._channels[topic] = self._channel(topic, name, profile)
                 received = information.get("received_timestamp") or now
                 sent = information.get("source_timestamp") or received
@@ -233,7 +233,7 @@ class Recorder:
         """Write the index and close the file.
 
         Raises:
-            SwarmError: if it cannot be written.
+            SwarmError: if the file cannot be written.
         """
         for subscription in self._subscriptions.values():
             self._link.node.destroy_subscription(subscription)

@@ -1,4 +1,4 @@
-"""Each recording of a run: where it is, its name, and what can be done with it."""
+"""Recordings of runs: list, find, rename and delete them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ RECORDING_NAME_RULE = (
 
 @dataclass(frozen=True)
 class Recorded:
-    """One recorded run.
+    """A recording of a run.
 
     Attributes:
-        when: it was recorded last, s since 1970.
-        size: bytes.
+        when: time of the last recorded message, s since 1970.
+        size: size of the file, bytes.
     """
 
     path: Path
@@ -43,13 +43,13 @@ def new_recording(swarm: str) -> Path:
 
 
 def recordings() -> list[Recorded]:
-    """Return what was recorded, newest first."""
+    """Return the recordings, newest first."""
     found = []
     for path in recordings_folder().glob(f"*{RECORDING_SUFFIX}"):
         try:
             stat = path.stat()
         except OSError:
-            continue  # it has just gone
+            continue  # just deleted
         found.append(Recorded(path, stat.st_mtime, stat.st_size))
     return sorted(found, key=lambda recorded: recorded.when, reverse=True)
 
@@ -58,7 +58,7 @@ def recording(name: str) -> Path:
     """Return the file of a recording.
 
     Raises:
-        SwarmError: if there is none of this name.
+        SwarmError: if there is no recording of this name.
     """
     path = recordings_folder() / name
     if path.parent != recordings_folder() or path.suffix != RECORDING_SUFFIX or not path.is_file():
@@ -70,34 +70,34 @@ def rename(name: str, new: str) -> Path:
     """Give a recording another name, and return its file.
 
     Args:
-        name: of its file.
-        new: with or without the suffix.
+        name: name of the recording's file.
+        new: new name, with or without the suffix.
 
     Raises:
-        SwarmError: if there is none, the name cannot be that of a file or is taken, or the folder
-            cannot be written.
+        SwarmError: if there is no such recording, the new name is invalid or taken, or the
+            folder cannot be written.
     """
     path, stem = recording(name), new.strip().removesuffix(RECORDING_SUFFIX)
     if RECORDING_NAME.fullmatch(stem) is None:
         raise SwarmError(f'"{new}" cannot be the name of a recording: use {RECORDING_NAME_RULE}.')
-    there = path.with_name(f"{stem}{RECORDING_SUFFIX}")
-    if there == path:
+    goal = path.with_name(f"{stem}{RECORDING_SUFFIX}")
+    if goal == path:
         return path
     try:
-        there.hardlink_to(path)  # fails if the name is taken
+        goal.hardlink_to(path)  # fails if the name is taken
         path.unlink()
     except FileExistsError:
-        raise SwarmError(f'There is a recording "{there.name}" already: choose another.') from None
+        raise SwarmError(f'There is a recording "{goal.name}" already: choose another.') from None
     except OSError as error:
         raise SwarmError(f"{path} cannot be renamed: {error.strerror}.") from None
-    return there
+    return goal
 
 
 def delete(name: str) -> None:
     """Delete a recording.
 
     Raises:
-        SwarmError: if there is none, or it cannot be deleted.
+        SwarmError: if there is no such recording, or it cannot be deleted.
     """
     path = recording(name)
     try:

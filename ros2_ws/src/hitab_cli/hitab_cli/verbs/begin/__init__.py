@@ -1,1 +1,1 @@
-"""Verbs to begin with."""
+"""Verbs for newcomers."""

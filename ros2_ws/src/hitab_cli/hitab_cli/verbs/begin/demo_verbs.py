@@ -1,4 +1,4 @@
-"""The verb that shows what agents learn and play: demo."""
+"""Verb that trains a team and plays: demo."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ def demo(
     """Train a team over ROS topics, play, and compare with the paper on this method.
 
     Starts a world and agents, each in its own process; plays lessons from an empty library;
-    distributes what was learned; plays episodes. Takes one to two minutes.
+    distributes the learned behaviors; plays episodes. Takes one to two minutes.
 
     Args:
         out: Folder for pictures, results and the library.
         episodes: How many to play.
-        seed: The same seed gives the same episodes.
-        studio: Watch it in a browser; the agents play on.
+        seed: Random seed of the episodes.
+        studio: Show the demo in a browser; the agents then play on.
 
     Examples:
       hitab demo --out my-demo

@@ -1,4 +1,4 @@
-"""The verb that writes a robot or a world to begin with."""
+"""Verb that writes the files of a new robot or world: new."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hitab_core import ENTRY_POINT_GROUP, HitabError
 
 TEMPLATES = Path(__file__).parents[2] / "templates"
 TEMPLATE_SUFFIX = ".txt"
-"""Keeps templates from being compiled, tested or installed as code."""
+"""Suffix that keeps templates from being compiled, tested or installed as code."""
 PACKAGE_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", re.ASCII)
 
 
@@ -26,7 +26,7 @@ def new(
     world: Annotated[bool, typer.Option("--world")] = False,
     standard: Annotated[bool, typer.Option("--standard")] = False,
 ) -> None:
-    """Write a robot of your own, or with --world a simulated world in one file, to begin with.
+    """Write the files of a new robot, or with --world of a simulated world in one file.
 
     The new files can be started, tested and trained at once; then change them.
 
@@ -71,7 +71,7 @@ def new(
 
 
 def _refuse_taken(name: str, example: str) -> None:
-    """Refuse a name that Python, ROS or an installed package could not tell from another."""
+    """Refuse a name that Python, ROS or an installed package uses for something else."""
     if PACKAGE_NAME.fullmatch(name) is None or len(name) < 2 or iskeyword(name):
         raise HitabError(
             f'"{name}" is not a name for a package; use small letters, digits and single "_", '
@@ -79,6 +79,6 @@ def _refuse_taken(name: str, example: str) -> None:
         )
     points = {point.name for point in entry_points(group=ENTRY_POINT_GROUP)}
     found = find_spec(name)
-    # A folder without code, such as one that exists here, is no package.
+    # A folder without code, such as an existing one here, is no package.
     if name in points or (found is not None and found.origin is not None):
         raise HitabError(f'"{name}" is the name of a package that is installed; choose another')

@@ -1,4 +1,4 @@
-"""The verb that trains from the actions in a recording, without commands."""
+"""Verb that trains from recorded actions, without commands: label."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ def label(
     agent: Annotated[str, typer.Option("--agent", "-a", show_default=False)] = "",
     json: JsonPath = None,
 ) -> None:
-    """Show which behavior each moment of a recording was, and train from that, without commands.
+    """Label each moment of a recording with a behavior, and train from the labels.
 
-    An agent may have acted, a program in its place, or a person who drove. The strip shows the
-    behavior of each span, how sure that is, and how many moments no behavior explains. Say with
-    --was where it is wrong; with --library, train as if each change had been commanded.
+    The recording may show an agent, a program in its place, or a person who drove. The strip shows
+    the behavior of each span, how sure that is, and how many moments no behavior explains. Correct
+    wrong labels with --was; with --library, train as if each change had been commanded.
 
     Args:
         recording: A file that `hitab record` or the studio wrote.
         name: Name of the behavior to train.
-        feature: A feature by which behaviors were chosen, such as "DistanceTo(ball)". Repeatable.
+        feature: A feature for the decisions, such as "DistanceTo(ball)". Repeatable.
         behavior: A basic behavior that may be in the recording. Repeatable. Default: all
             that need no target.
         was: The behavior between two times, in s, such as 3.2-4.1=Stop. Repeatable.
-        library: Train, and save in this folder; a new one, or a library.
-        agent: Whose actions. Default: of the only one.
+        library: Train, and save in this folder: a library, or a new folder.
+        agent: The recorded agent. Default: the only one.
 
     Examples:
       hitab library label session.mcap Chase -a keeper_1 -f "DistanceTo(ball)"
@@ -63,9 +63,9 @@ def label(
     if driven.missing:
         console.note(driven.missing)
     domain = named_domain(driven.domain)
-    asked = driven.moments, domain, driven.agent, behavior or [], feature, corrections
+    request = driven.moments, domain, driven.agent, behavior or [], feature, corrections
     with console.progress("labeling", line_every=10_000) as advance:
-        strip = Strip(*asked, told=advance)
+        strip = Strip(*request, told=advance)
     spans = strip.spans
     console.note(
         f"{quantity(len(strip.moments), 'moment')} of {strip.agent} in {recording.name}: "

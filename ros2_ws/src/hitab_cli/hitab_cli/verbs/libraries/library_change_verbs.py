@@ -29,24 +29,24 @@ def restore(
     """Make an earlier version of a behavior the newest one, even if it was deleted or damaged.
 
     Args:
-        version: Number of the version; without it, the only one, or those that there are.
+        version: Number of the version. Default: the only one; several are listed.
 
     Example:
       hitab library restore Keepaway 2 --agent keeper_1
     """
-    there = opened(library, agent, swarm)
+    chosen = opened(library, agent, swarm)
     if version is None:
-        there.load(strict=False)
-        versions = there.on_disk.versions(name)
+        chosen.load(strict=False)
+        versions = chosen.on_disk.versions(name)
         if not versions:
-            kept = sorted(path.name for path in (there.folder / ".versions").glob("*"))
-            raise LibraryError(f'{there.folder}: no version of "{name}" was kept {has(kept)}')
+            kept = sorted(path.name for path in (chosen.folder / ".versions").glob("*"))
+            raise LibraryError(f'{chosen.folder}: no version of "{name}" was kept {has(kept)}')
         if len(versions) > 1:
             raise LibraryError(f'say which version of "{name}" to restore {has(versions)}')
         (version,) = versions
-    path = there.restore(name, version)
+    path = chosen.restore(name, version)
     console.say(f"restored version {version} of {name} to {path}")
-    _tell_of_change(there, name)
+    _tell_of_change(chosen, name)
 
 
 def delete(
@@ -59,22 +59,22 @@ def delete(
     """Delete a behavior. Its versions are kept and can be restored.
 
     Args:
-        anyway: Delete it even if others can no longer be used then.
+        anyway: Delete it even if other behaviors become unusable.
 
     Example:
       hitab library delete Chase --agent keeper_1
     """
-    there = opened(library, agent, swarm)
-    users = there.remove(name, anyway=anyway)
-    console.say(f"deleted {name} from {there.folder}")
+    chosen = opened(library, agent, swarm)
+    users = chosen.remove(name, anyway=anyway)
+    console.say(f"deleted {name} from {chosen.folder}")
     if users:
         console.say(f"{', '.join(users)} cannot be used until there is a {name} again")
-    number = there.on_disk.sound_version(name)
+    number = chosen.on_disk.sound_version(name)
     if number is not None:
-        console.say(as_command(Fix.RESTORE(behavior=name, version=number, folder=there.folder)))
+        console.say(as_command(Fix.RESTORE(behavior=name, version=number, folder=chosen.folder)))
     else:
-        console.say(f"kept the damaged file in {there.folder / '.versions' / name}")
-    _tell_of_change(there)
+        console.say(f"kept the damaged file in {chosen.folder / '.versions' / name}")
+    _tell_of_change(chosen)
 
 
 def rename(
@@ -85,28 +85,28 @@ def rename(
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Rename a behavior, and on request in what uses it: all or nothing.
+    """Rename a behavior and, on request, its uses in other behaviors: all or nothing.
 
-    Swarm descriptions, lessons and kinds of commanders that name it stay as they are.
+    Swarm descriptions, lessons and kinds of commanders that name the behavior do not change.
 
     Args:
         new: Its new name.
-        with_users: Rename it in the behaviors that use it, too.
+        with_users: Also rename it in the behaviors that use it.
 
     Example:
       hitab library rename Chase ChaseBall --with-users --agent keeper_1
     """
-    there = opened(library, agent, swarm)
-    users, otherwise = there.rename(name, new, with_users=with_users)
-    console.say(f"renamed {name} to {new} in {there.folder}")
+    chosen = opened(library, agent, swarm)
+    users, otherwise = chosen.rename(name, new, with_users=with_users)
+    console.say(f"renamed {name} to {new} in {chosen.folder}")
     if users:
         console.say(f"changed what uses it: {', '.join(users)}")
     for user in otherwise:
         console.note(
             f"{user} decides differently now, where its examples contradict each other; see "
-            f"`{called()} library diff {user} -l {shlex.quote(str(there.folder))}`"
+            f"`{called()} library diff {user} -l {shlex.quote(str(chosen.folder))}`"
         )
-    _tell_of_change(there)
+    _tell_of_change(chosen)
 
 
 def export(
@@ -117,10 +117,10 @@ def export(
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Write behaviors, and everything they are made of, to one file.
+    """Write behaviors, with everything that they use, to one file.
 
     Args:
-        names: The behaviors; what they are made of comes along. Default: all.
+        names: The behaviors; those that they use are included. Default: all.
         output: The file to write. Default: NAME.bundle.yaml here.
         replace: Replace the file if it exists.
 
@@ -130,11 +130,11 @@ def export(
     """
     from hitab_core.library import bundle_file_text, texts_with_parts
 
-    there = opened(library, agent, swarm)
-    there.load()
-    texts = texts_with_parts(there.files, names or there.files)
-    text = bundle_file_text(texts, there.domain.name)
-    path = output or Path(f"{names[0] if names else there.folder.resolve().name}.bundle.yaml")
+    chosen = opened(library, agent, swarm)
+    chosen.load()
+    texts = texts_with_parts(chosen.files, names or chosen.files)
+    text = bundle_file_text(texts, chosen.domain.name)
+    path = output or Path(f"{names[0] if names else chosen.folder.resolve().name}.bundle.yaml")
     write_new(path, text, "" if replace else "--replace")
     console.say(f"wrote {', '.join(texts)} to {path}")
 
@@ -165,13 +165,13 @@ def import_(
     bundle = read_bundle_file(file)
     is_new = library is not None and library not in known_libraries()
     folder = Path(library or "").expanduser() if is_new else library_meant(library, agent, swarm)
-    there = (
+    chosen = (
         BehaviorLibrary(folder, named_domain(bundle.domain))
         if not folder.is_dir() or domain_in(folder) is None
         else open_library(folder)
     )
-    there.reader.read_all(bundle.texts)
-    with there.change() as change:
+    chosen.reader.read_all(bundle.texts)
+    with chosen.change() as change:
         changed = change.install(bundle.texts)
         replaced = {name: change.before_it(name) for name in changed}
         numbers = dict(change.numbers)
@@ -181,19 +181,19 @@ def import_(
         console.note("nothing is changed; without --dry-run:")
     for name in bundle.texts:
         what = replaced.get(name)
-        told = f"version {numbers[name]}, replaces {what}" if what else "new"
-        console.say(f"{name}: {told if name in changed else 'the same is there already'}")
+        change_text = f"version {numbers[name]}, replaces {what}" if what else "new"
+        console.say(f"{name}: {change_text if name in changed else 'the same is there already'}")
     if changed and not dry_run:
         console.say(f"imported {quantity(len(changed), 'behavior')} into {folder}")
-        _tell_of_change(there, *changed)
+        _tell_of_change(chosen, *changed)
 
 
 def reload(
     agents: Annotated[list[str] | None, typer.Argument()] = None, swarm: SwarmName = None
 ) -> None:
-    """Have agents read their libraries again, after a change by other means.
+    """Make agents reload their libraries after a change by other means.
 
-    The agent's behavior begins again at Start.
+    The agents' behaviors begin again at Start.
 
     Args:
         agents: The agents. Default: all of the swarm.
@@ -225,18 +225,18 @@ def expect(
     agent: Agent = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Have a behavior carry an expectation: in this state and situation, it goes to that state.
+    """Add an expectation to a behavior: in a state and situation, it must go to a given state.
 
     Whenever the behavior is tested in a training, saved, distributed, reloaded, or checked, each
-    expectation that is broken is named with what is decided instead.
+    broken expectation is reported with the actual decision.
 
     Args:
-        decision: The state, the state to go to or to stay in, and the situation; angles in
+        decision: The state, the expected next state (or the same), and the situation; angles in
             degrees.
-        example: Instead, the situation and decision of this example.
-        called_so: What to call the expectation.
-        blocks: Do not save the behavior while this is broken.
-        forget: Take this expectation back.
+        example: Take the situation and decision of this example instead.
+        called_so: Name of the expectation.
+        blocks: Do not save the behavior while the expectation is broken.
+        forget: Remove this expectation.
 
     Examples:
       hitab library expect Chase GoFast TurnToBall "DirectionTo(ball)=150" --agent keeper_1
@@ -247,37 +247,37 @@ def expect(
 
     from hitab_bringup import expected, forgotten
 
-    there = opened(library, agent, swarm, name)
-    there.load()
-    file = there.file(name)
+    chosen = opened(library, agent, swarm, name)
+    chosen.load()
+    file = chosen.file(name)
     if forget:
         kept = forgotten(file, forget)
     else:
-        new = expected(file, there.domain, decision or [], example, called_so)
+        new = expected(file, chosen.domain, decision or [], example, called_so)
         kept = [*file.expectations, replace(new, blocks=blocks)]
-    saved = there.expect(name, kept)
+    saved = chosen.expect(name, kept)
     console.say(f"{name} carries {quantity(len(saved.expectations), 'expectation')}")
-    _tell_of_change(there, name)
+    _tell_of_change(chosen, name)
 
 
 def tell_broken(library: BehaviorLibrary, *names: str) -> None:
-    """Say which expectations behaviors of a library break."""
+    """Report broken expectations of behaviors of a library."""
     for name in names:
         for text in library.file(name).broken:
             console.note(f"but: {text}")
 
 
 def _tell_of_change(library: BehaviorLibrary, *names: str) -> None:
-    """Say what changed behaviors break; have the agents that use the library read it again."""
+    """Report expectations that changed behaviors break; make the library's agents reload it."""
     from hitab_bringup import users_of
 
     tell_broken(library, *names)
     for swarm, agents in users_of(library.folder):
-        told: list[tuple[str, str]] = []
+        answers: list[tuple[str, str]] = []
         try:
             with connection(swarm) as swarm_up:
-                told += [(agent, text) for agent, text, _ in swarm_up.agents.reload(agents)]
+                answers += [(agent, text) for agent, text, _ in swarm_up.agents.reload(agents)]
         except SwarmError as error:
-            told.append((swarm, f"{error.what}; its agents have not read the change"))
-        for text in each_once(told):
+            answers.append((swarm, f"{error.what}; its agents have not read the change"))
+        for text in each_once(answers):
             console.say(f"read again: {text}")

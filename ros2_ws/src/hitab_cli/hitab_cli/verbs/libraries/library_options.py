@@ -1,4 +1,4 @@
-"""Options and arguments of the verbs for libraries, and the library that they mean."""
+"""Options and arguments of the verbs for libraries, and the library that they choose."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ Name = Annotated[str, typer.Argument(help="Name of a behavior.")]
 def opened(
     library: str | None, agent: str | None, swarm: str | None = None, name: str = ""
 ) -> BehaviorLibrary:
-    """Return the library that the options mean; see `hitab_bringup.libraries.library_choice`."""
+    """Return the library that the options choose; see `hitab_bringup.libraries.library_choice`."""
     from hitab_bringup import library_meant, open_library
 
     return open_library(library_meant(library, agent, swarm, name))
 
 
 def write_new(path: Path, text: str, option: str) -> None:
-    """Write a file; if another text is there, refuse and name the option, unless that is ""."""
+    """Write a file; refuse to replace another text and name the option, unless that is ""."""
     from hitab_core.library.durable_files import file_errors, write_durably
 
     with file_errors(path, "write"):

@@ -1,4 +1,4 @@
-"""Verbs for libraries of trained behaviors: list, show, check, diff, and those that change."""
+"""Verbs for libraries of trained behaviors: list, show, check, diff, and the changing verbs."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read_file(
 ) -> None:
     """Inspect and change libraries of trained behaviors."""
     if file is not None:
-        load_domain(str(file))  # libraries find it by its name
+        load_domain(str(file))  # libraries find the domain by its name
 
 
 @app.command("list")
@@ -55,17 +55,17 @@ def list_behaviors(
             console.note(f"nothing is saved in the library of {some(agents)}")
             continue
         try:
-            there = open_library(folder)
+            chosen = open_library(folder)
         except LibraryError as error:
             problems.append(f"{some(agents)}: {error.problem}" if several else error.problem)
             continue
-        there.load(strict=False)
-        if there.problems:
-            names = some(sorted(there.problems))
+        chosen.load(strict=False)
+        if chosen.problems:
+            names = some(sorted(chosen.problems))
             whose = some(agents) or str(folder)
             problems.append(f"{whose}: {names} cannot be used")
-        for name in sorted(there.files):
-            row = _row(name, there.file(name))
+        for name in sorted(chosen.files):
+            row = _row(name, chosen.file(name))
             found.setdefault((name, row["checksum"]), row)["agents"] += agents
     data = [found[key] for key in sorted(found)]
     rows = [
@@ -122,13 +122,13 @@ def show(
       hitab library show Keepaway
       hitab library show Keepaway --deep --picture keepaway.svg
     """
-    there = opened(library, agent, swarm, "" if deep else name)
-    loaded = there.load(strict=False)
-    automata = [there.file(_known(name, loaded, there.problems)).automaton]
+    chosen = opened(library, agent, swarm, "" if deep else name)
+    loaded = chosen.load(strict=False)
+    automata = [chosen.file(_known(name, loaded, chosen.problems)).automaton]
     if deep:
         from hitab_core import Repertoire
 
-        made_of = Repertoire(there.domain, loaded).needed_by(name)
+        made_of = Repertoire(chosen.domain, loaded).needed_by(name)
         automata = [loaded[part] for part in made_of if part in loaded]
     if picture is not None:
         from hitab_core import draw_automata
@@ -140,10 +140,10 @@ def show(
 
     console.say("\n\n".join(automaton_as_text(automaton) for automaton in automata))
     for shown in automata:
-        file = there.files.get(shown.name)
+        file = chosen.files.get(shown.name)
         for one in file.expectations if file is not None else ():
-            console.say("\n" + in_words(one, there.domain))
-        library_changes.tell_broken(there, *[shown.name] * (file is not None))
+            console.say("\n" + in_words(one, chosen.domain))
+        library_changes.tell_broken(chosen, *[shown.name] * (file is not None))
 
 
 def _known(name: str, loaded: Any, problems: Mapping[str, str]) -> str:
@@ -159,7 +159,8 @@ def _known(name: str, loaded: Any, problems: Mapping[str, str]) -> str:
 def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None) -> None:
     """Check all files of a library, or of all libraries of the swarm that is up.
 
-    This covers their format and whether they fit together, and says which were edited by hand.
+    This covers the format of the files and whether they fit together, and lists files that were
+    edited by hand.
 
     Example:
       hitab library check -l hitab-demo/library
@@ -174,20 +175,20 @@ def check(library: Library = None, agent: Agent = None, swarm: SwarmName = None)
     for folder in folders:
         if len(folders) > 1 and not holds_behaviors(folder):
             continue
-        there = open_library(folder)
-        losses = there.loaded(strict=False).losses
-        bad, known = len(there.problems), len(there.problems) + len(sorted(there.files))
+        chosen = open_library(folder)
+        losses = chosen.loaded(strict=False).losses
+        bad, known = len(chosen.problems), len(chosen.problems) + len(sorted(chosen.files))
         if bad:
             behaviors = quantity(known, "behavior")
-            wrong.append(f"{there.folder}: {bad} of {behaviors} cannot be used")
-        wrong += [there.problems[name] for name in sorted(there.problems)]
+            wrong.append(f"{chosen.folder}: {bad} of {behaviors} cannot be used")
+        wrong += [chosen.problems[name] for name in sorted(chosen.problems)]
         remedies += [remedy for ways in losses.remedies.values() for remedy in ways]
-        library_changes.tell_broken(there, *sorted(there.files))
+        library_changes.tell_broken(chosen, *sorted(chosen.files))
         if not losses:
-            names = quantity(len(sorted(there.files)), "behavior")
-            console.say(f"{there.folder}: {names}, nothing is wrong")
-        for name in sorted(there.files):
-            for text in there.file(name).edits:
+            names = quantity(len(sorted(chosen.files)), "behavior")
+            console.say(f"{chosen.folder}: {names}, nothing is wrong")
+        for name in sorted(chosen.files):
+            for text in chosen.file(name).edits:
                 console.say(text)
     if wrong:
         raise LibraryError("\n".join(wrong), *remedies)
@@ -214,22 +215,22 @@ def diff(
     """
     from hitab_core.library import difference
 
-    there = opened(library, agent, swarm, name)
-    there.load(strict=False)
-    versions = there.on_disk.versions(name)
+    chosen = opened(library, agent, swarm, name)
+    chosen.load(strict=False)
+    versions = chosen.on_disk.versions(name)
     if not versions:
-        _known(name, sorted(there.files), {})
-    now = there.files.get(name)
-    if versions and not before and now and now != there.on_disk.version(name, versions[-1]):
-        old, new = there.on_disk.version(name, versions[-1]), now
+        _known(name, sorted(chosen.files), {})
+    now = chosen.files.get(name)
+    if versions and not before and now and now != chosen.on_disk.version(name, versions[-1]):
+        old, new = chosen.on_disk.version(name, versions[-1]), now
         console.say(f"{name}: version {versions[-1]} to the edited file")
     elif len(versions) < 2 and before is None:
-        raise LibraryError(f'{there.folder}: "{name}" has no earlier version to compare with')
+        raise LibraryError(f'{chosen.folder}: "{name}" has no earlier version to compare with')
     else:
         first, last = before or versions[-2], after or versions[-1]
-        old, new = (there.on_disk.version(name, number) for number in (first, last))
+        old, new = (chosen.on_disk.version(name, number) for number in (first, last))
         console.say(f"{name}: version {first} to {last}")
-    console.say(difference(old, new, there.domain))
+    console.say(difference(old, new, chosen.domain))
 
 
 for changes in (

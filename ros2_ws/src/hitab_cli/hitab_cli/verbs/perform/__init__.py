@@ -1,1 +1,1 @@
-"""Verbs that have agents perform, and evaluate what they do."""
+"""Verbs that make agents perform, and evaluate them."""

@@ -32,17 +32,17 @@ def demonstrate(
 ) -> None:
     """Command a behavior in training: the agent performs it now and learns from it.
 
-    The agent records an example: its percept and the change of state. Command the behavior
-    that is already performed to say: keep going here. `hitab train` begins a training.
+    The agent records an example: its percept and the change of state. To teach the agent to
+    continue here, command the current behavior again. `hitab train` begins a training.
 
-    A command that comes late is recorded with the situation of some time before you pressed Enter,
-    if you say how long with --ago.
+    If a command was due earlier, give the delay with --ago; the example then has the situation of
+    that time before you pressed Enter.
 
     Args:
         behavior: A behavior, such as GoFast, or GoTo(ball).
-        ago: How long ago it was due, s of your time. Default: it counts when it arrives.
-        unrecorded: Only bring the agent into that state, such as to correct its decisions there;
-            no example is recorded.
+        ago: Delay of the command, s of your time. Default: the command counts when it arrives.
+        unrecorded: Only bring the agent into that state, for example to correct its decisions
+            there; no example is recorded.
 
     Examples:
       hitab demonstrate keeper_1 GoFast
@@ -69,15 +69,15 @@ def demonstrate(
     console.say(outcome(agent, term.name, status))
     tell_faults(status)
     if status.questions:
-        asked = quantity(status.questions, "question")
-        console.say(with_commands(asked, [Fix.QUESTIONS(agent=agent)]))
+        questions = quantity(status.questions, "question")
+        console.say(with_commands(questions, [Fix.QUESTIONS(agent=agent)]))
 
 
 def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
-    """Return how long ago a command was due, s of simulated time, and the cycle that it is before.
+    """Return a command's delay, s of simulated time, and the cycle from which it counts back.
 
-    It counts from when the person pressed Enter. The start-up of this process and its search for
-    the agent are no part of a person's reaction time: the world went on meanwhile, unseen.
+    The delay counts from when the person pressed Enter. The start of this process and its search
+    for the agent are not part of the reaction time: the world went on meanwhile, unseen.
     """
     import time
 
@@ -93,7 +93,7 @@ def _due(swarm_up: Connection, agent: str, ago: float) -> tuple[float, int]:
         for seconds in (ago, time.time() - psutil.Process().create_time())
     )
     if world.status is None:
-        return due + passed, 0  # a robot's cycles are its agent's own
+        return due + passed, 0  # a robot's cycles are numbered by its agent
     return due, world.cycle_before(passed) if passed else 0
 
 
@@ -161,14 +161,14 @@ def distribute(
             progress=lambda done, total: advance(done, total, ""),
         )
     console.note(report.message)
-    told = [f"{name}: has it" for name in report.accepted]
-    told += [f"{name}: {why}" for name, why in report.missing.items()]
+    lines = [f"{name}: has it" for name in report.accepted]
+    lines += [f"{name}: {why}" for name, why in report.missing.items()]
     fields = ("sequence", "digest", "accepted", "refused", "silent")
-    console.show(json, {field: getattr(report, field) for field in fields}, *told)
+    console.show(json, {field: getattr(report, field) for field in fields}, *lines)
     if report.missing:
-        there, missing = len(report.accepted), len(report.missing)
+        have, missing = len(report.accepted), len(report.missing)
         raise HitabError(
-            f'only {there} of {there + missing} receivers have "{behavior}" now; mend what is '
+            f'only {have} of {have + missing} receivers have "{behavior}" now; mend what is '
             "said of the others, and distribute it again"
         )
 
@@ -200,5 +200,5 @@ def vocabulary(agent: AgentName, swarm: SwarmName = None, json: JsonPath = None)
 
 def _with_description(name: str, kinds: list[str], description: str) -> str:
     """Return a line such as ``Pass  one-shot: kick the ball to a teammate``."""
-    said = ": ".join(filter(None, (", ".join(kinds), description)))
-    return f"{name}  {said}" if said else name
+    meaning = ": ".join(filter(None, (", ".join(kinds), description)))
+    return f"{name}  {meaning}" if meaning else name

@@ -1,4 +1,4 @@
-"""Verbs for emergencies: stop whatever acts, release it, and let robots act again."""
+"""Verbs for emergencies: stop, go, arm."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from hitab_client import Stops
 
 CONFIRM_S = 10.0
-"""How long all may take to confirm it, s."""
+"""Timeout for all to confirm a stop or release, s."""
 
 REARM_TIMEOUT_S = 3.0
-"""How long to look for robots that wait to be re-armed, s."""
+"""Time to look for robots that wait to be re-armed, s."""
 
 
 def stop(
@@ -39,7 +39,7 @@ def stop(
 
     Args:
         reason: Why, for those who read the status.
-        wait: Fail if not all have confirmed it after so long. Default: go on.
+        wait: Fail if not all have confirmed within this time, s. Default: no limit.
 
     Examples:
       hitab stop
@@ -57,8 +57,8 @@ def stop(
 def go(context: typer.Context, reason: str = "") -> None:
     """Release all robots and simulated worlds after `hitab stop`, of all swarms.
 
-    Worlds go on. Robots go on standing still: `hitab arm` lets them act again. A stop that comes
-    meanwhile holds.
+    Worlds resume. Robots keep standing still until `hitab arm`. A stop that arrives meanwhile
+    remains in force.
 
     Args:
         reason: Why, for those who read the status.
@@ -72,8 +72,8 @@ def go(context: typer.Context, reason: str = "") -> None:
             + as_command(Fix.ARM(robot=context.args[0]))
         )
     unsure = "they may still be stopped; try again"
-    heard = _switch(False, reason, "released", unsure, CONFIRM_S)
-    console.say(f"released: {heard}; robots wait for `{called()} arm`")
+    confirmed = _switch(False, reason, "released", unsure, CONFIRM_S)
+    console.say(f"released: {confirmed}; robots wait for `{called()} arm`")
 
 
 def arm(
@@ -81,12 +81,12 @@ def arm(
     all_robots: Annotated[bool, typer.Option("--all")] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Let robots act again that were stopped, whatever stopped them; without names, list them.
+    """Re-arm stopped robots, which then act again; without names, list them.
 
-    A robot waits for this after each start of its relay, an emergency stop, a sensor or an agent
-    that fell silent. It is refused while that lasts, and while the robot moves. The agent's
-    behavior drives the robot at once: look at the robot first. Only robots of the swarm that is up
-    are meant; if none is, those in ROS_DOMAIN_ID.
+    A robot waits for this after each start of its relay, an emergency stop, or the silence of a
+    sensor or of its agent. Re-arming is refused while the cause lasts, and while the robot moves.
+    The agent's behavior drives the robot at once: look at the robot first. The names are those of
+    the swarm that is up; if none is up, of the robots in ROS_DOMAIN_ID.
 
     Args:
         robots: Names of robots.
@@ -130,7 +130,7 @@ def arm(
 
 
 def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) -> str:
-    """Stop or release everything; return the names that have confirmed it.
+    """Stop or release all robots and worlds; return the names of those that have confirmed.
 
     Args:
         engaged: whether to stop, not to release.
@@ -140,17 +140,17 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
         seconds: longest time to repeat the request until all have confirmed.
 
     Raises:
-        SwarmError: if no robot and no world heard it, or not all confirm it.
+        SwarmError: if no robot or world is found, or not all confirm.
     """
     from hitab_client import Stops
 
-    told: list[object] = []
+    shown: list[object] = []
 
     def tell(who: dict[str, str], after: float) -> None:
         is_late = after > CONFIRM_S and seconds > CONFIRM_S
-        if [who, is_late] == told or not (who or is_late):
+        if [who, is_late] == shown or not (who or is_late):
             return
-        told[:] = who, is_late
+        shown[:] = who, is_late
         if is_late:
             whom = _listed(who) or f"no node answers in ROS domain {where}"
             console.note(
@@ -164,15 +164,15 @@ def _switch(engaged: bool, reason: str, done: str, unsure: str, seconds: float) 
         where = " or ".join(str(end.domain_id) for end in ends)
         by = user_name()
         lacking = Stops.switch_all(ends, by, reason, engaged=engaged, seconds=seconds, tell=tell)
-        there = [end.label(name, ends) for end in ends for name in end.names()]
-    if not there:
+        found = [end.label(name, ends) for end in ends for name in end.names()]
+    if not found:
         raise SwarmError(
             "the stop was not heard: no robot and no simulated world answers in ROS domain "
             f"{where}; use the robots' own switches, check ROS_DOMAIN_ID and "
             "ROS_AUTOMATIC_DISCOVERY_RANGE, and try again",
             Fix.DOCTOR(),
         )
-    confirmed = [name for name in there if name not in lacking]
+    confirmed = [name for name in found if name not in lacking]
     if lacking:
         others = f"; {done}: {some(confirmed)}" if confirmed else ""
         raise SwarmError(f"not confirmed: {_listed(lacking)}; {unsure}{others}")
@@ -205,13 +205,13 @@ def _everywhere() -> Iterator[list[Stops]]:
 
 @contextmanager
 def _meant(swarm: str | None) -> Iterator[tuple[Stops, str, set[str]]]:
-    """Yield the ROS domain of a swarm, the start of its robots' names, and these; empty for any.
+    """Yield a swarm's ROS domain, the prefix of its robots' names, and the names; empty for any.
 
     Args:
-        swarm: which; None for the only one that is up, or what was started by hand.
+        swarm: the swarm; None for the only one that is up, or nodes started by hand.
 
     Raises:
-        SwarmError: if several are up and none is named, or the named one is not.
+        SwarmError: if several are up and none is named, or the named swarm is not up.
     """
     from hitab_client import RosLink, Stops
     from hitab_client.domain_ids import chosen_by_user

@@ -1,4 +1,4 @@
-"""Verbs that play episodes without ROS: evaluate, which also compares two casts, and film."""
+"""Verbs that play episodes without ROS: evaluate, film."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from hitab_client.measures import Estimate
 
 LINES = 10
-"""How often a line says how far it is, where there is no bar."""
+"""Number of lines of progress, if there is no bar."""
 
 SwarmFile = Annotated[str, typer.Argument(autocompletion=completion.swarm_descriptions)]
 Libraries = Annotated[list[str] | None, typer.Option("--library", "-l", metavar="[AGENT=]LIBRARY")]
@@ -40,24 +40,25 @@ def evaluate(
     plot: Path | None = None,
     json: JsonPath = None,
 ) -> None:
-    """Play episodes of a swarm without ROS, and sum up what its world measures.
+    """Play episodes of a swarm without ROS, and summarize the measures of its world.
 
     With --against, each episode is played twice from the same beginning. The difference is
-    `better` or `worse` if its 95 % interval leaves out 0. Commanders order as in the swarm, unless
-    all agents are given a behavior. Ctrl-C ends it with the figures so far.
+    `better` or `worse` if its 95 % interval does not contain 0. Commanders give orders as in the
+    swarm, unless all agents are given a behavior. Ctrl-C ends the evaluation with the figures so
+    far.
 
     Args:
         swarm: A swarm description, or the name of a shipped one; it need not be up.
         library: A folder, SWARM/LIBRARY of a swarm that was up, or a shipped library, for one
-            agent or all. Repeatable. Default: what the agents have, or would begin with.
-        behavior: What an agent or all perform; `nothing` for nothing. Repeatable. Default: as in
-            the description.
+            agent or all. Repeatable. Default: the agents' present or initial libraries.
+        behavior: The behavior of an agent or of all; `nothing` for none. Repeatable. Default: as
+            in the description.
         against: Compare with another library, or with an earlier version of a behavior.
             Repeatable.
-        episodes: How many.
-        seed: The same seed gives the same episodes.
-        longest: Break episodes off after so many simulated seconds. 0: never.
-        parameter: Another figure of the world. Repeatable.
+        episodes: Number of episodes.
+        seed: Random seed of the episodes.
+        longest: Longest episode, simulated seconds; 0 for no limit.
+        parameter: Another value for a parameter of the world, NAME=VALUE. Repeatable.
         plot: File for a plot, PNG or SVG.
 
     Examples:
@@ -126,20 +127,20 @@ def film(
     pixels: Annotated[int, typer.Option(min=100, max=2000)] = 360,
     parameter: Figures = None,
 ) -> None:
-    """Film an episode of a swarm, which is played without ROS.
+    """Film an episode of a swarm that is played without ROS.
 
-    It is the episode that `hitab evaluate` plays with the same options.
+    The episode is the same as of `hitab evaluate` with the same options.
 
     Args:
         swarm: A swarm description, or the name of a shipped one; it need not be up.
         path: File for the film: GIF, PNG (animated) or WebP.
-        library: As of `hitab evaluate`. Repeatable.
-        behavior: As of `hitab evaluate`. Repeatable.
-        seed: Of the run.
+        library: As for `hitab evaluate`. Repeatable.
+        behavior: As for `hitab evaluate`. Repeatable.
+        seed: Random seed of the run.
         episode: Number of the episode in the run.
-        begin: Simulated seconds after which the film begins.
-        seconds: How long it takes.
-        speed: Of the film, as a factor of real time.
+        begin: Beginning of the film in the episode, simulated seconds.
+        seconds: Length of the filmed part, simulated seconds.
+        speed: Speed of the film, as a factor of real time.
         pixels: Width of the pictures.
         parameter: A figure of the world. Repeatable.
 
@@ -188,7 +189,7 @@ def _show(
         "swarm": swarm,
         "episodes": len(played),
         "seed": seed,
-        "agents": {key: _told(one) for key, one in zip(SIDES, parts, strict=False)},
+        "agents": {key: _cast_data(one) for key, one in zip(SIDES, parts, strict=False)},
         "measures": {one.measure.name: one.to_json() for one in compared},
         "ended": ended,
     }
@@ -200,7 +201,7 @@ def _show(
     console.show(json, data, title, console.table(columns, rows), *lines)
 
 
-def _told(parts: Mapping[str, CastMember]) -> dict[str, Any]:
+def _cast_data(parts: Mapping[str, CastMember]) -> dict[str, Any]:
     return {
         name: {
             "behavior": str(part.behavior or ""),

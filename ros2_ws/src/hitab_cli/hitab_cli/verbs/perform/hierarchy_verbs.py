@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from hitab_client import Branch, CommanderView
 
 WAIT_SECONDS = 8.0
-COMMANDER_DISCOVERY_SECONDS = 1.5  # for commanders of a swarm that has started none
-GROUP_SECONDS = 2.0  # once a commander's status is known, so is its group
+COMMANDER_DISCOVERY_SECONDS = 1.5  # timeout for commanders if the swarm has started none
+GROUP_SECONDS = 2.0  # timeout for a group once its commander's status is known
 SUBORDINATES_SHOWN_MAX = 12
-"""Up to this many agents of a commander are shown individually."""
+"""Maximum number of a commander's agents that are shown individually."""
 
 
 def tree(
@@ -35,7 +35,7 @@ def tree(
     """Show the command hierarchy: each commander's order, and how many agents perform it.
 
     Args:
-        commander: Show only this commander and what is below it.
+        commander: Show only this commander and its subordinates.
         watch: Keep it up to date.
         agents: Show every agent, or commanders only.
 
@@ -62,14 +62,14 @@ def tree(
         console.show(json, data, *(_drawn(branch, agents) for branch in branches))
         for branch in branches if json is None else ():
             if branch.order and branch.order == branch.behavior:
-                told = f"{branch.name} gives {branch.order} until another order"
-                console.note(with_commands(told, [Fix.PERFORM(agent=branch.name)]))
+                text = f"{branch.name} gives {branch.order} until another order"
+                console.note(with_commands(text, [Fix.PERFORM(agent=branch.name)]))
         for why in lost:
             console.error(why)
 
 
 def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
-    """Wait for all commanders, and return why some will not answer."""
+    """Wait for all commanders, and return the reasons of those that will not answer."""
     started = swarm_up.record.commanders if swarm_up.record is not None else ()
     if not started:
         by_hand = swarm_up.record is None
@@ -78,8 +78,8 @@ def _await_commanders(swarm_up: Connection, view: CommanderView) -> list[str]:
     from hitab_client.run_processes import sentences
 
     why = {name: swarm_up.processes.why_silent(name) for name in started}
-    there = [name for name, silence in why.items() if silence is None or not silence.lasts]
-    view.await_groups(WAIT_SECONDS + swarm_up.agents.more_seconds, there)
+    awaited = [name for name, silence in why.items() if silence is None or not silence.lasts]
+    view.await_groups(WAIT_SECONDS + swarm_up.agents.more_seconds, awaited)
     view.discover()
     return sentences({n: silence for n, silence in why.items() if n not in view.groups})
 
@@ -90,7 +90,7 @@ def _meant(
     """Return the branch of a commander; all branches if none is named.
 
     Raises:
-        SwarmError: if there is none, or no such commander; naming those that do not answer.
+        SwarmError: if there are no commanders, or not this one; names those that do not answer.
     """
     from hitab_client import tree_of
     from hitab_client.identity import other_swarm
@@ -140,11 +140,13 @@ def line_of(branch: Branch) -> str:
 
 
 def _unable(members: Sequence[Any]) -> str:
-    """Return how many members cannot perform an order, and why; empty if all can."""
+    """Return a text on the members that cannot perform an order; empty if all can."""
     silent = sum(member.silent for member in members)
     stopped = sum(member.stopped and not member.silent for member in members)
-    told = ", ".join([f"{silent} silent"] * (silent > 0) + [f"{stopped} stopped"] * (stopped > 0))
-    return f" ({told})" if told else ""
+    reasons = ", ".join(
+        [f"{silent} silent"] * (silent > 0) + [f"{stopped} stopped"] * (stopped > 0)
+    )
+    return f" ({reasons})" if reasons else ""
 
 
 def _why_not(branch: Branch) -> str:

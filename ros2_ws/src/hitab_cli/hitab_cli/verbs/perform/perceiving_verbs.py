@@ -1,4 +1,4 @@
-"""Verbs that show what an agent perceives now, and why it changes its state: perceive, why."""
+"""Verbs that show an agent's percept and the reasons of its transitions: perceive, why."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def perceive(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Show what an agent perceives now: each feature with its value and unit.
+    """Show an agent's present percept: each feature with its value and unit.
 
-    A feature whose sensor is silent has no value; below the table is what is wrong. Angles are in
-    degrees here, and in the feature's own unit in JSON. While the agent performs, the flags and
-    timers of the automata that are active are shown, too.
+    A feature whose sensor is silent has no value; faults are listed below the table. Angles are in
+    degrees, but in JSON in the feature's own unit. While the agent performs, the flags and timers
+    of the active automata are shown, too.
 
     Args:
         features: Features, such as DistanceTo(ball). Default: all, with all targets.
@@ -46,9 +46,9 @@ def perceive(
 
 
 def why(agent: AgentName, swarm: SwarmName = None) -> None:
-    """Show each change of state from now on: what the decision looked at, or a command.
+    """Show each change of state from now on with its reason: features, or a command.
 
-    It ends with Ctrl-C. In a world that is paused, step on in another terminal.
+    End with Ctrl-C. If the world is paused, step it in another terminal.
 
     Example:
       hitab why keeper_1
@@ -66,14 +66,14 @@ def why(agent: AgentName, swarm: SwarmName = None) -> None:
             kind, unit = (feature.kind, feature.unit) if feature else (FeatureKind.BOOLEAN, "")
             return f"{name} = {_value(value, kind, unit)} {shown_unit(unit)}".rstrip()
 
-        def told(event: TransitionEvent) -> None:
+        def show_event(event: TransitionEvent) -> None:
             looked_at = ", ".join(map(seen, event.features, event.values))
             because = "commanded" if event.commanded else looked_at or "always"
             change = f"{'/'.join(event.automaton)}: {event.from_state} -> {event.to_state}"
             console.say(f"cycle {event.cycle}: {change} ({because})")
 
         topic = names.of_agent(agent, names.TRANSITIONS, agents.prefix)
-        swarm_up.link.subscribe(TransitionEvent, topic, told, qos.EVENTS)
+        swarm_up.link.subscribe(TransitionEvent, topic, show_event, qos.EVENTS)
         console.note(f"{agent} is {agents.statuses[agent].mode}; Ctrl-C ends this")
         while True:
             swarm_up.link.spin(WATCH_SECONDS)
@@ -89,13 +89,13 @@ def _all(words: Any) -> Iterator[str]:
 
 def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> dict[str, Any]:
     """Return the features now, and the agent's faults, as plain data."""
-    told = swarm_up.agents.read_features(agent, chosen)
+    answer = swarm_up.agents.read_features(agent, chosen)
     known = {Term.parse(feature.name).name: feature for feature in words.features}
     found = []
-    for read in told.readings:
+    for read in answer.readings:
         name = Term.parse(read.feature).name
         if read.automaton and name not in OWN_NAMES:
-            continue  # it is among the chosen ones, or not asked for
+            continue  # listed with the requested features, if at all
         kind = known[name].kind if name in known else ""
         found.append(
             {
@@ -107,7 +107,7 @@ def _read(swarm_up: Connection, agent: str, chosen: list[str], words: Any) -> di
             }
         )
     status = swarm_up.agents.statuses.get(agent)
-    faults = [*(status.faults if status is not None else ()), told.message]
+    faults = [*(status.faults if status is not None else ()), answer.message]
     return {
         "agent": agent,
         "features": sorted(found, key=lambda reading: bool(reading["automaton"])),

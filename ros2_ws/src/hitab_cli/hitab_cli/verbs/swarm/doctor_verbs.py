@@ -1,4 +1,4 @@
-"""The verb that looks for problems: doctor."""
+"""Verb that looks for problems: doctor."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STYLES = {"ok": "", "warning": "yellow", "error": "bold red"}
 
 
 def doctor(json: JsonPath = None) -> None:
-    """Check this computer, ROS, DDS, and what runs; name each problem and its remedy.
+    """Check this computer, ROS, DDS, and running swarms; name each problem and its remedy.
 
     The exit status is 1 if there is an error.
 
@@ -28,13 +28,13 @@ def doctor(json: JsonPath = None) -> None:
     for finding in _findings():
         found.append(finding)
         if json != "-":
-            told = f"{finding.level:7} {finding.about:14} {finding.text}"
-            told += f"\n{'':22} {finding.way_out}" if finding.way_out else ""
-            console.out().print(console.line(told, STYLES[finding.level]))
+            line = f"{finding.level:7} {finding.about:14} {finding.text}"
+            line += f"\n{'':22} {finding.way_out}" if finding.way_out else ""
+            console.out().print(console.line(line, STYLES[finding.level]))
     counts = {level: sum(f.level == level for f in found) for level in STYLES}
-    told = f"{quantity(counts['error'], 'error')}, {quantity(counts['warning'], 'warning')}"
-    told = told if counts["error"] or counts["warning"] else "no problems found"
-    console.show(json, [asdict(finding) for finding in found], told)
+    summary = f"{quantity(counts['error'], 'error')}, {quantity(counts['warning'], 'warning')}"
+    summary = summary if counts["error"] or counts["warning"] else "no problems found"
+    console.show(json, [asdict(finding) for finding in found], summary)
     if counts["error"]:
         raise typer.Exit(1)
 
@@ -43,8 +43,8 @@ def _findings() -> Iterator[Finding]:
     from hitab_bringup.doctor import machine, ros, runs
 
     yield from machine.python()
-    # Where it cannot start, ROS may end the process that loads it.
-    starts = [Finding(about, told, ERROR, way) for about, told, way in problems()] or [
+    # If ROS cannot start, it may end the process that loads it.
+    starts = [Finding(about, text, ERROR, way) for about, text, way in problems()] or [
         *ros.installation(),
         *ros.middleware(),
         *ros.domain(),

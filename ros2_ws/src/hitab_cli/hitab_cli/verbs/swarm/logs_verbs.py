@@ -1,4 +1,4 @@
-"""The verb that shows what the processes of a swarm have logged: logs."""
+"""Verb that shows the logs of a swarm's processes: logs."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ def logs(
     level: Annotated[Level, typer.Option(metavar="LEVEL", show_default=False)] = "debug",
     swarm: SwarmName = None,
 ) -> None:
-    """Show what the processes of a swarm have logged, even after it has ended.
+    """Show the logs of a swarm's processes, even after the swarm has ended.
 
     Args:
         name: An agent, a host, world or supervisor. Default: all.
-        follow: Go on until the swarm is down, or Ctrl-C.
+        follow: Continue until the swarm is down, or Ctrl-C.
         lines: Number of lines to begin with; 0 for all.
         level: Only lines of this level or above: debug, info, warn, error or fatal.
 
@@ -70,10 +70,10 @@ def _say(lines: Iterable[LogLine], names: bool) -> None:
 
 
 def _run(swarm: str | None) -> tuple[RunFolder, RunRecord | None]:
-    """Return the run whose logs are meant: the swarm that is up, else the last one.
+    """Return the chosen run: the swarm that is up, else the last one.
 
     Raises:
-        SwarmError: if there is none, or the choice is ambiguous.
+        SwarmError: if there is no run, or the choice is ambiguous.
     """
     from hitab_client import RunFolder
     from hitab_client.run_folder import state_home

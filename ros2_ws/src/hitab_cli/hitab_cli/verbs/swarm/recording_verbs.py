@@ -1,4 +1,4 @@
-"""The verb that records a swarm."""
+"""Verb that records a swarm: record."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from hitab_client.recording import Recorder
 
 STATUS_S = 1.0
-"""How long to wait for the status of the world, s."""
+"""Timeout for the status of the world, s."""
 
 TOPIC_PERIOD_S = 0.5
 """Period of the search for new topics, s."""
@@ -33,40 +33,40 @@ def record(
     seconds: Annotated[float | None, typer.Option("--seconds", min=0.1)] = None,
     swarm: SwarmName = None,
 ) -> None:
-    """Record to a bag (MCAP) what a swarm perceives and does, until Ctrl-C.
+    """Record the percepts and actions of a swarm to a bag (MCAP), until Ctrl-C.
 
-    The studio shows it again; `hitab library label` trains from what was done.
+    The studio replays recordings; `hitab library label` trains from recorded actions.
 
     Args:
-        output: The file to write; .mcap is added. Default: one among the recordings that the
-            studio shows.
+        output: The file to write; .mcap is added. Default: a new file among the recordings that
+            the studio shows.
         topics: Also record this topic, such as /robot_1/scan. Repeatable.
         robots: Also record all topics with messages that robots use: those of sensor_msgs,
             nav_msgs, geometry_msgs and tf2_msgs, so also images and point clouds.
-        seconds: End by itself after so many seconds. Default: with Ctrl-C.
+        seconds: End after this time, s. Default: with Ctrl-C.
 
     Examples:
       hitab record
       hitab record -o session.mcap -t /robot_1/scan -t /robot_1/odom
       hitab record -o session --robots
     """
-    with connection(swarm, reads=True) as there:
+    with connection(swarm, reads=True) as swarm_up:
         from hitab_client.recording import Recorder
 
-        path = _path(output, there.record.swarm if there.record else "")
+        path = _path(output, swarm_up.record.swarm if swarm_up.record else "")
         chosen = [topic if topic.startswith("/") else f"/{topic}" for topic in topics or ()]
-        recorder = Recorder(there.link, path, also=chosen, robots=robots)
-        if there.has_world:
-            there.link.spin_until(lambda: there.world.status is not None, STATUS_S)
-        if there.world.is_paused:
+        recorder = Recorder(swarm_up.link, path, also=chosen, robots=robots)
+        if swarm_up.has_world:
+            swarm_up.link.spin_until(lambda: swarm_up.world.status is not None, STATUS_S)
+        if swarm_up.world.is_paused:
             console.note(
                 with_commands("the world is paused: nothing changes", [Fix.RESUME_WORLD()])
             )
         began = time.monotonic()
         try:
-            _record(there.link, recorder, seconds)
+            _record(swarm_up.link, recorder, seconds)
         except KeyboardInterrupt:
-            pass  # how it ends
+            pass  # Ctrl-C ends the recording
         finally:
             with not_interrupted():
                 recorder.close()
@@ -98,10 +98,10 @@ def _path(output: Path | None, swarm: str) -> Path:
 
 
 def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
-    """Record until the time is over, or the file cannot be written any more."""
+    """Record until the time is over, or the file can no longer be written."""
     console.note(f"recording to {recorder.bag.path}; Ctrl-C ends it")
     began = time.monotonic()
-    told: list[str] = []
+    shown: list[str] = []
     with console.err().status("recording") as status:
         looked = began
         while not recorder.problem:
@@ -115,7 +115,7 @@ def _record(link: RosLink, recorder: Recorder, seconds: float | None) -> None:
             recorder.look()
             far = f"{quantity(recorder.bag.count, 'message')}, {now - began:.0f} s"
             status.update(f"recording: {far}")
-            if recorder.perceiving != told and not recorder.awaited:
-                told = recorder.perceiving
-                agents = ", ".join(agent.removeprefix("/") for agent in told)
+            if recorder.perceiving != shown and not recorder.awaited:
+                shown = recorder.perceiving
+                agents = ", ".join(agent.removeprefix("/") for agent in shown)
                 console.note(f"from now on it has the percepts of: {agents}")

@@ -1,4 +1,4 @@
-"""The verb that shows what a swarm does: status."""
+"""Verb that shows the state of a swarm: status."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ AGENT_FIELDS = (
     "faults stopped when_out_of_reach note unsure questions remarks"
 )
 WORLD_FIELDS = "world mode pace factor cycle episode missed_deadlines missing last_error faults"
-"""Fields of statuses that are shown."""
+"""Shown fields of statuses."""
 
 WAYS_MAX = 10
-"""Ways out that are shown at most."""
+"""Maximum number of shown remedies."""
 
-HAND_STARTED_WORLD_SECONDS = 1.0  # for a world that was started by hand
+HAND_STARTED_WORLD_SECONDS = 1.0  # timeout for a world that was started by hand
 
 
 def status(
@@ -39,7 +39,7 @@ def status(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Show the agents: their modes, what they perform and what went wrong.
+    """Show the agents: modes, behaviors and faults.
 
     Args:
         watch: Keep it up to date.
@@ -67,8 +67,8 @@ def status(
                 Fix.UP(swarm="keepaway"),
             )
         console.show(json, data, *_rendered(data, silent))
-        told = [*data["agents"], *filter(None, [data["world"]])]
-        if check and (silent or any(one["faults"] or one.get("missing") for one in told)):
+        reports = [*data["agents"], *filter(None, [data["world"]])]
+        if check and (silent or any(one["faults"] or one.get("missing") for one in reports)):
             raise typer.Exit(1)
 
 
@@ -78,7 +78,7 @@ def _await_world(swarm_up: Connection) -> None:
     if swarm_up.record is None:
         swarm_up.link.spin_until(lambda: world.status is not None, HAND_STARTED_WORLD_SECONDS)
     elif swarm_up.has_world:
-        with suppress(SwarmError):  # shown with all that does not answer
+        with suppress(SwarmError):  # a missing world is shown with the silent agents
             world.wait()
 
 
@@ -103,7 +103,7 @@ def _watch(swarm_up: Connection) -> NoReturn:
 
 
 def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> dict[str, Any]:
-    """Return all that is known about a swarm, as plain data."""
+    """Return the state of a swarm as plain data."""
     from hitab_ros.conversions import remedies_of
 
     agents = [
@@ -134,20 +134,20 @@ def _status_data(swarm_up: Connection, silent: Mapping[str, Silence | None]) -> 
 
 
 def _silent(swarm_up: Connection, signs: SignsOfLife | None = None) -> dict[str, Silence | None]:
-    """Return why agents, or the world, do not answer, by name; None if that is unknown."""
+    """Return why agents or the world do not answer, by name; None if unknown."""
     from hitab_client.run_processes import Silence
 
     agents, world, processes = swarm_up.agents, swarm_up.world, swarm_up.processes
     started = (*agents.expected, *(["world"] if swarm_up.has_world else []))
-    told = {name: processes.why_silent(name) for name in started}
+    reasons = {name: processes.why_silent(name) for name in started}
     reported = {*agents.statuses, *(["world"] if world.status is not None else [])}
-    # Of one that has reported only a process that has ended or is suspended counts.
-    told = {n: why for n, why in told.items() if n not in reported or (why and why.lasts)}
+    # After a report, only an ended or suspended process counts.
+    reasons = {n: why for n, why in reasons.items() if n not in reported or (why and why.lasts)}
     for name, seconds in (signs.silent() if signs is not None else {}).items():
         for_now = f"has been silent for {seconds:.0f} s"
         silent = Silence(processes.process_of(name), for_now, lasts=False)
-        told[name] = processes.why_silent(name) or silent
-    return told
+        reasons[name] = processes.why_silent(name) or silent
+    return reasons
 
 
 def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> list[Any]:
@@ -206,7 +206,7 @@ def _rendered(data: dict[str, Any], silent: Mapping[str, Silence | None]) -> lis
 
 
 def _kept(agent: Mapping[str, Any]) -> str:
-    """Say that a training waits, and how to go on with it; "" if none does."""
+    """Return a text on a suspended training and how to resume it; empty without one."""
     if not agent["training"] or agent["mode"] in ("training", "testing"):
         return ""
     name, examples = agent["agent"], quantity(agent["examples"], "example")
@@ -217,16 +217,16 @@ def _kept(agent: Mapping[str, Any]) -> str:
 def _wrong(status: dict[str, Any]) -> list[str]:
     """Return persistent faults and the last refusal."""
     faults, last = status["faults"], status["last_error"]
-    # The error may be long ago: present ones are among the faults.
+    # The last error may be old: present errors are among the faults.
     what = "last refusal" if "agent" in status else "last error"
     if status.get("refused_at"):
         what += time.strftime(" at %H:%M:%S", time.localtime(status["refused_at"]))
-    told = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
+    problems = [*faults, *([f"{what}: {last}"] if last and last not in faults else [])]
     if status.get("unsure"):
-        told.append(f"unsure: {status['unsure']}")
+        problems.append(f"unsure: {status['unsure']}")
     if status.get("questions"):
-        told.append(f"asks {quantity(status['questions'], 'question')}")
+        problems.append(f"asks {quantity(status['questions'], 'question')}")
     if status.get("remarks"):
         see = as_command(Fix.QUESTIONS(agent=status["agent"]))
-        told.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
-    return told
+        problems.append(f"{quantity(status['remarks'], 'sign')} that it does not play; {see}")
+    return problems

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from hitab_client import RunFolder, RunRecord
 
 LARGE = 100
-"""Agents; a larger swarm starts for a while, so that lines tell of it where there is no bar."""
+"""Number of agents above which lines of progress are printed, if there is no bar."""
 
 
 def up(
@@ -35,21 +35,21 @@ def up(
     """Start a swarm and keep it alive until `hitab down`.
 
     Waits until every agent and the world answer. Killed processes are restarted. Learned behaviors
-    are kept: the next start of the swarm goes on with them. A world that was paused when the swarm
-    went down stays paused.
+    are kept for the next start of the swarm. A world that was paused when the swarm went down
+    stays paused.
 
     Args:
         swarm: A swarm description, the name of a shipped one, or a Python file with a world.
         pace: lockstep or realtime; overrides the description.
         paused: Start with the world paused.
         library: A folder, or SWARM/LIBRARY of a swarm that was up, for all agents to use and to
-            save to. Default: folders of their own, which are kept for the next start. A training
-            that was not saved resumes at the next start with the same library.
-        namespace: Namespace around all of its nodes, so that another swarm with the same agents
-            can be up in the same ROS domain. The swarm is then called SWARM_NAME.
+            save to. Default: a folder per agent, which is kept for the next start. An unsaved
+            training resumes at the next start with the same library.
+        namespace: Namespace around all nodes, so that another swarm with the same agents can be
+            up in the same ROS domain. The swarm is then called SWARM_NAME.
         use_sim_time: All nodes but the world take their time from the world's clock.
-        run_dir: Folder for its files, instead of the default one.
-        agents: How many, in a world in a Python file. 0: as many as it says.
+        run_dir: Run folder, instead of the default one.
+        agents: Number of agents, in a world in a Python file. 0: as in the file.
 
     Examples:
       hitab up keepaway
@@ -112,8 +112,8 @@ def down(
 
     Args:
         name: The swarm, if several are up: its name, identity, namespace or run folder.
-        run_dir: Its run folder, instead of its name.
-        every: Stop all swarms that were started from here.
+        run_dir: Run folder of the swarm, instead of a name.
+        every: Stop all swarms in this state folder.
 
     Examples:
       hitab down

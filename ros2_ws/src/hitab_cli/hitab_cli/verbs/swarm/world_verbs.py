@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from hitab_client import WorldClient
 
-TOLD_SECONDS = 2.0  # to wait for why an episode has ended
+OUTCOME_SECONDS = 2.0  # timeout for the outcome of an episode
 
 app = typer.Typer(help="Drive the world: pause, step, place, snapshot.")
 
@@ -46,7 +46,7 @@ def resume(swarm: SwarmName = None) -> None:
 
 @app.command()
 def step(cycles: Annotated[int, typer.Argument(min=1)] = 1, swarm: SwarmName = None) -> None:
-    """Run some cycles, then pause; ends when they have been run. Ctrl-C pauses at once.
+    """Run some cycles, then pause; ends after the last cycle. Ctrl-C pauses at once.
 
     Args:
         cycles: Number of cycles.
@@ -58,7 +58,7 @@ def step(cycles: Annotated[int, typer.Argument(min=1)] = 1, swarm: SwarmName = N
         try:
             last = _step(world, cycles).episode
         except KeyboardInterrupt:
-            # The world would go on with the rest by itself.
+            # Otherwise the world would run the remaining cycles.
             stopped = world.control("pause").cycle
             console.note(f"interrupted; the world is paused at cycle {stopped}")
             raise typer.Exit(130) from None
@@ -76,7 +76,7 @@ def step(cycles: Annotated[int, typer.Argument(min=1)] = 1, swarm: SwarmName = N
 
 @app.command()
 def picture(path: Path, swarm: SwarmName = None) -> None:
-    """Draw where everything in the world is now.
+    """Draw the present state of the world.
 
     Args:
         path: File for the picture, PNG or SVG.
@@ -94,7 +94,7 @@ def picture(path: Path, swarm: SwarmName = None) -> None:
 
 
 def _silent(swarm_up: Connection) -> list[SwarmError]:
-    """Return why the agents without which the world has gone on do not answer."""
+    """Return why agents do not answer, without which the world has continued."""
     return [
         swarm_up.processes.reason(agent)
         or SwarmError(f"{agent} has not answered in time", Fix.LOGS(node=agent))
@@ -103,14 +103,14 @@ def _silent(swarm_up: Connection) -> list[SwarmError]:
 
 
 def _ended(world: WorldClient, episodes: range) -> str:
-    """Return which episodes have ended, and why, such as ``3 (out)``; "" if none has."""
+    """Return the ended episodes with their outcomes, such as ``3 (out)``; empty if none."""
 
-    def told() -> dict[int, str]:
+    def outcomes() -> dict[int, str]:
         return {episode.number: f" ({episode.ended})" for episode in world.episodes}
 
     if episodes:
-        world.link.spin_until(lambda: episodes[-1] in told(), TOLD_SECONDS)
-    return ", ".join(f"{number}{told().get(number, '')}" for number in episodes)
+        world.link.spin_until(lambda: episodes[-1] in outcomes(), OUTCOME_SECONDS)
+    return ", ".join(f"{number}{outcomes().get(number, '')}" for number in episodes)
 
 
 def _step(world: WorldClient, cycles: int) -> WorldState:
@@ -123,7 +123,7 @@ def _step(world: WorldClient, cycles: int) -> WorldState:
 
 @app.command()
 def reset(swarm: SwarmName = None) -> None:
-    """Begin a new episode with all agents in Start; ends when they have perceived it."""
+    """Begin a new episode with all agents in Start; ends when the agents have perceived it."""
     with connection(swarm) as swarm_up:
         answer = swarm_up.world.control("reset")
         swarm_up.world.shown(answer)
@@ -152,7 +152,7 @@ def pace(
 
 
 THING_UNITS = {"x": "m", "y": "m", "heading": "degrees", "vx": "m/s", "vy": "m/s"}
-"""The fields of a thing that can be set, and their units here."""
+"""Settable fields of a thing, with their units in options."""
 
 _PLAIN_NUMBER = re.compile(r"-?(\d+\.?\d*|\.\d+)(e-?\d+)?")
 
@@ -163,13 +163,13 @@ def place(
     new_episode: Annotated[bool, typer.Option("--new-episode")] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Put things somewhere; ends when the agents have perceived it.
+    """Place things; ends when the agents have perceived the change.
 
-    Fields that are not given are kept, or with --new-episode those of the new episode.
+    Other fields are kept, or with --new-episode taken from the new episode.
 
     Args:
         things: x, y in m, heading in degrees, vx, vy in m/s.
-        new_episode: Begin a new episode from these positions; what is not named gets new ones.
+        new_episode: Begin a new episode from these positions; other things get new positions.
 
     Example:
       hitab world place ball x=3 y=0 keeper_1 x=-5 y=0 heading=90
@@ -205,7 +205,7 @@ def place(
 
 
 def _off_the_field(state: WorldState, places: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
-    """Yield the names of what was placed outside of the field."""
+    """Yield the names of things that were placed outside of the field."""
     for name, fields in places.items():
         x, y = fields.get("x", 0.0), fields.get("y", 0.0)
         if abs(x) > state.width / 2 or abs(y) > state.height / 2:

@@ -43,12 +43,12 @@ def next_(
 ) -> None:
     """Make the next generation: save the behavior in training, and train on among the teammates.
 
-    The teammates get it and perform it from Start, and it is evaluated. The training goes on with
-    the examples so far, in the world as it was. A generation has the number of its version in the
-    agent's library.
+    The teammates receive the behavior and perform it from Start, and it is evaluated. The training
+    continues with the examples so far, in the world as it was. The number of a generation is the
+    version of the behavior in the agent's library.
 
     Args:
-        note: To keep with the generation.
+        note: Text to keep with the generation.
 
     Examples:
       hitab bootstrap next keeper_1 --note "the closest one takes the ball"
@@ -72,14 +72,15 @@ def back(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Go back to a generation: it is the next one, too, and the training goes on from it.
+    """Return to a generation, which becomes the next one; the training continues from it.
 
-    What it uses stays as it is now.
+    Behaviors that the generation uses stay as they are now.
 
     Args:
-        behavior: The behavior that is bootstrapped.
-        generation: Its number; see `hitab bootstrap list`. Any version in the library will do.
-        discard: Give up examples that are in no generation.
+        behavior: The bootstrapped behavior.
+        generation: Number of the generation, see `hitab bootstrap list`, or any version in the
+            library.
+        discard: Discard examples that no generation contains.
 
     Example:
       hitab bootstrap back keeper_1 Keepaway 2
@@ -97,8 +98,8 @@ def list_(
 ) -> None:
     """List the generations of an agent's behaviors, with their scores.
 
-    A score is the mean of a figure in a few episodes, with its standard error: of the length of an
-    episode, and of what else the world reports.
+    A score is the mean of a measure over a few episodes, with its standard error. The measures are
+    the length of an episode and those that the world reports.
 
     Args:
         behavior: A behavior. Default: all.
@@ -113,14 +114,16 @@ def list_(
 
     found = find_meant(swarm, chosen_by_user())
     folder = generations_folder(found[0].path if found else None, agent)
-    there = sorted(path.stem for path in folder.glob("*.yaml"))
-    if not there or (behavior and behavior not in there):
+    bootstrapped = sorted(path.stem for path in folder.glob("*.yaml"))
+    if not bootstrapped or (behavior and behavior not in bootstrapped):
         what = f"{behavior} of {agent}" if behavior else agent
         raise SwarmError(
-            f"{what} has no generations {has(there, behavior)}",
+            f"{what} has no generations {has(bootstrapped, behavior)}",
             Fix.NEXT_GENERATION(agent=agent),
         )
-    known = {name: read_generations(folder, name) for name in ([behavior] if behavior else there)}
+    known = {
+        name: read_generations(folder, name) for name in ([behavior] if behavior else bootstrapped)
+    }
     plain = [
         {"agent": agent, "behavior": name, "generations": [one.model_dump() for one in all_]}
         for name, all_ in known.items()
@@ -158,10 +161,10 @@ def _make(
     from hitab_client.bootstrapping import Bootstrapping
 
     options["say"] = console.note if json == "-" else console.say
-    with connection(swarm) as there, console.progress("bootstrapping") as progress:
-        folder = there.folder.path if there.folder else None
+    with connection(swarm) as swarm_up, console.progress("bootstrapping") as progress:
+        folder = swarm_up.folder.path if swarm_up.folder else None
         options["progress"] = progress
-        steps = Bootstrapping(there.agents, there.await_world(), folder, **options)
+        steps = Bootstrapping(swarm_up.agents, swarm_up.await_world(), folder, **options)
         generation = getattr(steps, step)(agent, *given)
-    told = f"{agent} is in training mode, with generation {generation.version}"
-    console.show(json, [generation.model_dump()], told)
+    text = f"{agent} is in training mode, with generation {generation.version}"
+    console.show(json, [generation.model_dump()], text)

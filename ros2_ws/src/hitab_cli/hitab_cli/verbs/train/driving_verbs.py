@@ -1,4 +1,4 @@
-"""The verb with which a person demonstrates by keys, and what verbs like it need."""
+"""Verb for demonstrating by keys, drive, and the functions that similar verbs share."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from hitab_client.demonstrating import Demonstrator
 
 READ_S = 0.03
-"""How often keys are read and what is shown is renewed, s."""
+"""Period of reading keys and updating the view, s."""
 
 AGENT_RETRY_S = 2.0
-"""How long to wait before an agent that did not answer is asked again, s."""
+"""Time before a silent agent is asked again, s."""
 
 DELIVER_S = 1.0
-"""How long to wait at the end until the robots have an emergency stop, s."""
+"""Timeout, at the end, for the robots to receive an emergency stop, s."""
 
 FirstAgent = Annotated[
     str,
@@ -43,14 +43,14 @@ def drive(
 ) -> None:
     """Train with one key per behavior, and drive robots by hand, in the terminal.
 
-    A key commands a behavior at once, since one process stays connected; the keys are those of the
-    studio. Begin the training with `hitab train`. Arrow keys drive a robot with standard messages
+    A key commands a behavior at once, since one process stays connected; the studio has the same
+    keys. Begin the training with `hitab train`. Arrow keys drive a robot with standard messages
     into place, through the relay that limits and stops it; its agent performs nothing meanwhile.
     The space bar is the emergency stop of all robots. Press ? for all keys.
 
     Args:
-        speed: Of the arrow keys, m/s; the robot's own limits hold too.
-        turn: Of the arrow keys, rad/s.
+        speed: Speed of the arrow keys, m/s; the robot's own limits apply, too.
+        turn: Turn rate of the arrow keys, rad/s.
 
     Examples:
       hitab drive
@@ -112,7 +112,7 @@ def demonstrator_of(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstr
     """Return a demonstrator who commands the named agent, or else the first one.
 
     Raises:
-        SwarmError: if there is no such agent, or none at all.
+        SwarmError: if there is no such agent, or no agent at all.
     """
     from hitab_client.demonstrating import Demonstrator, behavior_keys
 
@@ -120,10 +120,10 @@ def demonstrator_of(swarm_up: Connection, agent: str, *, asks: bool) -> Demonstr
     if agent:
         agents.await_agent(agent)
     else:
-        there = agents.await_agents()
-        if not there:
+        names = agents.await_agents()
+        if not names:
             raise SwarmError("no agent answers", Fix.STATUS())
-        agent = min(there, key=natural)
+        agent = min(names, key=natural)
     swarm_up.await_world()
     demonstrator = Demonstrator(
         agents, world, asks=asks, keys=behavior_keys.Keys(behavior_keys.file())
@@ -138,13 +138,13 @@ def carry_out(
     tick: Callable[[], None],
     ended: Callable[[], bool],
 ) -> None:
-    """Carry out what is pressed, until the person ends it.
+    """Carry out pressed keys until the person ends the program.
 
     Args:
         swarm_up: the connection.
         demonstrator: the person.
-        tick: called again and again, also while an agent is waited for.
-        ended: whether to end.
+        tick: called periodically, also while waiting for an agent.
+        ended: returns whether to end.
     """
     from hitab_ros import steady_timer
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from hitab_core.assistant import TrainingCost
 
 MINUTES_FROM_S = 120.0
-"""Times from this one on are shown in minutes."""
+"""Time from which times are shown in minutes, s."""
 
 COUNT_FIELDS = ("commands", "examples", "wasted", "undos", "structures", "proposals")
 
@@ -51,17 +51,17 @@ def examples_list(
 ) -> None:
     """List the examples of the current training, or of a trained behavior.
 
-    With --cost, `time` and `simulated` count from step to step, by the clock and in the world,
-    without pauses of more than five minutes and the time while the swarm was down. `commands` and
-    `undos` are what you did. `examples` counts those that there were in the end. `wasted` counts
-    those that were recorded and not learned from: they were deleted or undone, or are listed as
-    overruled, since a command in the same place contradicts them. `structures` counts the sets of
-    features that were tried: 1, and one more for each `hitab examples features`. `proposals`
-    counts the questions of the agent that you answered as it proposed.
+    With --cost, `time` and `simulated` are the times of the training by the clock and in the
+    world, without pauses of more than five minutes and the time while the swarm was down.
+    `commands` and `undos` count your commands and undos. `examples` counts the final examples.
+    `wasted` counts the recorded examples that were not learned from: they were deleted or undone,
+    or are listed as overruled, since a command in the same place contradicts them. `structures`
+    counts the sets of features that were tried: 1, and one more for each `hitab examples
+    features`. `proposals` counts the agent's questions that you answered as proposed.
 
     Args:
-        automaton: A trained behavior. Default: what is being trained.
-        cost: Show instead what its trainings took.
+        automaton: A trained behavior. Default: the current training.
+        cost: Show the cost of the trainings instead.
 
     Examples:
       hitab examples keeper_1
@@ -136,18 +136,18 @@ def _show_costs(costs: list[TrainingCost], json: str | None) -> None:
 
 
 def _duration(seconds: float) -> str:
-    """Return a time as a person would say it."""
+    """Return a time in seconds or minutes."""
     return f"{seconds:.0f} s" if seconds < MINUTES_FROM_S else f"{seconds / 60:.1f} min"
 
 
 def _shown(value: float, unit: str, kind: str) -> str:
-    """Return a value for people: angles in degrees, as the rules that are learned from them."""
+    """Return a value for people, with angles in degrees, as in learned rules."""
     value = shown_value(as_direction(value, unit, kind), unit)
     return f"{value:{'.1f' if unit == RADIANS else '.4g'}}"
 
 
 def edit(swarm: str | None, agent: str, verb: str, *what: Any) -> None:
-    """Edit the examples of a training, or take that back, and say what was done."""
+    """Edit the examples of a training, or undo an edit, and print the agent's answer."""
     with connection(swarm) as swarm_up:
         answer = getattr(swarm_up.agents, verb)(agent, *what)
     console.say(answer.message)
@@ -173,10 +173,10 @@ def examples_relabel(
     to: Annotated[str, typer.Option("--to")],
     swarm: SwarmName = None,
 ) -> None:
-    """Change which state examples go to; `hitab undo` takes that back.
+    """Change the next state of examples; `hitab undo` reverts this.
 
     Args:
-        to: The correct next state; its numbers too, if it takes some.
+        to: The correct next state, with its numbers, if any.
 
     Examples:
       hitab examples relabel keeper_1 5 --to GoSlow
@@ -192,10 +192,10 @@ def examples_retime(
     ago: Annotated[float, typer.Option("--ago")],
     swarm: SwarmName = None,
 ) -> None:
-    """Correct commands that came late: date them back to what the agent perceived earlier.
+    """Correct late commands: date them back to an earlier percept of the agent.
 
     Args:
-        ago: Seconds of simulated time from the situation to the command.
+        ago: Time from the situation to the command, simulated seconds.
 
     Example:
       hitab examples retime keeper_1 5 --ago 0.4
@@ -210,11 +210,11 @@ def examples_features(
     show: Annotated[bool, typer.Option("--show")] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Learn from other features of the same examples; `hitab undo` takes that back.
+    """Learn from other features of the same examples; `hitab undo` reverts this.
 
     Args:
         feature: A feature, such as "DistanceTo(ball)". Repeatable.
-        show: Only show what would be learned; change nothing.
+        show: Only show the result; change nothing.
 
     Examples:
       hitab examples features keeper_1 -f BallIsKickable --show

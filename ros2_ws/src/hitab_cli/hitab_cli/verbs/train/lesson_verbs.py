@@ -31,13 +31,13 @@ def run(
 ) -> None:
     """Play lessons on the swarm that is up.
 
-    Ctrl-C ends it and discards the training that the lesson has begun. If a step fails, the
-    training stays, so that you can see what was learned and correct it.
+    Ctrl-C ends the lesson and discards its unsaved training. If a step fails, the training stays,
+    so that you can inspect and correct it.
 
     Args:
         lessons: Lesson files, or names of shipped ones, in order.
-        factor: Multiple of real time, for watching; 0 for as fast as possible.
-        discard: First discard what the agents have not saved.
+        factor: Multiple of real time, for watching; 0 for full speed.
+        discard: First discard the agents' unsaved trainings.
 
     Examples:
       hitab lesson run approach_ball
@@ -66,7 +66,7 @@ def run(
 
 
 def _played(player: LessonPlayer) -> LessonReport:
-    """Play a lesson; say what it leaves in training, or on Ctrl-C take that back."""
+    """Play a lesson; report its unsaved trainings, or on Ctrl-C discard them."""
     try:
         with console.progress(player.lesson.name, "steps") as advance:
             report = player.play(advance)
@@ -83,13 +83,13 @@ def _played(player: LessonPlayer) -> LessonReport:
             )
         raise
     for agent, automaton in player.begun.items():
-        told = f'{agent} is still training "{automaton}"; go on by hand and save it'
-        console.note(with_commands(told, [Fix.DISCARD(agent=agent)]))
+        text = f'{agent} is still training "{automaton}"; go on by hand and save it'
+        console.note(with_commands(text, [Fix.DISCARD(agent=agent)]))
     return report
 
 
 def _left(player: LessonPlayer) -> list[Remedy]:
-    """Return what ends the trainings that a lesson has left."""
+    """Return the remedies that end the trainings that a lesson has left."""
     return [do(agent=agent) for agent in player.begun for do in (Fix.SAVE, Fix.DISCARD)]
 
 

@@ -1,4 +1,4 @@
-"""The verb for what an agent asks about its examples."""
+"""Verb for an agent's questions about its examples: questions."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ def questions(
     swarm: SwarmName = None,
     json: JsonPath = None,
 ) -> None:
-    """Show what an agent asks about its examples, or answer it.
+    """Show an agent's questions about its examples, or answer one.
 
-    It asks when commands contradict each other, when an example made it do what you corrected,
-    when a situation has too few examples, and when several explanations fit the examples.
-    `hitab undo` takes an answer back. Above the questions stands where the learned behavior goes
-    round in a circle, and what did not happen in fifty episodes of a test.
+    An agent asks when commands contradict each other, when you corrected a decision that an
+    example caused, when a situation has too few examples, and when several explanations fit the
+    examples. `hitab undo` reverts an answer. Above the questions are signs that the behavior does
+    not work: cycles of states, and events that did not occur in fifty episodes of a test.
 
     Args:
         answer: Answer this question, as proposed or with --choice.
@@ -50,22 +50,22 @@ def questions(
             console.say(done.message)
             return
         found = swarm_up.agents.training(agent, searched=True)
-    told = [with_commands(str(remark), [remark.remedy]) for remark in found.remarks]
-    told += [] if found.questions else [f"{agent} has no question"]
+    lines = [with_commands(str(remark), [remark.remedy]) for remark in found.remarks]
+    lines += [] if found.questions else [f"{agent} has no question"]
     for question in found.questions:
-        told.append(f"{question.number}. {question.text}")
+        lines.append(f"{question.number}. {question.text}")
         for index, offered in enumerate(question.choices):
             proposed = "" if index else " (proposed)"
-            told.append(f"   {offered.name}: {offered.effect}{proposed}")
+            lines.append(f"   {offered.name}: {offered.effect}{proposed}")
     if found.questions:
-        told.append(
+        lines.append(
             f"`{called()} questions {agent} --answer {found.questions[0].number}` answers as "
             "proposed; add --choice CHOICE to answer otherwise."
         )
-    asked = [_record(question) for question in found.questions]
-    data = {"questions": asked, "answered": list(found.answered)}
+    records = [_record(question) for question in found.questions]
+    data = {"questions": records, "answered": list(found.answered)}
     remarks = [{"code": r.code.name, **dict(r.arguments)} for r in found.remarks]
-    console.show(json, {**data, "remarks": remarks}, *told)
+    console.show(json, {**data, "remarks": remarks}, *lines)
 
 
 def _record(question: Any) -> dict[str, Any]:

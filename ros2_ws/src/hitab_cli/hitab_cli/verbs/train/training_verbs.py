@@ -16,7 +16,7 @@ from hitab_client.cli_remedies import called
 from hitab_core import has, quantity
 
 UNASKED_MAX = 3
-"""Commands that are discarded without a question: they are quickly given again."""
+"""Number of commands that are discarded without confirmation, since they are quickly repeated."""
 
 
 def train(
@@ -33,17 +33,17 @@ def train(
     discard: Annotated[bool, typer.Option("--discard")] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Begin training a behavior; without a name, take control back from what is tested.
+    """Begin training a behavior; without a name, take control back from a test.
 
-    First choose the features that the decisions may use: only those that you name are used, and
+    First choose the features for the decisions: only the named features are used, and
     `hitab vocabulary AGENT` lists them. They can be exchanged later. Then command behaviors with
-    `hitab demonstrate`, try what was learned with `hitab test`, take over again with `hitab train
-    AGENT`, and save.
+    `hitab demonstrate`, try the learned behavior with `hitab test`, take over again with
+    `hitab train AGENT`, and save.
 
-    To go on from the examples of a saved behavior, add --resume; otherwise saving replaces it.
+    To continue from a saved behavior's examples, add --resume; otherwise saving replaces them.
 
     Args:
-        automaton: What to train; without it, take control back from a test.
+        automaton: Name of the behavior; without it, take control back from a test.
         feature: A feature, such as "DistanceTo(ball)". Repeatable. Default: none.
         state: A behavior that may be commanded. Repeatable. Default: any.
         parameter: A parameter and its target during the training. Repeatable.
@@ -100,17 +100,17 @@ def start_testing(
     distance: Annotated[float, typer.Option(show_default=False)] = 0.0,
     swarm: SwarmName = None,
 ) -> None:
-    """Give control to what the agent has learned, without a reset.
+    """Give control to the learned behavior, without a reset.
 
-    The choice for unsure decisions also holds for what is performed afterwards; `hitab status`
-    shows why a decision is unsure.
+    The choice for unsure decisions also applies to later performances; `hitab status` shows why a
+    decision is unsure.
 
     Args:
         restart: Begin at Start, not at the active state.
-        when_unsure: From now on, when it is unsure: go on, do nothing until it is sure, or give
-            control to the demonstrator.
-        distance: Unsure farther than this from every example; 1 is about as far as the examples
-            are apart. Default: any.
+        when_unsure: From now on, when a decision is unsure: go on, do nothing until it is sure,
+            or give control to the demonstrator.
+        distance: A decision is unsure if farther than this from every example; 1 is the typical
+            distance of examples. Default: any distance.
 
     Examples:
       hitab test keeper_1 --restart
@@ -138,7 +138,7 @@ def undo(agent: AgentName, swarm: SwarmName = None) -> None:
 
 
 def redo(agent: AgentName, swarm: SwarmName = None) -> None:
-    """Redo what was undone last, unless something else was done since.
+    """Redo the last undone change, unless something else was changed since.
 
     Example:
       hitab redo keeper_1
@@ -154,15 +154,15 @@ def save(
     keep_unused: bool = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Trim what was learned and add it to the agent's library.
+    """Trim the learned behavior and add it to the agent's library.
 
-    From then on it can be commanded, as a state of a higher behavior.
+    The behavior can then be commanded, as a state of a higher behavior.
 
     Args:
         name: A new name. Default: the name given to `hitab train`.
         bind: Replace a target or parameter. Repeatable.
         description: Shown in the library.
-        keep_unused: Keep features that nothing uses yet, to resume training with them.
+        keep_unused: Keep features that are not used yet, to resume training with them.
 
     Examples:
       hitab save keeper_1
@@ -195,10 +195,10 @@ def discard(
     yes: Annotated[bool, typer.Option("--yes", "-y")] = False,
     swarm: SwarmName = None,
 ) -> None:
-    """Give up a training and its unsaved examples; the agent is idle afterwards.
+    """Discard a training and its unsaved examples; the agent is idle afterwards.
 
-    On a terminal it asks first if that is more than a few commands. Saved behaviors stay. The
-    examples are kept in the agent's database, beside those of earlier trainings.
+    On a terminal, discarding more than a few commands needs a confirmation. Saved behaviors stay.
+    The examples are kept in the agent's database, with those of earlier trainings.
 
     Args:
         yes: Do not ask, however many examples there are.
