@@ -37,15 +37,15 @@ def is_loopback(host: str) -> bool:
 class AccessControl:
     """Filters requests and web sockets before any other code sees them.
 
-    For a page of another site, the browser sends that site's ``Origin``. With DNS rebinding,
-    ``Host`` has the other site's name.
+    A request from a page of another site carries the ``Origin`` of that site; with DNS rebinding,
+    ``Host`` carries the name of that site.
 
     Args:
         app: the guarded application.
         host: the address that the server listens on.
-        token: required once, in the address; "" if none is needed.
-        allowed: further names of this server, such as that of a proxy in front of it.
-        root_path: where that proxy shows the page.
+        token: required once, in the address; "" if the page needs no token.
+        allowed: further names of this server, such as the name of a proxy.
+        root_path: path under which the proxy serves the page.
     """
 
     def __init__(
@@ -116,10 +116,10 @@ def _refusal(scope: Scope, status: int, why: str) -> App:
 
 
 def new_token(host: str, given: str = "") -> str:
-    """Return the token for an address: the given one, or a new one if one is needed.
+    """Return the given token, or a new one if other machines can reach the address.
 
     Raises:
-        SwarmError: if the given one is not valid in an address.
+        SwarmError: if the given token is not valid in a URL.
     """
     if given and re.fullmatch(r"[A-Za-z0-9_-]{8,}", given) is None:
         raise SwarmError("a token needs at least 8 characters, each a letter, a digit, - or _")

@@ -29,7 +29,7 @@ def studio(
     map_topic: Annotated[str, typer.Option("--map", show_default=False, metavar="TOPIC")] = "",
     camera: Annotated[list[str] | None, typer.Option(show_default=False, metavar="TOPIC")] = None,
 ) -> None:
-    """Open the console in a browser: the live field, training by clicking, what was learned.
+    """Open the console in a browser: the live field, training by clicking, learned behaviors.
 
     The swarm may be started before or after this command; the page finds it, also after a
     restart.

@@ -28,12 +28,12 @@ class Vocabulary:
     """The behaviors, features and targets of an agent, from `GetVocabulary`.
 
     Attributes:
-        domain: whose vocabulary it is.
-        behaviors, features, targets: with their parameters, such as ``DistanceTo(X)``.
-        behavior_descriptions: by the names of the behaviors, without parameters.
-        units, kinds, feature_descriptions: by the names of the features, without parameters.
-        trained, one_shot: names of behaviors.
-        numbers: of the behaviors that take some, by name.
+        domain: name of the domain.
+        behaviors, features, targets: labels with parameters, such as ``DistanceTo(X)``.
+        behavior_descriptions: descriptions by behavior name, without parameters.
+        units, kinds, feature_descriptions: by feature name, without parameters.
+        trained, one_shot: names of the trained and of the one-shot behaviors.
+        numbers: the numbers of each behavior that takes numbers, by name.
     """
 
     domain: str = ""
@@ -50,7 +50,7 @@ class Vocabulary:
 
     @classmethod
     def of(cls, answer: Any) -> Vocabulary:
-        """Read an answer."""
+        """Return the vocabulary in an answer of `GetVocabulary`."""
         return cls(
             domain=answer.domain,
             behaviors=tuple(b.name for b in answer.behaviors),
@@ -70,15 +70,15 @@ class Vocabulary:
         return self.numbers.get(Term.parse(behavior).name, ())
 
     def commandable(self, behavior: str) -> str:
-        """Return a behavior with numbers to begin with, in the middle of their bounds."""
+        """Return a behavior with initial numbers, each in the middle of its bounds."""
         term, numbers = Term.parse(behavior), self.numbers_of(behavior)
         return str(with_numbers(term, [(n.low + n.high) / 2.0 for n in numbers], numbers))
 
 
 def terms(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Term]]:
-    """Return behaviors or features with each choice of targets, each after its label without.
+    """Return pairs of a label and a term: each label with every choice of targets.
 
-    A feature of the engine's own has none: ``SecondsSince(Done)`` names a flag.
+    A flag in parentheses is not a parameter: ``SecondsSince(Done)`` has no choice.
     """
     found = []
     for label in labels:
@@ -92,14 +92,15 @@ def terms(labels: Sequence[str], arguments: Sequence[str]) -> list[tuple[str, Te
 
 
 def _by_name(words: Sequence[Any], what: str) -> Mapping[str, str]:
-    """Return the description of each behavior or feature, by name without parameters."""
+    """Return a field of each behavior or feature, by name without parameters."""
     return MappingProxyType({Term.parse(word.name).name: getattr(word, what) for word in words})
 
 
 def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:
-    """Return, for each example that others contradict, the numbers of the others.
+    """Return the contradicted examples, each with the numbers of the contradicting ones.
 
-    Two contradict each other if they have the same state and values but different next states.
+    Two examples contradict each other if their states and values are equal but their next states
+    differ.
     """
     return {
         example.number: [e.number for e in group if e.next_state != example.next_state]
@@ -109,7 +110,7 @@ def is_contradicted(examples: Sequence[Example]) -> dict[int, list[int]]:
 
 
 def superseding(examples: Sequence[Example]) -> dict[int, list[int]]:
-    """Return, for each superseded example, the numbers of the commands' examples that do it."""
+    """Return the superseded examples, each with the numbers of the superseding ones."""
     return {
         example.number: [e.number for e in examples if e.leaves and e.place == example.place]
         for example in examples
@@ -123,7 +124,7 @@ class Effect:
 
     Attributes:
         rules_gone, rules_new: removed and added rules of the trees, as text.
-        decisions: for examples on which the decision changed: state, values, before, after.
+        decisions: the examples with a changed decision, each with the former and the new one.
     """
 
     rules_gone: tuple[str, ...]
@@ -132,12 +133,12 @@ class Effect:
 
 
 def effect(before: Learned, after: Learned) -> Effect:
-    """Compare what was learned before and after a change of examples, or of their features."""
+    """Compare a behavior before and after a change of the examples or of the features."""
     old, new = _rules(before), _rules(after)
     former = {e.number: e for e in before.examples}
     decisions = []
     for example in after.examples:
-        # The decision in the example's situation, by the features of then.
+        # The former decision in the example's situation uses the former features.
         then = example if before.features == after.features else former.get(example.number)
         if then is None or not example.is_learned:
             continue
@@ -153,7 +154,7 @@ def effect(before: Learned, after: Learned) -> Effect:
 
 
 def most_probable(distribution: Mapping[str, float]) -> str:
-    """Return the most probable state, or ""."""
+    """Return the most probable state; "" if the distribution is empty."""
     return max(distribution, key=lambda s: distribution[s]) if distribution else ""
 
 
