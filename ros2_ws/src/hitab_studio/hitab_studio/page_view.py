@@ -1,4 +1,4 @@
-"""The page: a canvas for the field, panels that the server describes, and what a person asks."""
+"""The page: a canvas for the field, panels rendered by the server, and a queue of requests."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from hitab_studio.views import PANELS, render
 STATIC = Path(__file__).parent / "static"
 REFRESH_SECONDS = 0.15
 REDRAW_SECONDS = 1.0
-"""How long a page may take to show what was done."""
+"""Time within which a page shows the result of a request."""
 
 ALSO_EVERY = 2
-"""Refreshes between two drawings of what changes all the time, such as curves."""
+"""Refreshes between two drawings of values that change continuously, such as curves."""
 
 REST = 2.0
-"""Times as long as a page took to draw, for each open page, it waits until it draws again what its
-own person has not caused: a class leaves half of the server's time to commands."""
+"""Pause after drawing a page, in multiples of the drawing time and for each open page. It leaves
+half of the server's time to commands. Changes made on the page itself are drawn at once."""
 
 CANVAS = (
     'role="application" aria-label="The things in the field. < and > choose one, the '
@@ -40,23 +40,22 @@ CANVAS = (
 
 
 def is_urgent(data: Any) -> bool:
-    """Whether a request of a page is to be handled at once."""
+    """Whether a page's request is handled at once, before the pending ones."""
     return isinstance(data, Mapping) and data.get("do") in URGENT
 
 
 class RequestQueue:
     """The pending requests of a page, in order, without unintended repetitions.
 
-    The second click of a double click is dropped, and so is a request that repeats the last one
-    while that is pending, because the person has seen no answer yet. After another request it is
-    meant: Go, Stop, Go are three commands however fast they come. Repeating actions are never
-    dropped.
+    The second click of a double click is dropped, and so is a repetition of the last pending
+    request, because the person has seen no answer yet. Go, Stop, Go are three commands at any
+    speed, since no request repeats the one before it. Repeating actions are never dropped.
 
     A request marked as unavailable is tried nevertheless while the page may lag behind, such as an
     undo right after its command.
 
     Attributes:
-        waiting: the request being handled, and those after it.
+        waiting: the request being handled, then the pending ones.
     """
 
     def __init__(self) -> None:
@@ -79,17 +78,17 @@ class RequestQueue:
         self._queue.put_nowait(asked)
 
     def close(self) -> None:
-        """Stop after the present request and drop the others: the page has gone."""
+        """Drop the pending requests of a closed page, and stop after the current one."""
         while not self._queue.empty():
             self._queue.get_nowait()
         self._queue.put_nowait(None)
 
     async def perform(self, page: Page, done: Callable[[], None]) -> None:
-        """Handle one request after the other until the page has gone.
+        """Handle one request after the other until `close` is called.
 
         Args:
-            page: that asks.
-            done: called after each.
+            page: origin of the requests.
+            done: called after each request.
         """
         while (data := await self._queue.get()) is not None:
             await perform(page, data)
@@ -101,12 +100,12 @@ class RequestQueue:
 
 
 def _same(one: Data, other: Data) -> bool:
-    """Whether two requests ask the same, whatever the page showed meanwhile."""
+    """Whether two requests are equal, apart from the cycle and the keys that the page showed."""
     return {**one, "seen": 0, "hotkey": ""} == {**other, "seen": 0, "hotkey": ""}
 
 
 async def perform(page: Page, data: Data) -> None:
-    """Handle a request of a page; show errors on it."""
+    """Handle a request of a page, and show errors on the page."""
     wanted = REGISTERED_ACTIONS.get(str(data.get("do")))
     if wanted is None:
         page.tell(f"Unknown action {data.get('do')}", "bad")
@@ -123,7 +122,7 @@ async def perform(page: Page, data: Data) -> None:
 
 
 class PagePanel(Element, component="static/panel.js"):
-    """A part of the page with HTML from the server."""
+    """A part of the page with HTML rendered by the server."""
 
     def __init__(self, name: str) -> None:
         super().__init__()
@@ -132,7 +131,7 @@ class PagePanel(Element, component="static/panel.js"):
         self.name = name
 
     def show(self, html: str) -> None:
-        """Show this from now on."""
+        """Replace the HTML of the panel."""
         if html != self.props["html"]:
             self.props["html"] = html
             self.update()
@@ -142,11 +141,11 @@ TELL_REFUSAL = (
     'addEventListener("load", async () => { const it = await fetch("leave", {method: "POST"});'
     " if (!it.ok) document.body.textContent = await it.text(); });"
 )
-"""Has an address that is refused, such as that of an unknown proxy, say so on the empty page."""
+"""Shows the error on the empty page if the address is refused, such as an unknown proxy's."""
 
 
 class PageView:
-    """A page in a browser: shows its state, and passes on the person's actions."""
+    """A page in a browser: draws the page's state, and handles the person's requests."""
 
     def __init__(self, studio: Studio, page: Page, client: Client) -> None:
         self._studio = studio
@@ -174,7 +173,7 @@ class PageView:
         ui.query(".nicegui-content").classes(remove="nicegui-content")
         with ui.element("div").props('id="studio"'):
             self._panels = [PagePanel(name) for name in PANELS if name != "overlay"]
-            # The server's frame around all of this is the page's <main> already.
+            # NiceGUI's frame around all elements is already the page's <main>.
             with ui.element("section").props('id="stage" aria-label="The field"'):
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(PagePanel("overlay"))
@@ -187,9 +186,10 @@ class PageView:
         page.leave = self._requests.close
 
     def _wish(self, data: Any) -> None:
-        """Take a request: it waits for those before it, unless it is urgent.
+        """Queue a request, or handle it at once if urgent.
 
-        The page counts them. One that came before, or after one that was lost, is sent again.
+        The page numbers its requests. A repeated one is dropped, and so is one after a gap: the
+        page sends it again.
         """
         is_next = isinstance(data, Mapping) and data.get("nth") == self._heard + 1
         self._heard += is_next
@@ -204,7 +204,7 @@ class PageView:
         task.add_done_callback(self._urgent.discard)
 
     async def _perform(self) -> None:
-        """Perform the person's actions; one in progress when the page goes is completed."""
+        """Handle requests until the page is closed, and complete the current one."""
         try:
             await self._requests.perform(self._page, self._refresh)
         finally:

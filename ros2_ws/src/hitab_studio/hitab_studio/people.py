@@ -8,14 +8,14 @@ from itertools import count
 from hitab_client import SwarmError
 
 LONGEST_NAME = 60
-"""Characters."""
+"""Maximum length of a name, characters."""
 
 
 def checked(text: str) -> str:
-    """Return a name as entered by a person.
+    """Return the name in a person's input.
 
     Raises:
-        SwarmError: if it is none.
+        SwarmError: if the input is not a valid name.
     """
     name = text.strip()
     if not name:
@@ -27,7 +27,7 @@ def checked(text: str) -> str:
     return name
 
 
-def told_apart(name: str, others: Collection[str]) -> str:
-    """Return a name, with a number if others are shown under the same."""
+def distinct(name: str, others: Collection[str]) -> str:
+    """Return a name, with a number if other people have the same one."""
     numbered = (f"{name} ({number})" for number in count(2))
     return name if name not in others else next(n for n in numbered if n not in others)
