@@ -18,7 +18,7 @@ from hitab_ros.answering import what_went_wrong
 from hitab_studio.actions import REGISTERED_ACTIONS, REPEATED, URGENT, Data
 from hitab_studio.page import Page
 from hitab_studio.studio import Studio
-from hitab_studio.ui_remedies import told
+from hitab_studio.ui_remedies import error_text
 from hitab_studio.views import PANELS, render
 
 STATIC = Path(__file__).parent / "static"
@@ -114,7 +114,7 @@ async def perform(page: Page, data: Data) -> None:
     try:
         await wanted(page, data)
     except HitabError as error:
-        page.refuse(told(error))
+        page.refuse(error_text(error))
     except Exception as error:
         logging.getLogger(__name__).exception("action %s", data.get("do"))
         page.refuse(f"That did not work: {error}")

@@ -9,7 +9,7 @@ from hitab_core import START
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.learned import effect
 from hitab_studio.page import Page
-from hitab_studio.ui_remedies import told
+from hitab_studio.ui_remedies import error_text
 from hitab_studio.unavailable import training_of
 
 
@@ -46,7 +46,7 @@ async def features_preview(page: Page, data: Data) -> None:
         try:
             preview = await page.request(SwarmClient.behavior, with_features=list(chosen))
         except SwarmError as error:
-            dialog["problem"] = told(error)
+            dialog["problem"] = error_text(error)
         else:
             dialog |= {"preview": preview, "change": effect(training, preview)}
 

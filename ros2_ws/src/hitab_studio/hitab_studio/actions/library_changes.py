@@ -32,10 +32,10 @@ async def rename(page: Page, data: Data) -> None:
 async def delete(page: Page, data: Data) -> None:
     """Delete a behavior, also if others use it and the person was warned."""
     name = page.dialog["name"]
-    told = bool(users_of(page, name))
+    warned = bool(users_of(page, name))
     await change_library(
         page,
-        lambda library: library.remove(name, anyway=told),
+        lambda library: library.remove(name, anyway=warned),
         f"{name} is deleted; its versions are kept: `{called()} library restore {name}`",
     )
     page.behavior = ""

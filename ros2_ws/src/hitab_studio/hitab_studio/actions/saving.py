@@ -7,7 +7,7 @@ from typing import Any
 from hitab_client import SwarmClient, SwarmError
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
-from hitab_studio.ui_remedies import answered, told
+from hitab_studio.ui_remedies import answer_text, error_text
 from hitab_studio.unavailable import training_of
 
 
@@ -42,7 +42,7 @@ async def _preview(page: Page, values: Any) -> None:
     try:
         preview = await page.request(SwarmClient.behavior, trim=True, **_chosen(values))
     except SwarmError as error:
-        page.dialog |= {"preview": None, "problem": told(error)}
+        page.dialog |= {"preview": None, "problem": error_text(error)}
     else:
         page.dialog |= {"preview": preview, "problem": ""}
 
@@ -63,7 +63,7 @@ async def save(page: Page, data: Data) -> None:
     page.tab = "library"
     page.behavior = name
     page.studio.link.want(page.agent, name)
-    done = f"{answered(answer)}{left_out}".split("; ")
+    done = f"{answer_text(answer)}{left_out}".split("; ")
     page.tell("\n".join(done), "good" if len(done) == 1 else "note")
 
 

@@ -19,7 +19,7 @@ from hitab_studio.actions.registry import Data, action, number_from
 from hitab_studio.page import CHOOSE_FIRST, Page
 from hitab_studio.page_parts import MissingTargets, ShownNumbers
 from hitab_studio.swarm_link import Connected
-from hitab_studio.ui_remedies import answered
+from hitab_studio.ui_remedies import answer_text
 from hitab_studio.unanswered_command import TAKEN_SECONDS, UnansweredCommand
 from hitab_studio.unavailable import nothing_in_training
 
@@ -182,7 +182,7 @@ async def toggle(page: Page, data: Data) -> None:
     mode = demonstrating.other_mode(status)
     answer = await page.request(SwarmClient.set_mode, mode)
     if mode == "testing" and status.questions:
-        page.tell(answered(answer), "note")
+        page.tell(answer_text(answer), "note")
 
 
 @action("restart")
@@ -252,7 +252,7 @@ async def discard_now(page: Page, data: Data) -> None:
     answer = await page.request(SwarmClient.discard)
     page.dialog = {}
     page.lost = page.missing_targets = page.shown_numbers = None
-    page.tell(answered(answer))
+    page.tell(answer_text(answer))
 
 
 @action("new-name", repeats=True)
