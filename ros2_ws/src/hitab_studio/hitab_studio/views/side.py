@@ -23,7 +23,7 @@ AGO_MEANS = (
 )
 
 IN_REPLAY = ("learned", "record")
-"""Tabs that show a recording; the others are about the swarm as it is now."""
+"""Tabs available in a replay; the others show the present swarm."""
 
 
 def context(page: Page) -> dict[str, Any]:

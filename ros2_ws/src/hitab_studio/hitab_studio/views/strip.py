@@ -1,4 +1,4 @@
-"""The strip of an agent in a recording: what can be asked, and the strip under the time bar."""
+"""The strip of an agent's labeled behaviors under the time bar of a recording."""
 
 from __future__ import annotations
 

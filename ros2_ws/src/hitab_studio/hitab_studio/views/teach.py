@@ -15,7 +15,7 @@ from hitab_studio.views.perceived import perceived
 from hitab_studio.views.questions import TITLES, when_unsure
 
 EDITS_MAX = 6
-"""Edits of the history that are shown on either side of now."""
+"""Maximum number of done and of undone edits shown in the history."""
 
 
 def context(page: Page) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def context(page: Page) -> dict[str, Any]:
 
 
 def _given_up(page: Page) -> int:
-    """Return how many examples were deleted or undone: those superseded are counted elsewhere."""
+    """Return the number of deleted or undone examples, without the superseded ones."""
     training = page.training
     if training is None or training.cost is None:
         return 0
@@ -56,7 +56,7 @@ def _given_up(page: Page) -> int:
 
 
 def _values(page: Page, example: Example) -> list[tuple[str, str]]:
-    """Return the agent's percept in an example: names of features, and values for people."""
+    """Return the agent's percept in an example: features with values for people."""
     training = page.training
     if training is None:
         return []

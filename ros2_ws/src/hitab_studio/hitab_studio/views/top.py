@@ -50,6 +50,6 @@ def emergency(page: Page) -> dict[str, Any]:
     return {
         "stop": known.emergency.who,
         "since": time.strftime("%H:%M:%S", time.localtime(known.stopped_at)),
-        # Agents in no simulated world drive robots that can do harm.
+        # Agents without a simulated world drive real robots, which can do harm.
         "robots": bool(known.statuses) and known.world is None,
     }
