@@ -177,7 +177,7 @@ class PageView:
             with ui.element("section").props('id="stage" aria-label="The field"'):
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(PagePanel("overlay"))
-                ui.element("div").props('id="field-told" role="status"').classes("unseen")
+                ui.element("div").props('id="field-report" role="status"').classes("unseen")
         ui.on("studio", lambda event: self._wish(event.args))
         self._refresh()
         ui.timer(REFRESH_SECONDS, self._refresh)
