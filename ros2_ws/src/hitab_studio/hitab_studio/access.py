@@ -88,7 +88,7 @@ class AccessControl:
         name = urlsplit(f"//{host}").hostname or ""
         if not self._any_name and name not in self._names:
             way_out = f"start the studio with --allow-host {name}"
-            return f"This page is not called {name}: open it as was printed, or {way_out}."
+            return f"Unknown host name {name}: open the printed address, or {way_out}."
         origin = urlsplit(headers.get("origin", f"//{host}"))
         if origin.netloc != host and origin.hostname not in self._allowed:
             way_out = f"start the studio with --allow-host {origin.hostname}"

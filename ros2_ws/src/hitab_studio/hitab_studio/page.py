@@ -32,7 +32,7 @@ T = TypeVar("T")
 NO_AGENT = AgentState()
 RECORDING = "This is a recording: close it first (Esc) to act on the swarm."
 CHOOSE_FIRST = "Choose an agent first, in the list or in the field."
-REAL = "These are real robots: they cannot be paused, put elsewhere or set back."
+REAL = "These are real robots: they cannot be paused, moved by dragging or reset."
 
 
 class StudioState:
@@ -73,7 +73,7 @@ class StudioState:
         made = self.making
         if made is None or not made.doing:
             return ""
-        return f"{made.agent} makes a generation of {made.behavior}: wait for that, or stop it."
+        return f"{made.agent} is making a generation of {made.behavior}: wait for it, or stop it."
 
     def touch(self) -> None:
         """Have all pages redrawn."""

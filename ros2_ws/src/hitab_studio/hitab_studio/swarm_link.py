@@ -125,7 +125,7 @@ class SwarmLink:
                     raise SwarmError(swarm.ended)
                 if needs in self._known.silent:
                     who = "The world" if needs == names.WORLD else needs
-                    raise SwarmError(f"{who} fell silent meanwhile: look whether it was done.")
+                    raise SwarmError(f"{who} fell silent meanwhile: check whether it was done.")
         finally:
             coroutine.close()
             swarm.asking -= 1
@@ -238,7 +238,7 @@ class SwarmLink:
             await self._use(target, Connected.to(target, link))
 
     async def _use(self, target: SwarmTarget, swarm: Connected) -> None:
-        why = "The connection was lost meanwhile: look whether it was done."
+        why = "The connection was lost meanwhile: check whether it was done."
         try:
             self._observer = Observer(
                 swarm,
@@ -339,5 +339,5 @@ class SwarmLink:
 def _gone(target: SwarmTarget) -> str:
     """Return the error of a request whose swarm has ended."""
     name = f'Swarm "{target.swarm}"' if target.swarm else "The swarm"
-    what = "went down meanwhile, was started again, or is not shown any more"
-    return f"{name} {what}: look whether it was done."
+    what = "was stopped, restarted or replaced on this page meanwhile"
+    return f"{name} {what}: check whether it was done."

@@ -30,7 +30,7 @@ def training(page: Page) -> str:
     kept = page.training is not None
     if (why := page.agent_off) or page.is_training or kept:
         return why
-    return f"{page.agent} trains nothing: press Train… above the field to begin."
+    return f"{page.agent} is not being trained: press Train… above the field."
 
 
 def undoing(page: Page) -> str:
@@ -49,7 +49,7 @@ def testing(page: Page) -> str:
     """Return the reason for which the trained behavior cannot be tested or saved."""
     learned = page.training
     if learned is not None and not any(e.state == START for e in learned.examples):
-        return "There is nothing yet: command the behavior to begin with."
+        return "Nothing is learned yet: command the first behavior."
     return training(page)
 
 
@@ -69,5 +69,5 @@ def nothing_in_training(page: Page) -> str:
     if not page.agent:
         return CHOOSE_FIRST
     if page.is_training:  # its status arrives before its training
-        return f"What {page.agent} trains is not known yet: try again in a moment."
-    return f"{page.agent} is not training anything: begin a training."
+        return f"The training of {page.agent} is not known yet: try again in a moment."
+    return f"{page.agent} is not being trained: press Train… above the field."

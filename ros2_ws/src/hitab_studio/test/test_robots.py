@@ -200,23 +200,23 @@ def test_what_makes_no_sense_is_refused_and_the_reason_shown_beside_its_topic():
     huge = bytearray(grid(4096, 4096, [0]))
     huge[-5:-1] = struct.pack("<I", 2**32 - 1)  # a length that is claimed takes no memory
     for topic, data, why in [
-        ("/odom", odometry(x=math.nan), "nowhere"),
-        ("/odom", odometry(turn=Quaternion(w=0.0)), "orientation that is none"),
-        ("/odom", odometry()[:60], "no Odometry"),
-        ("/scan", scan(angle_increment=math.nan), "rays point"),
+        ("/odom", odometry(x=math.nan), "no valid position"),
+        ("/odom", odometry(turn=Quaternion(w=0.0)), "no valid position and orientation"),
+        ("/odom", odometry()[:60], "invalid Odometry"),
+        ("/scan", scan(angle_increment=math.nan), "directions of its rays"),
         ("/map", grid(2, 2, [0, 0, 0]), "announces 2 x 2 cells and has 3"),
         ("/map", grid(0, 0, []), "has 0 x 0 cells"),
         ("/map", grid(2**31, 2**31, [0]), "can be shown"),
         ("/map", grid(1, 1, [0], math.nan), "cells of nan m"),
-        ("/map", bytes(huge), "no OccupancyGrid"),
+        ("/map", bytes(huge), "invalid OccupancyGrid"),
         ("/map", bytes(17_000_000), "17 MB"),
-        ("/cam", picture(b"GIF89a"), 'neither JPEG nor PNG; it calls itself "jpeg"'),
+        ("/cam", picture(b"GIF89a"), 'neither JPEG nor PNG; its format is "jpeg"'),
         ("/cam", picture(image(640, 480)[:8]), "neither"),
         ("/cam", picture(image(4, 5000, "PNG")), "4 x 5000 pixels"),
     ]:
-        told = {s.topic: s.trouble for s in one_robot().says(topic, data).sensors["a"]}
-        assert [one for one in told if told[one]] == [topic]
-        assert why in told[topic]
+        trouble = {s.topic: s.trouble for s in one_robot().says(topic, data).sensors["a"]}
+        assert [one for one in trouble if trouble[one]] == [topic]
+        assert why in trouble[topic]
 
 
 @given(st.sampled_from(range(4)), st.data())
@@ -264,8 +264,8 @@ def test_robots_stand_in_the_map_where_tf_says_that_their_odometries_began():
     seen.says("/b/odom", odometry("b/odom"))
     seen.says("/a/scan", scan("a/laser", range_max=9.0, ranges=[2.0]))
     assert seen.places()["a"] == [1.0, 0.0, 0.0], "nobody says otherwise"
-    assert "where b/odom lies in map" in seen.look().notes["b"][0]
-    assert "where a/laser sits on the robot" in seen.look().notes["a"][1]
+    assert "No tf from b/odom to map" in seen.look().notes["b"][0]
+    assert "No tf from a/laser to the robot" in seen.look().notes["a"][1]
     seen.says("/tf_static", way("base_link", "a/laser", 0.5, 0.0, math.pi / 2))
     seen.says("/tf", way("map", "a/odom", 10.0, 0.0, math.pi / 2))
     seen.says("/tf", way("map", "b/odom", 0.0, -5.0, 0.0))

@@ -119,7 +119,7 @@ def test_what_pages_show_is_listened_to_and_what_cannot_be_shown_refused(robot):
         await page.until(lambda: {"map", f"camera {ROBOT}"} <= page.page.layers().keys())
         assert page.page.layers()[f"camera {ROBOT}"][4:] == robot.png(4, 3)
         robot.stand(math.nan, 0.0, 0.0)
-        await page.until(lambda: "or nowhere" in page.shown("side"))
+        await page.until(lambda: "no valid position" in page.shown("side"))
         await page.until(lambda: page.known.shown is None)  # nobody knows where it is
         await page.until(lambda: "No robot has a place yet" in page.shown("overlay"))
         robot.stand(1.0, 0.0, 0.0)

@@ -96,7 +96,7 @@ async def unplace(page: Page, data: Data) -> None:
         raise SwarmError("There is no placement to undo.")
     things = placements.pop()
     await page.ask_world(lambda world: _placed(world, things))
-    page.tell("Everything is where it was before")
+    page.tell("The placement is undone")
 
 
 @action("snapshots")

@@ -45,7 +45,7 @@ async def swarm_stop(page: Page, data: Data) -> None:
     """Stop the swarm."""
     target = page.studio.known.target
     if target is None or not target.folder:
-        raise SwarmError("No swarm is up that could be stopped.")
+        raise SwarmError("No swarm that this page can stop is up.")
     page.close_dialog()
     page.studio.launcher.run("down", target.swarm)
 

@@ -58,7 +58,7 @@ async def save(page: Page, data: Data) -> None:
     answer = await page.request(
         SwarmClient.save, name=name, description=description, **_chosen(values)
     )
-    left_out = "; what nothing uses was left out" if answer.trimmed else ""
+    left_out = "; unused features and behaviors were left out" if answer.trimmed else ""
     page.dialog = {}
     page.tab = "library"
     page.behavior = name

@@ -27,7 +27,7 @@ async def stop_robots(page: Page) -> None:
         raise SwarmError(
             f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."
         ) from None
-    heard = f": {some(there)}" if there else "; nothing that acts is there, and who comes obeys"
+    heard = f": {some(there)}" if there else "; no robot is present, and new ones will obey"
     kind = "good" if there else "note"
     page.tell(f"Emergency stop: all have to stand still{heard}", kind)
 

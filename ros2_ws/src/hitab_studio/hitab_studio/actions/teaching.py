@@ -291,8 +291,8 @@ async def begin(page: Page, data: Data) -> None:
     }
     if not fields["features"] and not resume:
         raise SwarmError(
-            "Choose at least one feature for the decisions to depend on: without one, it cannot "
-            "tell situations apart. You can exchange it later (Features…)."
+            "Choose at least one feature for the decisions to depend on: without one, all "
+            "situations look the same. You can exchange it later (Features…)."
         )
     if not resume and name in page.watched.vocabulary.trained:
         shown, page.dialog["typed"] = page.dialog.get("typed"), name

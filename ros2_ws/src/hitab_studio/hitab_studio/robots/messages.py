@@ -81,8 +81,8 @@ class Grid:
 def _pose(pose: Any, of: str) -> Matrix:
     if (made := matrix(pose.position, pose.orientation)) is None:
         raise Refused(
-            f"says that {of} is at {pose.position.x:g}, {pose.position.y:g} m with an orientation "
-            "that is none, or nowhere"
+            f"has no valid position and orientation of {of}: "
+            f"{pose.position.x:g}, {pose.position.y:g} m"
         )
     return made
 
@@ -97,7 +97,7 @@ def scan_of(message: LaserScan) -> Scanned:
     """Return the returns of a `sensor_msgs/LaserScan` (REP 117)."""
     first, step, most = message.angle_min, message.angle_increment, message.range_max
     if not (math.isfinite(first) and math.isfinite(step)):
-        raise Refused("does not say where its rays point: an angle is not a number")
+        raise Refused("has no valid directions of its rays: an angle is not a number")
     ranges = np.asarray(message.ranges, dtype=np.float64)
     every = -(-len(ranges) // POINTS_MAX) or 1
     angles = (first + step * np.arange(len(ranges)))[::every]
@@ -150,9 +150,7 @@ def picture_of(message: CompressedImage) -> bytes:
         with Image.open(io.BytesIO(data), formats=("JPEG", "PNG")) as image:  # only its header
             size = image.size
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
-        raise Refused(
-            f'is neither JPEG nor PNG; it calls itself "{message.format[:60]}"'
-        ) from None
+        raise Refused(f'is neither JPEG nor PNG; its format is "{message.format[:60]}"') from None
     if max(size) > PICTURE_SIDE:
         raise Refused(
             f"has {size[0]} x {size[1]} pixels; up to {PICTURE_SIDE} x {PICTURE_SIDE} are shown"

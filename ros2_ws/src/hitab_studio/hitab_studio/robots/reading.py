@@ -74,7 +74,7 @@ class Reading:
             return deserialize_message(data, self._class)
         except Exception as error:  # the type depends on the middleware
             why = " ".join(str(error).split())[:100]
-            raise Refused(f"sends what is no {self._class.__name__}: {why}") from None
+            raise Refused(f"sends an invalid {self._class.__name__}: {why}") from None
 
     @property
     def age(self) -> float | None:

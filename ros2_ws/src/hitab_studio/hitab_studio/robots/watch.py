@@ -218,8 +218,8 @@ class RobotWatch:
             return way @ placed.pose, placed.child
         if len(self._topics) > 1 or self._value(self._map_topic) is not None:
             notes.append(
-                f"No tf says where {placed.frame or 'the frame of its odometry'} lies in "
-                f"{fixed}: it is drawn as if both were the same."
+                f"No tf from {placed.frame or 'the frame of the odometry'} to {fixed}: the robot "
+                "is drawn as if both were the same."
             )
         return placed.pose, placed.child
 
@@ -237,8 +237,8 @@ class RobotWatch:
             if mount is None:
                 mount = np.eye(4)
                 notes.append(
-                    f"No tf says where {scan.frame or 'the scanner'} sits on the robot: {topic} "
-                    "is drawn as if it sat in the middle and faced ahead."
+                    f"No tf from {scan.frame or 'the scanner'} to the robot: {topic} is drawn as "
+                    "if the scanner were in the middle and faced ahead."
                 )
             found.append(applied(pose @ mount, scan.points))
         return found

@@ -20,7 +20,7 @@ MODE_WORDS = {
     "idle": ("Idle", "no behavior runs"),
     "performing": ("Performing", ""),
     "training": ("Training", "you decide: each command teaches"),
-    "testing": ("Testing", "what was learned decides"),
+    "testing": ("Testing", "the trained behavior decides"),
 }
 
 
@@ -83,11 +83,11 @@ def _stuck(page: Page) -> str:
         leads_to = {e.next_state for e in training.examples if e.state == state}
         if leads_to <= {state}:
             return (
-                f"It is in {state}, and no example leads out of {state}: it stays there. Press "
-                "Restart, or take over (T) and show what comes next."
+                f"No example leads out of {state}, so {page.agent} stays there. Press Restart, or "
+                "take over (T) and command the next behavior."
             )
     if world is not None and world.mode == "paused":
-        return "The world is paused: press Space, and it performs what was learned."
+        return "The world is paused: press Space to test the trained behavior."
     return ""
 
 
@@ -101,7 +101,7 @@ def _legend(page: Page) -> list[tuple[str, str]]:
 def empty(page: Page) -> tuple[str, str, str]:
     """Return title, explanation and command line shown in place of a missing field."""
     known, launch = page.studio.known, page.studio.launcher.launch
-    target, finds = known.target, "This page finds it by itself."
+    target, finds = known.target, "This page then connects by itself."
     here = "here or in a terminal" if startable(page) else "in a terminal"
     if page.moment.shown is not None:
         return ("", "", "")
@@ -124,7 +124,7 @@ def empty(page: Page) -> tuple[str, str, str]:
             "",
         )
     if target is not None and target.swarm:
-        where = f"Nothing of it answers yet in ROS domain {target.domain_id}."
+        where = f"No process of the swarm answers yet in ROS domain {target.domain_id}."
         return (f"Waiting for {target.swarm}", where, "")
     if known.elsewhere:
         return (

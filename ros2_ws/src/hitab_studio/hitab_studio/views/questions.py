@@ -7,7 +7,7 @@ from hitab_msgs.msg import Question
 from hitab_studio.page import Page
 
 WHEN_UNSURE = {
-    "go_on": ("go on", "it decides all the same"),
+    "go_on": ("go on", "it decides nevertheless"),
     "halt": ("halt", "it does nothing until it is sure"),
     "hand_back": ("hand back", "you decide, as in training"),
 }
