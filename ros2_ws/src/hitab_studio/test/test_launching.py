@@ -1,4 +1,4 @@
-"""Swarms are started with the command, and what it says is kept."""
+"""Swarms are started with the command, whose output is kept."""
 
 import asyncio
 import sys

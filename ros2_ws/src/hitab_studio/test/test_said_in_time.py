@@ -1,4 +1,4 @@
-"""The page says what a person should know before they press, and where they look."""
+"""The page warns a person in time, and in the place where the person looks."""
 
 import asyncio
 from types import MappingProxyType, SimpleNamespace
@@ -102,7 +102,7 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
 
 
 def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
-    """It would be the key of a behavior otherwise, which nobody meant."""
+    """Otherwise the key would command a behavior."""
 
     async def term(page: Page) -> None:
         done: list[str] = []
