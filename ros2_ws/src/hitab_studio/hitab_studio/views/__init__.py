@@ -17,7 +17,7 @@ from hitab_studio import unavailable
 from hitab_studio.page import Page
 from hitab_studio.views import agents, dialog, overlay, side, top
 from hitab_studio.views.numbers import counted, duration, measure, measured
-from hitab_studio.views.swarm import since
+from hitab_studio.views.tab_swarm import since
 
 Context = dict[str, Any]
 PANELS: dict[str, Callable[[Page], Context]] = {

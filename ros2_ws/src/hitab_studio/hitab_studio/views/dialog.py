@@ -12,9 +12,9 @@ from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import terms
 from hitab_studio.page import Page
 from hitab_studio.people import LONGEST_NAME
+from hitab_studio.views.label_strip import words
 from hitab_studio.views.numbers import counted, measure
-from hitab_studio.views.questions import WHEN_UNSURE
-from hitab_studio.views.strip import words
+from hitab_studio.views.question_titles import WHEN_UNSURE
 
 FLAG_DESCRIPTION = "the behavior that runs inside has raised {}"
 

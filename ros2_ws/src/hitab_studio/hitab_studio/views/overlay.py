@@ -11,10 +11,10 @@ from hitab_studio.absence import absence
 from hitab_studio.actions.teaching import targets_asked, targets_meant
 from hitab_studio.launching import NONE, unknown
 from hitab_studio.page import Page
-from hitab_studio.views import sensors
+from hitab_studio.views import robot_sensors
+from hitab_studio.views.label_strip import strip
 from hitab_studio.views.perceived import plotted
-from hitab_studio.views.strip import strip
-from hitab_studio.views.swarm import choices
+from hitab_studio.views.tab_swarm import choices
 
 MODE_WORDS = {
     "idle": ("Idle", "no behavior runs"),
@@ -49,7 +49,7 @@ def context(page: Page) -> dict[str, Any]:
         "shown_numbers": _shown_numbers(page),
         "arrow": _arrow(page),
         "legend": _legend(page),
-        "camera": sensors.camera(page),
+        "camera": robot_sensors.camera(page),
         "stopped": "; ".join(faults) if may_not_act else "",
         "faults": [] if may_not_act else faults,
         "strip": strip(page),

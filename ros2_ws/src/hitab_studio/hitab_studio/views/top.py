@@ -10,7 +10,7 @@ from hitab_studio import unavailable
 from hitab_studio.absence import absence
 from hitab_studio.page import Page
 from hitab_studio.views.overlay import empty
-from hitab_studio.views.swarm import absent
+from hitab_studio.views.tab_swarm import absent
 
 SPEEDS = ("0.25", "0.5", "1", "2", "4")
 

@@ -9,10 +9,10 @@ from hitab_core import Example
 from hitab_studio.learned import superseding
 from hitab_studio.page import Page
 from hitab_studio.ui_remedies import in_studio
-from hitab_studio.views import sensors
+from hitab_studio.views import robot_sensors
 from hitab_studio.views.numbers import measure
 from hitab_studio.views.perceived import perceived
-from hitab_studio.views.questions import TITLES, when_unsure
+from hitab_studio.views.question_titles import TITLES, when_unsure
 
 EDITS_MAX = 6
 """Maximum number of done and of undone edits shown in the history."""
@@ -42,8 +42,8 @@ def context(page: Page) -> dict[str, Any]:
         "in_studio": in_studio,
         "question_titles": TITLES,
         "when_unsure": when_unsure(page),
-        "sensors": sensors.rows(page),
-        "sensor_notes": sensors.notes(page),
+        "sensors": robot_sensors.rows(page),
+        "sensor_notes": robot_sensors.notes(page),
     }
 
 
