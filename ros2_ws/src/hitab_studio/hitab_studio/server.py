@@ -105,7 +105,7 @@ def serve(
     address.check()
     from nicegui import Client, app, ui
 
-    from hitab_studio.actions.stopping import stop_robots
+    from hitab_studio.actions.stop_actions import stop_robots
     from hitab_studio.page_view import STATIC, PageView
     from hitab_studio.stream import stream
     from hitab_studio.studio import Studio

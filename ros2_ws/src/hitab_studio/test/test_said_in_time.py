@@ -10,7 +10,7 @@ from hitab_client import Learned, SwarmError
 from hitab_core import Example
 from hitab_core.example import ExampleKind
 from hitab_ros.call import blocking
-from hitab_studio.actions import teaching
+from hitab_studio.actions import teaching_actions
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.learned import Vocabulary
 from hitab_studio.page import Page
@@ -73,7 +73,7 @@ def test_what_was_pressed_before_a_command_was_said_to_be_lost_does_nothing_else
             await job(SimpleNamespace(agents=SimpleNamespace(_edit=edit), world=None), ONE)
 
         monkeypatch.setattr(page, "ask_agent", ask_agent)
-        monkeypatch.setattr(teaching.demonstrating, "command", blocking(command))
+        monkeypatch.setattr(teaching_actions.demonstrating, "command", blocking(command))
         requests, seen = RequestQueue(), asyncio.Event()
         performing = asyncio.create_task(
             requests.perform(page, lambda: requests.waiting or seen.set())
@@ -110,7 +110,7 @@ def test_a_target_may_be_pressed_before_the_page_has_asked_for_it(monkeypatch):
         async def commanded(page: Page, behavior: str, seen: int) -> None:
             done.append(behavior)
 
-        monkeypatch.setattr(teaching, "_commanded", commanded)
+        monkeypatch.setattr(teaching_actions, "_commanded", commanded)
         await perform(page, {"do": "command", "behavior": "GoTo(A)", "hotkey": "2"})
         await perform(page, {"do": "command", "behavior": "GoFast", "hotkey": "1"})
         assert done == ["GoTo(ball)"]

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hitab_core import FLAGS, FeatureKind, Term, shown_unit
-from hitab_studio.actions.library_changes import users_of
+from hitab_studio.actions.library_actions import users_of
 from hitab_studio.graph import Graph, graph
 from hitab_studio.learned import terms
 from hitab_studio.page import Page

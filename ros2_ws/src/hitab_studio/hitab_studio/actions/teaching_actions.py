@@ -14,8 +14,8 @@ from hitab_client import (
     is_answered,
 )
 from hitab_core import Term, with_numbers
-from hitab_studio.actions.arranging import paused
 from hitab_studio.actions.registry import Data, action, number_from
+from hitab_studio.actions.world_actions import paused
 from hitab_studio.page import CHOOSE_FIRST, Page
 from hitab_studio.page_parts import MissingTargets, ShownNumbers
 from hitab_studio.swarm_link import Connected

@@ -6,8 +6,8 @@ from hitab_client import SwarmError
 from hitab_client.recording import driving_of
 from hitab_core import named_domain
 from hitab_core.labeling import Span, Strip
-from hitab_studio.actions.library_changes import change_library
-from hitab_studio.actions.recording import meanwhile_busy, player_of
+from hitab_studio.actions.library_actions import change_library
+from hitab_studio.actions.recording_actions import meanwhile_busy, player_of
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 from hitab_studio.replay import Labels, ReplayPlayer

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.actions.teaching import discard, give_target, targets_meant
+from hitab_studio.actions.teaching_actions import discard, give_target, targets_meant
 from hitab_studio.page import Page
 
 MOST_REASON = 300

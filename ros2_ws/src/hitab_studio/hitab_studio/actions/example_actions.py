@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hitab_client import SwarmClient, SwarmError
 from hitab_core import Term, numbered, with_numbers
-from hitab_studio.actions.arranging import go_there
 from hitab_studio.actions.registry import Data, action, number_from
+from hitab_studio.actions.world_actions import go_there
 from hitab_studio.page import Page
 
 

@@ -10,7 +10,7 @@ from hitab_client import SwarmError
 from hitab_client.cli_remedies import called
 from hitab_client.run_folder import libraries_of
 from hitab_core import BehaviorLibrary, Term, load_domain
-from hitab_studio.actions.recording import meanwhile_busy
+from hitab_studio.actions.recording_actions import meanwhile_busy
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 from hitab_studio.swarm_link import Connected
