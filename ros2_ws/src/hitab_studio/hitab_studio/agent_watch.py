@@ -20,13 +20,8 @@ from hitab_client import Learned, SwarmClient, SwarmError, Training
 from hitab_core import FLAGS, START, Term
 from hitab_ros.answering import what_went_wrong
 from hitab_ros.call import blocking
-from hitab_studio.learned import (
-    NO_ITEMS,
-    Effect,
-    Vocabulary,
-    effect,
-    terms,
-)
+from hitab_studio.example_effects import Effect, effect
+from hitab_studio.received_vocabulary import NO_ITEMS, Vocabulary, terms
 
 HISTORY = 120
 """Values of a feature kept for its curve."""

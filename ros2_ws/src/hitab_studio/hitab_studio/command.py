@@ -56,7 +56,7 @@ def studio(
       hitab studio --camera front/image/compressed --map /map     of real robots
     """
     from hitab_studio.access import new_token
-    from hitab_studio.launching import startable_swarms, unknown
+    from hitab_studio.launcher import startable_swarms, unknown
     from hitab_studio.robots.topics import Options
     from hitab_studio.server import Address, serve
     from hitab_studio.swarm_finder import Finder

@@ -17,10 +17,10 @@ from hitab_ros.call import Turns, blocking
 from hitab_studio.absence import absence
 from hitab_studio.agent_watch import AgentState
 from hitab_studio.field_frame import EMPTY, FieldFrame
-from hitab_studio.launching import NONE, Launcher
+from hitab_studio.launcher import NONE, Launcher
 from hitab_studio.notices import Notices
 from hitab_studio.page_parts import ExamplesTable, Making, MissingTargets, ShownNumbers
-from hitab_studio.people import distinct
+from hitab_studio.person_names import distinct
 from hitab_studio.replay import ReplayPlayer
 from hitab_studio.scene import Palette, frame, roster, said_message
 from hitab_studio.swarm_link import Connected, SwarmLink

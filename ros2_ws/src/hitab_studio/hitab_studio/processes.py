@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hitab_client import RunFolder
 from hitab_client.run_processes import RunProcesses, Silence
-from hitab_studio.learned import NO_ITEMS
+from hitab_studio.received_vocabulary import NO_ITEMS
 
 POLL_INTERVAL_SECONDS = 0.5
 """Period of requests to the supervisor while a process does not answer."""

@@ -14,7 +14,7 @@ from fastapi.responses import FileResponse
 from hitab_client import SwarmError
 from hitab_client.recording.recordings import recording
 from hitab_studio.access import AccessControl, is_loopback
-from hitab_studio.launching import NONE
+from hitab_studio.launcher import NONE
 from hitab_studio.robots.topics import Options
 from hitab_studio.swarm_finder import Finder
 from hitab_studio.ui_remedies import error_text

@@ -9,9 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from hitab_client import SwarmError, user_name
-from hitab_studio.launching import NONE
+from hitab_studio.launcher import NONE
 from hitab_studio.page import Page, StudioState
-from hitab_studio.people import checked
+from hitab_studio.person_names import checked
 from hitab_studio.robots.topics import Options
 from hitab_studio.scene import said_message
 from hitab_studio.swarm_finder import SwarmTarget

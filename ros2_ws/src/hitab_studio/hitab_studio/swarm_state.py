@@ -13,7 +13,7 @@ from hitab_client.run_processes import Silence
 from hitab_core import natural
 from hitab_ros import KnownStops, names
 from hitab_studio.agent_watch import AgentState
-from hitab_studio.learned import NO_ITEMS
+from hitab_studio.received_vocabulary import NO_ITEMS
 from hitab_studio.remembered_scenes import Key
 from hitab_studio.robots.watch import Robots
 from hitab_studio.scene import SILENT_MODE, Scene, state_shown

@@ -20,7 +20,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_studio.robots import watch
-from hitab_studio.robots.frames import Frames
+from hitab_studio.robots.tf_frames import Frames
 from hitab_studio.robots.topics import (
     CAMERA,
     COMMAND_TYPE,

@@ -12,9 +12,9 @@ from hitab_core.example import ExampleKind
 from hitab_ros.call import blocking
 from hitab_studio.actions import teaching_actions
 from hitab_studio.agent_watch import AgentState
-from hitab_studio.learned import Vocabulary
 from hitab_studio.page import Page
 from hitab_studio.page_view import RequestQueue, perform
+from hitab_studio.received_vocabulary import Vocabulary
 from hitab_studio.studio import Studio
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState

@@ -17,8 +17,9 @@ from hitab_core.learning import learn_transitions
 from hitab_core.learning.transition_tree import TransitionTree
 from hitab_studio.access import AccessControl, is_loopback, new_token
 from hitab_studio.agent_watch import AgentState
-from hitab_studio.learned import Vocabulary, effect, is_contradicted
+from hitab_studio.example_effects import effect, is_contradicted
 from hitab_studio.page_view import perform
+from hitab_studio.received_vocabulary import Vocabulary
 from hitab_studio.remembered_scenes import RECENT, RememberedScenes
 from hitab_studio.scene import NO_COLOR, Palette, frame, scene_of, state_shown
 from hitab_studio.studio import Studio

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from hitab_client import SwarmClient, SwarmError
 from hitab_core import START
 from hitab_studio.actions.registry import Data, action
-from hitab_studio.learned import effect
+from hitab_studio.example_effects import effect
 from hitab_studio.page import Page
 from hitab_studio.ui_remedies import error_text
 from hitab_studio.unavailable import training_of

@@ -6,7 +6,7 @@ from hitab_client import SwarmError
 from hitab_client.demonstrating import put_earlier
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
-from hitab_studio.people import checked
+from hitab_studio.person_names import checked
 from hitab_studio.swarm_link import Connected
 
 

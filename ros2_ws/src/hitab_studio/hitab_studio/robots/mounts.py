@@ -16,7 +16,7 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.parameter import parameter_value_to_python
 
 from hitab_client import RosLink
-from hitab_studio.robots.frames import Matrix, matrix
+from hitab_studio.robots.tf_frames import Matrix, matrix
 
 MOUNT_FIELDS = ("x", "y", "yaw", "upside_down")
 MOUNT_RETRY_SECONDS = 5.0

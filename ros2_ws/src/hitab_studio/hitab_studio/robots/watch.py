@@ -15,10 +15,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from hitab_client import RosLink
 from hitab_core import natural
-from hitab_studio.robots.frames import Frames, Matrix, applied, in_plane
-from hitab_studio.robots.messages import SCANS, Grid, Placed
 from hitab_studio.robots.mounts import Mounts
-from hitab_studio.robots.reading import Reading
+from hitab_studio.robots.robot_messages import SCANS, Grid, Placed
+from hitab_studio.robots.tf_frames import Frames, Matrix, applied, in_plane
+from hitab_studio.robots.topic_reader import TopicReader
 from hitab_studio.robots.topics import (
     CAMERA,
     MAP,
@@ -93,7 +93,7 @@ class RobotWatch:
         self._options = options
         self._topics: dict[str, RobotTopics] = {}
         self._map_topic = ""
-        self._readings: dict[str, Reading] = {}
+        self._readers: dict[str, TopicReader] = {}
         self._mounts: dict[str, Mounts] = {}
         self._frames = Frames()
         self._tf: list[Any] = []
@@ -133,12 +133,12 @@ class RobotWatch:
             open_one.close()
         for subscription in self._tf:
             self._link.node.destroy_subscription(subscription)
-        self._readings.clear()
+        self._readers.clear()
         self._mounts.clear()
         self._tf.clear()
 
-    def _open(self) -> list[Reading | Mounts]:
-        return [*self._readings.values(), *self._mounts.values()]
+    def _open(self) -> list[TopicReader | Mounts]:
+        return [*self._readers.values(), *self._mounts.values()]
 
     def _listen(self, agents: Collection[str]) -> None:
         """Subscribe to the topics that pages show, and to no others."""
@@ -150,11 +150,11 @@ class RobotWatch:
             if agent not in self._mounts and robot.node:
                 self._mounts[agent] = Mounts(self._link, robot.node, robot.scans)
         wanted.pop("", None)
-        for topic in self._readings.keys() - wanted.keys():
-            self._readings.pop(topic).close()
+        for topic in self._readers.keys() - wanted.keys():
+            self._readers.pop(topic).close()
         for topic, kind in wanted.items():
-            if topic not in self._readings:
-                self._readings[topic] = Reading(self._link, topic, kind)
+            if topic not in self._readers:
+                self._readers[topic] = TopicReader(self._link, topic, kind)
         self._listen_to_tf()
         for open_one in self._open():
             open_one.look()
@@ -175,8 +175,8 @@ class RobotWatch:
     # -- what is known ----------------------------------------------------------------------
 
     def _value(self, topic: str) -> Any:
-        reading = self._readings.get(topic)
-        return None if reading is None else reading.value
+        reader = self._readers.get(topic)
+        return None if reader is None else reader.value
 
     def _look(self) -> Robots:
         grid: Grid | None = self._value(self._map_topic)
@@ -192,7 +192,7 @@ class RobotWatch:
             if pose is not None:
                 places[agent] = in_plane(pose)
                 clouds += self._clouds(agent, pose, base, remarks)
-            if robot.odometry in self._readings and self._readings[robot.odometry].is_silent:
+            if robot.odometry in self._readers and self._readers[robot.odometry].is_silent:
                 lost.add(agent)
             if (picture := self._value(robot.camera)) is not None:
                 layers[f"camera {agent}"] = picture
@@ -227,10 +227,10 @@ class RobotWatch:
         """Return the scans of a robot, in the frame of the drawing."""
         found = []
         for topic in self._topics[agent].scans:
-            reading = self._readings[topic]
-            if reading.value is None or reading.is_silent:
+            reader = self._readers[topic]
+            if reader.value is None or reader.is_silent:
                 continue
-            scan, mounts = reading.value, self._mounts.get(agent)
+            scan, mounts = reader.value, self._mounts.get(agent)
             mount = self._frames.way(base, scan.frame)
             if mount is None and mounts is not None:
                 mount = mounts.of.get(topic)
@@ -247,10 +247,10 @@ class RobotWatch:
         robot = self._topics[agent]
         found = []
         for topic, kind in {**robot.sensors, robot.camera: CAMERA, self._map_topic: MAP}.items():
-            reading = self._readings.get(topic)
-            if reading is not None:
-                age = "no message yet" if reading.age is None else f"{reading.age:.1f} s ago"
-                found.append(SensorStatus(topic, kind, age, reading.trouble))
+            reader = self._readers.get(topic)
+            if reader is not None:
+                age = "no message yet" if reader.age is None else f"{reader.age:.1f} s ago"
+                found.append(SensorStatus(topic, kind, age, reader.trouble))
         return tuple(found)
 
 

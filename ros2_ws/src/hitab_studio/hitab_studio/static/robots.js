@@ -1,5 +1,5 @@
 // Real robots: the map and the scans on the field, and the camera picture of the viewed robot beside
-// the buttons of its behaviors. Binary frames begin with their kind (robots/messages.py).
+// the buttons of its behaviors. Binary frames begin with their kind (robots/robot_messages.py).
 const DOT = 3; // px; width of a point of a scan
 const SCANS = 2;
 const MAP = 3;

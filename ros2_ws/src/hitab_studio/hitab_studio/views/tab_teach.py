@@ -6,7 +6,7 @@ from typing import Any
 
 from hitab_client.demonstrating import EARLIER_SECONDS
 from hitab_core import Example
-from hitab_studio.learned import superseding
+from hitab_studio.example_effects import superseding
 from hitab_studio.page import Page
 from hitab_studio.ui_remedies import in_studio
 from hitab_studio.views import robot_sensors

@@ -11,7 +11,7 @@ from rclpy.serialization import deserialize_message
 from hitab_client import RosLink, SwarmError
 from hitab_client.recording import message_class
 from hitab_ros import qos
-from hitab_studio.robots.messages import (
+from hitab_studio.robots.robot_messages import (
     ROBOT_MESSAGE_BYTES_MAX,
     Refused,
     map_of,
@@ -27,7 +27,7 @@ ROBOT_SILENT_SECONDS = 2.0
 READERS = {ODOM_TYPE: odometry_of, SCAN: scan_of, MAP: map_of, CAMERA: picture_of}
 
 
-class Reading:
+class TopicReader:
     """Keeps the newest message of a topic.
 
     Attributes:

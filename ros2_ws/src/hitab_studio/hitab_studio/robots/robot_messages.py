@@ -23,7 +23,7 @@ from PIL import Image
 from sensor_msgs.msg import CompressedImage, LaserScan
 
 from hitab_core import HitabError
-from hitab_studio.robots.frames import Matrix, applied, in_plane, matrix
+from hitab_studio.robots.tf_frames import Matrix, applied, in_plane, matrix
 
 SCANS, MAP, PICTURE = 2, 3, 4
 
