@@ -74,16 +74,16 @@ class AccessControl:
         scope["root_path"] = root
         asked = HTTPConnection(scope)
         answer: App = self._app
-        if problem := self._foreign(asked.headers):
+        if problem := self._origin_problem(asked.headers):
             answer = _refusal(scope, 403, problem)
-        elif scope["type"] == "http" and self._is_right(asked.query_params.get("token", "")):
-            answer = _welcome(self._token)
-        elif self._token and not self._is_right(asked.cookies.get(COOKIE, "")):
+        elif scope["type"] == "http" and self._is_valid(asked.query_params.get("token", "")):
+            answer = _set_cookie(self._token)
+        elif self._token and not self._is_valid(asked.cookies.get(COOKIE, "")):
             why = "A token is needed: open the address that the studio printed."
             answer = _refusal(scope, 401, why)
         await answer(scope, receive, send)
 
-    def _foreign(self, headers: Mapping[str, str]) -> str:
+    def _origin_problem(self, headers: Mapping[str, str]) -> str:
         host = headers.get("host", "")
         name = urlsplit(f"//{host}").hostname or ""
         if not self._any_name and name not in self._names:
@@ -97,11 +97,11 @@ class AccessControl:
             )
         return ""
 
-    def _is_right(self, token: str) -> bool:
+    def _is_valid(self, token: str) -> bool:
         return bool(self._token) and hmac.compare_digest(token.encode(), self._token.encode())
 
 
-def _welcome(token: str) -> App:
+def _set_cookie(token: str) -> App:
     """Keep the token in a cookie and open the page without it in the address."""
     welcome = RedirectResponse("./", 303)
     welcome.set_cookie(COOKIE, token, httponly=True, samesite="strict")

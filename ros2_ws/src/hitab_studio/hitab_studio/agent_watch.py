@@ -23,7 +23,7 @@ from hitab_ros.call import blocking
 from hitab_studio.example_effects import Effect, effect
 from hitab_studio.received_vocabulary import NO_ITEMS, Vocabulary, terms
 
-HISTORY = 120
+HISTORY_MAX = 120
 """Values of a feature kept for its curve."""
 
 PROBED_MAX = 200
@@ -215,5 +215,5 @@ class AgentWatch:
         readings = {}
         for read in answer.readings:
             past = before.get((read.automaton, read.feature), ())
-            readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY:]
+            readings[read.automaton, read.feature] = (*past, read.value)[-HISTORY_MAX:]
         self._know(readings=MappingProxyType(readings))

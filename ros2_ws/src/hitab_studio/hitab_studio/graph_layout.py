@@ -24,7 +24,7 @@ from hitab_core.drawing.picture import words
 INCH = 72.0  # unit of length of `hitab_core.drawing`
 WIDTH = 392.0
 LINE = 13.0
-WRAP = 26
+LABEL_WIDTH = 26
 """Maximum characters in a line of a label."""
 
 ARROW_GAP = 2.0
@@ -96,7 +96,7 @@ def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
     while True:
         labels = [str(numbers[i]) if i in numbers else text for i, text in enumerate(texts)]
         boxes, curves, places = layout = _layout(states, drawn, labels, height)
-        crowded = [i for i in _without_room(layout, height) if i not in numbers]
+        crowded = [i for i in _misplaced_labels(layout, height) if i not in numbers]
         if not crowded:
             break
         crowded.sort(key=lambda i: len(texts[i]))  # the longest first: then others may have room
@@ -123,7 +123,7 @@ def _graph(key: _ByIdentity, automata: frozenset[str]) -> Graph:
 def _narrow(text: str) -> str:
     """Wrap a label so that it fits beside the states."""
     lines = text.split("\n")
-    return "\n".join(part for line in lines for part in textwrap.wrap(line, WRAP) or [""])
+    return "\n".join(part for line in lines for part in textwrap.wrap(line, LABEL_WIDTH) or [""])
 
 
 def _size(text: str, per_letter: float, line: float) -> tuple[float, float]:
@@ -163,7 +163,7 @@ def _pixels(box: Box, height: float) -> Box:
     return Box(x, y, box.width * INCH, box.height * INCH)
 
 
-def _without_room(layout: Layout, height: float) -> list[int]:
+def _misplaced_labels(layout: Layout, height: float) -> list[int]:
     """Return the labels outside the drawing or illegible, see `misplaced`."""
     boxes, curves, places = layout
     outside = {

@@ -18,7 +18,7 @@ from hitab_client.shipped import shipped_folders, shipped_names
 from hitab_core import has
 
 NONE: Mapping[str, str] = {}
-MOST_LINES = 40
+LINES_MAX = 40
 """Lines of the command's output that are kept."""
 
 
@@ -104,7 +104,7 @@ class Launcher:
             assert process.stdout is not None
             while line := await process.stdout.readline():
                 launch.lines.append(line.decode(errors="replace").rstrip())
-                del launch.lines[:-MOST_LINES]
+                del launch.lines[:-LINES_MAX]
                 self._changed()
             launch.status = await process.wait()
         except (OSError, ValueError, SwarmError) as error:

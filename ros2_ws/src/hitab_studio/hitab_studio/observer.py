@@ -35,19 +35,19 @@ from hitab_studio.scene import scene_of
 from hitab_studio.swarm_finder import SwarmTarget
 from hitab_studio.swarm_state import SwarmState
 
-STOPS_S = 0.5
+STOPS_PERIOD_S = 0.5
 """Period of the search for robots that can be stopped, s; a search lists all topics."""
 
-ARM_S = 3.0
+ARM_TIMEOUT_S = 3.0
 """Timeout to find a robot that is re-armed, s."""
 
 STATE_CHANGES_KEPT = 60
 """State changes kept for each agent."""
 
-FOLLOWED = 40
+FOLLOWED_MAX = 40
 """Agents whose state changes are kept before a page views them; each subscription has a cost."""
 
-SOON = 1.0
+WORLD_WAIT_S = 1.0
 """Time by which a running world has been heard, s."""
 
 
@@ -162,7 +162,7 @@ class Observer:
         self._look_at_stops()
         known = self.known
         if (now := time.monotonic()) >= self._next_stops:
-            self._next_stops = now + STOPS_S
+            self._next_stops = now + STOPS_PERIOD_S
             self._stops.look()
         if self._world.status is not known.world:
             self._know(world=self._world.status)
@@ -178,7 +178,7 @@ class Observer:
             self._know(groups=MappingProxyType(dict(groups)))
         self._listen()
         wanted = {page.agent for page in self._pages.values()} - {""}
-        for agent in [*(wanted & statuses.keys()), *sorted(statuses)[:FOLLOWED]]:
+        for agent in [*(wanted & statuses.keys()), *sorted(statuses)[:FOLLOWED_MAX]]:
             if agent not in self._events:
                 self._follow(agent)
         for agent in wanted & statuses.keys() - self.watches.keys():
@@ -187,7 +187,7 @@ class Observer:
                 agent,
                 self._events[agent],
                 self._ask,
-                partial(self._learns, agent),
+                partial(self._update_watched, agent),
                 partial(self._complain, agent=agent),
             )
         for agent in self.watches.keys() - wanted:
@@ -228,7 +228,7 @@ class Observer:
         if why != self.known.why:
             self._know(why=MappingProxyType(dict(why)))
 
-    def _learns(self, agent: str) -> None:
+    def _update_watched(self, agent: str) -> None:
         # At once, because in a paused world the next placement has the same cycle.
         self._keep_scenes(agent, self.watches[agent])
         watched = {name: watch.known for name, watch in self.watches.items()}
@@ -249,7 +249,7 @@ class Observer:
         if target is not None and choices != target.choices:
             self._know(target=replace(target, choices=choices))
 
-    def keep_house(self) -> None:
+    def discover(self) -> None:
         """Find agents that have joined or left."""
         node = self._link.node
         self._agents.discover()
@@ -261,7 +261,7 @@ class Observer:
         }
         if gone != before:
             self._know(gone=MappingProxyType(gone))
-        self._leave_alone()
+        self._update_elsewhere()
         self._find_robots()
         self._commanders.discover()
         self._markers.look(self.known.scene, self.known.doing(), self._colors)
@@ -277,7 +277,8 @@ class Observer:
         known = self.known
         target = known.target
         if known.world is None and known.scene is None and not (target and target.world):
-            if known.robots is None and known.statuses and time.monotonic() > known.joined + SOON:
+            waited = time.monotonic() > known.joined + WORLD_WAIT_S
+            if known.robots is None and known.statuses and waited:
                 self._know(robots=Robots())
             if known.statuses:
                 self._robots.find(known.statuses, self._agents.prefix)
@@ -285,7 +286,7 @@ class Observer:
             self._robots.close()
             self._know(robots=None)
 
-    def _leave_alone(self) -> None:
+    def _update_elsewhere(self) -> None:
         """Update the swarms that were started elsewhere, and hide their world."""
         known = self.known
         if self._world.stranger is not None and known.scene is not None:
@@ -314,7 +315,7 @@ class Observer:
             SwarmError: if the robot is missing or refuses.
         """
         robot = f"{self._agents.prefix}/{agent}".strip("/")
-        await self._ask(lambda _: self._stops.arm.coroutine(robot, ARM_S), agent)
+        await self._ask(lambda _: self._stops.arm.coroutine(robot, ARM_TIMEOUT_S), agent)
 
     # -- recording --------------------------------------------------------------------------
 

@@ -26,10 +26,10 @@ REFRESH_SECONDS = 0.15
 REDRAW_SECONDS = 1.0
 """Time within which a page shows the result of a request."""
 
-ALSO_EVERY = 2
+DRAW_EVERY = 2
 """Refreshes between two drawings of values that change continuously, such as curves."""
 
-REST = 2.0
+PAUSE_FACTOR = 2.0
 """Pause after drawing a page, in multiples of the drawing time and for each open page. It leaves
 half of the server's time to commands. Changes made on the page itself are drawn at once."""
 
@@ -137,7 +137,7 @@ class PagePanel(Element, component="static/panel.js"):
             self.update()
 
 
-TELL_REFUSAL = (
+SHOW_REFUSAL = (
     'addEventListener("load", async () => { const it = await fetch("leave", {method: "POST"});'
     " if (!it.ok) document.body.textContent = await it.text(); });"
 )
@@ -154,7 +154,7 @@ class PageView:
         self._seen: tuple[int, int] = (-1, -1)
         self._training: Training | None = None
         self._count = 0
-        self._rests_until = 0.0
+        self._draws_from = 0.0
         self._requests = RequestQueue()
         self._heard = 0
         self._urgent: set[asyncio.Task[None]] = set()
@@ -164,7 +164,7 @@ class PageView:
     def _build(self) -> None:
         page = self._page
         ui.add_head_html(
-            f'<script>window.STUDIO_PAGE = "{page.id}";{TELL_REFUSAL}</script>'
+            f'<script>window.STUDIO_PAGE = "{page.id}";{SHOW_REFUSAL}</script>'
             '<link rel="stylesheet" href="_studio/studio.css">'
             '<script type="module" src="_studio/studio.js"></script>'
             '<script type="module" src="_studio/keys.js"></script>'
@@ -178,14 +178,14 @@ class PageView:
                 ui.element("canvas").props(f'id="field" tabindex="0" {CANVAS}')
                 self._panels.append(PagePanel("overlay"))
                 ui.element("div").props('id="field-report" role="status"').classes("unseen")
-        ui.on("studio", lambda event: self._wish(event.args))
+        ui.on("studio", lambda event: self._receive(event.args))
         self._refresh()
         ui.timer(REFRESH_SECONDS, self._refresh)
         self._performing = asyncio.create_task(self._perform())
         self._client.on_delete(self._requests.close)
         page.leave = self._requests.close
 
-    def _wish(self, data: Any) -> None:
+    def _receive(self, data: Any) -> None:
         """Queue a request, or handle it at once if urgent.
 
         The page numbers its requests. A repeated one is dropped, and so is one after a gap: the
@@ -218,8 +218,8 @@ class PageView:
         training = page.training
         begun = time.monotonic()
         if page.version == self._seen[1] and training is self._training:
-            is_same = seen == self._seen and self._count % ALSO_EVERY
-            if is_same or begun < self._rests_until:
+            is_same = seen == self._seen and self._count % DRAW_EVERY
+            if is_same or begun < self._draws_from:
                 return
         self._seen, self._training = seen, training
         for panel in self._panels:
@@ -233,4 +233,4 @@ class PageView:
                     logging.getLogger(__name__).exception("panel %s", panel.name)
                     page.tell(f"A part of the page cannot be shown: {why}", "bad")
         took = time.monotonic() - begun
-        self._rests_until = begun + REST * took * len(self._studio.pages)
+        self._draws_from = begun + PAUSE_FACTOR * took * len(self._studio.pages)

@@ -7,7 +7,7 @@ from itertools import count
 
 from hitab_client import SwarmError
 
-LONGEST_NAME = 60
+NAME_LENGTH_MAX = 60
 """Maximum length of a name, characters."""
 
 
@@ -20,8 +20,8 @@ def checked(text: str) -> str:
     name = text.strip()
     if not name:
         raise SwarmError("Enter your name: others see it, and your commands carry it.")
-    if len(name) > LONGEST_NAME:
-        raise SwarmError(f"This name has {len(name)} characters: enter at most {LONGEST_NAME}.")
+    if len(name) > NAME_LENGTH_MAX:
+        raise SwarmError(f"This name has {len(name)} characters: enter at most {NAME_LENGTH_MAX}.")
     if not name.isprintable():
         raise SwarmError("This name has control characters: enter it without them.")
     return name

@@ -20,7 +20,7 @@ from hitab_studio.swarm_state import SwarmState
 
 REPLAY_SECONDS = 0.1
 
-OF_NO_SWARM = frozenset(
+KEPT_DIALOGS = frozenset(
     {"help", "label", "name", "release", "rename-recording", "delete-recording"}
 )
 """Kinds of dialogs that stay open when the swarm ends."""
@@ -96,10 +96,10 @@ class Studio(StudioState):
         if known.scene and before.scene and known.scene.episode != before.scene.episode:
             self.placements.clear()  # they belong to the previous episode
         if (known.target != before.target or known.shown is None) and self.present.roster:
-            self._spread([self.present.clear()])
+            self._broadcast([self.present.clear()])
         if before.target is not None and known.target != before.target:
             self._close_dialogs(before.target)
-        self._meet(known)
+        self._forget_former(known)
         for page in self.pages.values():
             page.settle()
         scene = known.shown
@@ -114,9 +114,9 @@ class Studio(StudioState):
             if moves and scene.said:
                 messages.append(said_message(scene))
         orders = [json.dumps(order) for order in self._new_orders(known.groups)]
-        self._spread([*messages, *orders])
+        self._broadcast([*messages, *orders])
 
-    def _meet(self, known: SwarmState) -> None:
+    def _forget_former(self, known: SwarmState) -> None:
         """Forget the former swarm once another one is up; a restarted one is the same swarm."""
         target = known.target
         if target is None or target.problem or not (known.agents or known.scene):
@@ -135,7 +135,7 @@ class Studio(StudioState):
         """Close the dialogs about a swarm that has ended."""
         for page in self.pages.values():
             page.missing_targets = page.shown_numbers = None
-            if page.dialog and page.dialog["kind"] not in OF_NO_SWARM:
+            if page.dialog and page.dialog["kind"] not in KEPT_DIALOGS:
                 page.close_dialog()
                 page.tell(_dialog_closed(target), "note")
 
@@ -154,7 +154,7 @@ class Studio(StudioState):
                 found.append({"t": "order", "from": name, "order": group.order, "to": to})
         return found
 
-    def _spread(self, messages: Sequence[str]) -> None:
+    def _broadcast(self, messages: Sequence[str]) -> None:
         for page in self.pages.values():
             if page.player is None:
                 page.outgoing.extend(messages)

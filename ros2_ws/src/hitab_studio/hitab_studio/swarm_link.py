@@ -40,7 +40,7 @@ UNCONNECTED = (
     "The studio is not connected to a swarm: start one, or choose one, in the middle of the page."
 )
 
-FAILURES = 50
+FAILURES_MAX = 50
 """Consecutive failed spins after which the link reconnects."""
 
 
@@ -77,22 +77,22 @@ class SwarmLink:
         self._choose = choose
         self._options = options
         self._known = SwarmState()
-        self._why_not = UNCONNECTED
+        self._problem = UNCONNECTED
         self._connected: Connected | None = None
         self._observer: Observer | None = None
-        self._of_threads: set[RosLink] = set()
+        self._job_links: set[RosLink] = set()
         self._chosen = False
-        self._troubles: dict[str, float] = {}
+        self._next_reports: dict[str, float] = {}
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:
         """Start connecting; to be called in the server's loop."""
-        self._why_not = ""
+        self._problem = ""
         self._task = asyncio.create_task(self._run())
 
     async def stop(self) -> None:
         """Disconnect, and wait until the node is destroyed."""
-        self._why_not = STUDIO_ENDED
+        self._problem = STUDIO_ENDED
         if self._task is not None:
             self._task.cancel()
             with suppress(asyncio.CancelledError):
@@ -147,11 +147,11 @@ class SwarmLink:
 
         def work() -> T:
             with RosLink(target.domain_id, name=STUDIO_NODE) as link:
-                self._of_threads.add(link)
+                self._job_links.add(link)
                 try:
                     return job(Connected.to(target, link))
                 finally:
-                    self._of_threads.discard(link)
+                    self._job_links.discard(link)
 
         return await asyncio.to_thread(work)
 
@@ -162,8 +162,8 @@ class SwarmLink:
             SwarmError: if there is no swarm to connect to.
         """
         while (swarm := self._connected) is None:
-            if self._why_not:
-                raise SwarmError(self._why_not)
+            if self._problem:
+                raise SwarmError(self._problem)
             await asyncio.sleep(SPIN_SECONDS)
         return swarm
 
@@ -198,7 +198,7 @@ class SwarmLink:
             SwarmError: if there is no connection.
         """
         if self._observer is None:
-            raise SwarmError(self._why_not or UNCONNECTED)
+            raise SwarmError(self._problem or UNCONNECTED)
         return self._observer
 
     # -- the loop ---------------------------------------------------------------------------
@@ -222,7 +222,7 @@ class SwarmLink:
     def _begin(self, target: SwarmTarget) -> None:
         """Reset the known state for another swarm, or for another start of the same swarm."""
         self._chosen = False
-        self._why_not = target.problem
+        self._problem = target.problem
         before = self._known  # an emergency stop stays engaged when the swarm ends
         self._known = SwarmState(
             target,
@@ -245,7 +245,7 @@ class SwarmLink:
                 self._known,
                 self.pages,
                 self.colors,
-                self._trouble,
+                self._report,
                 self.ask,
                 self._options,
             )
@@ -256,7 +256,7 @@ class SwarmLink:
             )
             self._connected = swarm
             await self._serve(target, swarm, self._observer)
-            why = _gone(target)
+            why = _swarm_ended(target)
         except asyncio.CancelledError:
             why = STUDIO_ENDED
             raise
@@ -267,7 +267,7 @@ class SwarmLink:
             self._connected = self._observer = None
             swarm.ended = why
             swarm.spun.set()
-            for other in list(self._of_threads):
+            for other in list(self._job_links):
                 other.end(why)
             while swarm.asking:
                 await asyncio.sleep(0)
@@ -279,7 +279,7 @@ class SwarmLink:
         while True:
             await asyncio.sleep(SPIN_SECONDS)
             failures = 0 if self._try(lambda: swarm.link.spin(0.0)) else failures + 1
-            if failures >= FAILURES:
+            if failures >= FAILURES_MAX:
                 raise SwarmError("nothing could be received for a while")
             swarm.spun.set()
             swarm.spun.clear()
@@ -290,7 +290,7 @@ class SwarmLink:
                 self._try(observer.look)
             if now >= next_find:
                 next_find = now + FIND_SECONDS
-                self._try(observer.keep_house)
+                self._try(observer.discover)
                 if not self._is_still(target):
                     return
             self._deliver()
@@ -323,20 +323,20 @@ class SwarmLink:
         try:
             work()
         except Exception as error:
-            self._trouble(what_went_wrong(error), error=error)
+            self._report(what_went_wrong(error), error=error)
             return False
         return True
 
-    def _trouble(self, text: str, *, error: Exception | None = None, **whose: str) -> None:
+    def _report(self, text: str, *, error: Exception | None = None, **whose: str) -> None:
         """Show an error on one page, on the pages that view an agent, or on all pages."""
         now = time.monotonic()
-        if now >= self._troubles.get(text, 0.0):
-            self._troubles[text] = now + ERROR_REPEAT_SECONDS
+        if now >= self._next_reports.get(text, 0.0):
+            self._next_reports[text] = now + ERROR_REPEAT_SECONDS
             logging.getLogger(__name__).error("%s", text, exc_info=error)
             self._complain(text, **whose)
 
 
-def _gone(target: SwarmTarget) -> str:
+def _swarm_ended(target: SwarmTarget) -> str:
     """Return the error of a request whose swarm has ended."""
     name = f'Swarm "{target.swarm}"' if target.swarm else "The swarm"
     what = "was stopped, restarted or replaced on this page meanwhile"

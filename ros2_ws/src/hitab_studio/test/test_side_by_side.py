@@ -88,7 +88,7 @@ def test_what_was_asked_of_a_swarm_that_goes_down_ends_with_the_reason(stand_in)
         await until(lambda: page.busy and other.busy, "both were asked for")
         target = dataclasses.replace(target, start=2)
         for asked in (waits, too):
-            with pytest.raises(SwarmError, match=r'"stand_in" went down .* look whether'):
+            with pytest.raises(SwarmError, match=r'"stand_in" was stopped, .* check whether'):
                 await asyncio.wait_for(asked, SECONDS)
         assert not page.busy
         assert await asyncio.wait_for(page.ask(at_once), SECONDS) == "at once"
@@ -113,7 +113,7 @@ def test_what_blocks_for_minutes_has_a_thread_and_a_node_and_ends_with_its_swarm
         before = studio.present.frames
         await until(lambda: studio.present.frames > before + 10, "the field stands still")
         target = dataclasses.replace(target, start=2)
-        with pytest.raises(SwarmError, match=r'"stand_in" went down .* look whether'):
+        with pytest.raises(SwarmError, match=r'"stand_in" was stopped, .* check whether'):
             await asyncio.wait_for(doing, SECONDS)
 
     in_the_server(lambda: target, term)

@@ -16,8 +16,8 @@ from hitab_studio.page import Page
 from hitab_studio.page_parts import Making
 from hitab_studio.swarm_link import Connected
 
-MOST_EPISODES = 1000
-LONGEST_NOTE = 200
+EPISODES_MAX = 1000
+NOTE_LENGTH_MAX = 200
 """Maximum length of a note, characters."""
 
 
@@ -37,7 +37,7 @@ async def generations_dialog(page: Page, data: Data) -> None:
 async def generation_next(page: Page, data: Data) -> None:
     """Make the next generation of the trained behavior."""
     agent, note = page.dialog["agent"], str(data["values"].get("note", "")).strip()
-    await _make(page, data, lambda steps: steps.next(agent, note[:LONGEST_NOTE]))
+    await _make(page, data, lambda steps: steps.next(agent, note[:NOTE_LENGTH_MAX]))
 
 
 @action("generation-back", urgent=True)
@@ -67,8 +67,8 @@ async def _make(page: Page, data: Data, step: Callable[[Bootstrapping], Any]) ->
     studio, behavior = page.studio, page.dialog["behavior"]
     known, target = studio.known, studio.known.target
     text = str(data["values"].get("episodes", "")).strip()
-    if not text.isdigit() or int(text) > MOST_EPISODES:
-        raise SwarmError(f"Give a number of episodes up to {MOST_EPISODES}; 0: no score.")
+    if not text.isdigit() or int(text) > EPISODES_MAX:
+        raise SwarmError(f"Give a number of episodes up to {EPISODES_MAX}; 0: no score.")
     page.look_at(page.dialog["agent"])
     making = studio.making = Making(page.take_agent(), behavior)
 

@@ -7,7 +7,7 @@ from hitab_core import some
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 
-BUTTON = "emergency stop in the studio"
+STOP_REASON = "emergency stop in the studio"
 """The reason of the stop, as shown to other people."""
 
 
@@ -22,7 +22,7 @@ async def stop_robots(page: Page) -> None:
     """
     link, who = page.studio.link, page.demonstrator
     try:
-        there = link.observer.stop_robots(True, who, BUTTON)
+        there = link.observer.stop_robots(True, who, STOP_REASON)
     except SwarmError as error:
         raise SwarmError(
             f"THE ROBOTS WERE NOT STOPPED: {error} Use the robots' own switches."

@@ -6,7 +6,7 @@ from hitab_studio.actions.registry import Data, action
 from hitab_studio.actions.teaching_actions import discard, give_target, targets_meant
 from hitab_studio.page import Page
 
-MOST_REASON = 300
+REASON_LENGTH_MAX = 300
 """Maximum length of a shown reason, characters."""
 
 DIALOGS = frozenset(
@@ -118,7 +118,7 @@ async def message_close(page: Page, data: Data) -> None:
 @action("why", repeats=True)
 async def why(page: Page, data: Data) -> None:
     """Show the reason for which a button is unavailable."""
-    page.refuse(str(data["reason"])[:MOST_REASON], "note")
+    page.refuse(str(data["reason"])[:REASON_LENGTH_MAX], "note")
 
 
 @action("escape", repeats=True)

@@ -10,7 +10,7 @@ from hitab_client import SwarmError, WorldClient
 from hitab_studio.actions.registry import Data, action
 from hitab_studio.page import Page
 
-MOST_UNDO = 100
+UNDO_MAX = 100
 PAUSED = WorldState.PAUSED
 
 
@@ -54,7 +54,7 @@ def _remember(page: Page) -> None:
     studio = page.studio
     if studio.known.scene is not None:
         studio.placements.append(studio.known.scene.everything())
-        del studio.placements[:-MOST_UNDO]
+        del studio.placements[:-UNDO_MAX]
 
 
 @action("place", repeats=True)

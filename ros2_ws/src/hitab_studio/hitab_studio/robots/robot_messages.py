@@ -40,7 +40,7 @@ POINTS_MAX = 2000
 RANGE_MAX = 200.0
 """Maximum range of a scanner, m."""
 
-FAST = 1
+PNG_COMPRESSION = 1
 """PNG compression level of maps: low, since compressing blocks the server's loop."""
 
 OCCUPIED = 255
@@ -139,7 +139,7 @@ def _png(cells: NDArray[np.uint8]) -> bytes:
     image = Image.fromarray(np.ascontiguousarray(cells[::-1]))
     image.putpalette(bytes(3 * 256))
     png = io.BytesIO()
-    image.save(png, "PNG", transparency=opacity.tobytes(), compress_level=FAST)
+    image.save(png, "PNG", transparency=opacity.tobytes(), compress_level=PNG_COMPRESSION)
     return png.getvalue()
 
 

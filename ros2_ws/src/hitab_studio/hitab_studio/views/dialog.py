@@ -10,7 +10,7 @@ from hitab_core import FLAGS, FeatureKind, Term, shown_unit
 from hitab_studio.actions.library_actions import users_of
 from hitab_studio.graph_layout import Graph, graph
 from hitab_studio.page import Page
-from hitab_studio.person_names import LONGEST_NAME
+from hitab_studio.person_names import NAME_LENGTH_MAX
 from hitab_studio.received_vocabulary import terms
 from hitab_studio.views.label_strip import words
 from hitab_studio.views.numbers import counted, measure
@@ -64,7 +64,7 @@ def context(page: Page) -> dict[str, Any]:
             "now_unsure": page.status.when_unsure if page.status is not None else "",
         }
     if kind == "name":
-        found |= {"demonstrator": page.demonstrator, "longest_name": LONGEST_NAME}
+        found |= {"demonstrator": page.demonstrator, "longest_name": NAME_LENGTH_MAX}
     if kind == "distribute":
         found["receivers"] = [agent for agent in page.agents if agent != dialog["agent"]]
     if kind in ("rename-behavior", "delete-behavior"):

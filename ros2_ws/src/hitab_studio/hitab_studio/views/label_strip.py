@@ -25,7 +25,7 @@ def strip(page: Page) -> dict[str, Any] | None:
             "color": colors[span.behavior],
             "unsure": span.sure < UNSURE and not span.corrected,
             "odd": span.unexplained > 0,
-            "said": _said(span, labels.offset),
+            "said": _span_text(span, labels.offset),
             "behavior": span.behavior,
         }
         for span in labels.strip.spans
@@ -34,7 +34,7 @@ def strip(page: Page) -> dict[str, Any] | None:
     return {"spans": spans, "colors": colors, "chosen": chosen, "number": labels.chosen}
 
 
-def _said(span: Any, offset: float) -> str:
+def _span_text(span: Any, offset: float) -> str:
     sure = "as you said" if span.corrected else f"{100 * span.sure:.0f} % sure"
     odd = f", {span.unexplained} of {span.moments} moments unexplained" if span.unexplained else ""
     begin, end = span.begin + offset, span.end + offset

@@ -35,7 +35,7 @@ def context(page: Page) -> dict[str, Any]:
         + [(text, True) for text in (training.undone if training else ())[:EDITS_MAX]],
         "earlier_seconds": EARLIER_SECONDS,
         "superseded": superseding(examples),
-        "given_up": _given_up(page),
+        "given_up": _wasted(page),
         "cost": training.cost if training else None,
         "questions": training.questions if training else (),
         "remarks": training.remarks if training else (),
@@ -47,7 +47,7 @@ def context(page: Page) -> dict[str, Any]:
     }
 
 
-def _given_up(page: Page) -> int:
+def _wasted(page: Page) -> int:
     """Return the number of deleted or undone examples, without the superseded ones."""
     training = page.training
     if training is None or training.cost is None:
